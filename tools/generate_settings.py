@@ -16,7 +16,7 @@ import pathlib
 import re
 import sys
 
-FILES = ("docs/planners.md", "python/mneme/__init__.pyi")
+FILES = ("docs/design/settings.md", "python/mneme/__init__.pyi")
 MARKED = {".md": re.compile(r"^(?P<open>(?P<indent> *)<!-- settings:(?P<group>\w+) -->\n)(?P<text>.*?)"
                             r"(?P<close> *<!-- /settings -->\n)", re.DOTALL | re.MULTILINE),
           ".pyi": re.compile(r"^(?P<open>(?P<indent> *)# settings:(?P<group>\w+)\n)(?P<text>.*?)"

@@ -371,7 +371,7 @@ def block(results, kind, words, told):
 
 
 def documents(source):
-    return [source / "README.md", *sorted((source / "docs").glob("*.md"))]
+    return [source / "README.md", *sorted((source / "docs").rglob("*.md"))]
 
 
 def rewrite(source, results, is_check):

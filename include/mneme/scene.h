@@ -15,7 +15,7 @@
 
 namespace mneme {
 
-/// Metres from the origin; checkers refuse shapes that reach farther (docs/numerics.md).
+/// Metres from the origin; checkers refuse shapes that reach farther (docs/design/numerics.md).
 inline constexpr double kFarthestShape = 1e4;
 
 /// Error: unsupported, if a cloud of so many points, those that are not finite included, is more

@@ -28,7 +28,7 @@ struct CvaeWeights {
   std::vector<float> output_bias;   ///< joints
 };
 
-/// Writes the format of docs/baselines.md. Errors: io; sizes that do not fit together.
+/// Writes the format of docs/design/baselines.md. Errors: io; sizes that do not fit together.
 [[nodiscard]] Result<void> save_cvae(const std::string& path, const CvaeWeights& weights);
 /// Errors: io; corrupt; unsupported if a newer mneme wrote it.
 [[nodiscard]] Result<CvaeWeights> load_cvae(const std::string& path);

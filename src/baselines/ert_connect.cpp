@@ -3,7 +3,7 @@
 
 // ERTConnect: Pairet, Chamzas, Petillot and Kavraki, arXiv 2103.00448. Two trees grow by pieces of
 // one remembered path, each moved to the node where it begins and sheared so that it ends where it
-// should. What departs: docs/baselines.md.
+// should. What departs: docs/design/baselines.md.
 #include "mneme/planning.h"
 
 #include "path/waypoints.h"

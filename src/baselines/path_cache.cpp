@@ -3,7 +3,7 @@
 
 // A cache of paths as MoveIt 2's (moveit_ros trajectory_cache, DOI 10.5281/zenodo.11215428): what
 // was planned between ends like the query's is returned again, the fastest first, without a look at
-// the scene. What departs: docs/baselines.md.
+// the scene. What departs: docs/design/baselines.md.
 #include "pipeline/memory_steps.h"
 #include "baselines/solvers.h"
 

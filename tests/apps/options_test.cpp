@@ -8,9 +8,9 @@
 namespace mneme::test {
 namespace {
 
-/// The row of `docs/planners.md` that begins with `name`.
+/// The row of `docs/design/settings.md` that begins with `name`.
 std::string row_of(const std::string& name) {
-  std::istringstream lines(read_file(source_file("docs/planners.md")));
+  std::istringstream lines(read_file(source_file("docs/design/settings.md")));
   for (std::string line; std::getline(lines, line);) {
     if (line.starts_with("| `" + name + "` | ")) return line;
   }
@@ -48,7 +48,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("samplers that can be chosen are in the documents") {
-    const std::string text = read_file(source_file("docs/planners.md"));
+    const std::string text = read_file(source_file("docs/design/planners.md"));
     for (const std::string_view sampler : sampler_names()) {
       CHECK_MESSAGE(has_text(text, "`" + std::string(sampler) + "`"), sampler);
     }

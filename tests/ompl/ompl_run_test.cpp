@@ -56,7 +56,7 @@ TEST_SUITE("unit") {
     CHECK(run_uniform(problem, "RRTConnect", settings).status == PlanStatus::cancelled);
   }
 
-  TEST_CASE("memory reaches the planners that docs/ompl.md says, and no others") {
+  TEST_CASE("memory reaches the planners that docs/design/ompl.md says, and no others") {
     const Problem problem = locked_problem();
     const std::set<std::string> near_only = {"EST",      "BiEST",     "ProjEST", "KPIECE1",
                                              "BKPIECE1", "LBKPIECE1", "SBL",     "STRIDE"};

@@ -58,7 +58,7 @@ def files():
 def documented():
     """The blocks of YAML and JSON in the documents, one after the other."""
     blocks = []
-    for path in sorted(SOURCE.glob("docs/*.md")):
+    for path in sorted(SOURCE.glob("docs/**/*.md")):
         found = re.findall(r"^```(?:yaml|json)\n(.*?)^```", path.read_text(), re.MULTILINE | re.DOTALL)
         blocks += [pytest.param(block, id=f"{path.name}-{i}") for i, block in enumerate(found, 1)]
     return blocks

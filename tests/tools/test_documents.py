@@ -8,7 +8,7 @@ from tools_of_source import TOOLS
 
 ROOT = TOOLS.parent
 DOCUMENTS = [path.relative_to(ROOT).as_posix()
-             for path in [*sorted(ROOT.glob("docs/*.md")), *(ROOT / f"{name}.md" for name in
+             for path in [*sorted(ROOT.rglob("docs/**/*.md")), *(ROOT / f"{name}.md" for name in
                                                              ("README", "CONTRIBUTING", "ARCHITECTURE"))]]
 # Not behind another folder; capitals stand for what the reader fills in.
 NAMED = re.compile(r"(?<![\w/.])(?:src|include|apps|python|tests|tools|script|examples)/[\w./*-]*\w")

@@ -45,9 +45,9 @@ def learn(
 
 @pytest.fixture()
 def tree(tmp_path):
-    (tmp_path / "docs").mkdir()
+    (tmp_path / "docs/design").mkdir(parents=True)
     (tmp_path / "python/mneme").mkdir(parents=True)
-    (tmp_path / "docs/planners.md").write_text(TABLES)
+    (tmp_path / "docs/design/settings.md").write_text(TABLES)
     (tmp_path / "python/mneme/__init__.pyi").write_text(STUB)
     return tmp_path
 
@@ -59,7 +59,7 @@ def generate(root, *arguments, groups=GROUPS):
 
 def test_tables_say_default_range_and_meaning(tree):
     assert generate(tree).returncode == 0
-    assert (tree / "docs/planners.md").read_text() == """before
+    assert (tree / "docs/design/settings.md").read_text() == """before
 <!-- settings:plan -->
 | setting | default | range | meaning |
 |---|---|---|---|
@@ -105,8 +105,8 @@ def learn(
 def test_check_names_what_is_stale_and_writes_nothing(tree):
     done = generate(tree, "--check")
     assert done.returncode == 1
-    assert "docs/planners.md: settings are not as declared" in done.stderr
-    assert (tree / "docs/planners.md").read_text() == TABLES
+    assert "docs/design/settings.md: settings are not as declared" in done.stderr
+    assert (tree / "docs/design/settings.md").read_text() == TABLES
     generate(tree)
     assert generate(tree, "--check").returncode == 0
 
