@@ -231,10 +231,10 @@ struct SuiteResult {
   bool is_complete = false;  ///< otherwise it was cancelled
 };
 /// Learns the memories of a suite, unless they are there, runs what its rows do not hold yet, and
-/// leaves rows, memories, report and logs for OMPL in a directory (docs/results/benchmarks.md). Planners
-/// that this build lacks are left out with a note. Errors: those of load_suite() and of what it
-/// reads; a result that would replace an input; a planner with experience of its own and a memory
-/// that is not learned from problems; rows there of other settings.
+/// leaves rows, memories, report and logs for OMPL in a directory (docs/results/benchmarks.md).
+/// Planners that this build lacks are left out with a note. Errors: those of load_suite() and of
+/// what it reads; a result that would replace an input; a planner with experience of its own and a
+/// memory that is not learned from problems; rows there of other settings.
 [[nodiscard]] Result<SuiteResult> run_suite(const SuiteRun& run, const SuiteHooks& hooks);
 
 }  // namespace mneme

@@ -89,8 +89,8 @@ struct LimbInfo {
 /// Copies share their tables; all of it is const and parallel-safe. Kernels compute in float: their
 /// answer is that of exact arithmetic except within about 1e-5 m of contact while robot and
 /// obstacles stay within 100 m of the origin; the error grows with the size of the largest
-/// coordinate (docs/design/numerics.md). A configuration with a value that is not finite, or beyond 1e4
-/// (radians or metres), is not valid.
+/// coordinate (docs/design/numerics.md). A configuration with a value that is not finite, or beyond
+/// 1e4 (radians or metres), is not valid.
 class CollisionChecker {
  public:
   /// Errors: a link named in the scene that the robot lacks; an obstacle that is empty, not finite,

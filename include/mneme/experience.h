@@ -72,8 +72,8 @@ struct DatabaseSettings {
 };
 
 /// An append-only set of experience in one SQLite file or on a PostgreSQL server
-/// (docs/design/database.md). A URL is the path of a file or `postgresql://...`, as libpq reads it. All
-/// keys are in memory while it is open, and rows as far as the settings allow. Const is
+/// (docs/design/database.md). A URL is the path of a file or `postgresql://...`, as libpq reads it.
+/// All keys are in memory while it is open, and rows as far as the settings allow. Const is
 /// parallel-safe; insert() and refresh() may run in parallel with all of it and with themselves,
 /// and find() does not wait for them. Another process may insert at the same time; its rows are
 /// seen after the next refresh(), insert() or opening.

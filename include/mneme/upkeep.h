@@ -47,9 +47,9 @@ struct CompactSummary {
 /// Removes rows that were set aside, and gives the space back. Other processes may go on.
 [[nodiscard]] Result<CompactSummary> compact_database(const std::string& url);
 
-/// Writes all rows as JSON lines (`.jsonl`, docs/design/database.md) in an order that depends on their
-/// content alone, so that equal sets give equal bytes. Returns their number. Errors: invalid if the
-/// name ends otherwise; io.
+/// Writes all rows as JSON lines (`.jsonl`, docs/design/database.md) in an order that depends on
+/// their content alone, so that equal sets give equal bytes. Returns their number. Errors: invalid
+/// if the name ends otherwise; io.
 [[nodiscard]] Result<std::int64_t> export_database(const std::string& url, const std::string& path);
 /// Adds the rows of a file that export_database() or another program wrote, as merge_databases()
 /// does. Errors: parse, naming the line; wrong_robot; those of Database::open().

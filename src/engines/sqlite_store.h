@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A store in one SQLite file: its tables, which docs/design/database.md draws, and their statements.
+/// A store in one SQLite file: its tables, which docs/design/database.md draws, and their
+/// statements.
 #pragma once
 
 #include "mneme/store.h"

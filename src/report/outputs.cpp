@@ -25,7 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The header of SQLite's files: its name, and at 68 the PRAGMA application_id of docs/design/database.md.
+// The header of SQLite's files: its name, and at 68 the PRAGMA application_id of
+// docs/design/database.md.
 constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
 constexpr std::size_t kApplicationIdOffset = 68;
 constexpr std::string_view kMemoryId = "mnem";
