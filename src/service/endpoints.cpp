@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Of all configurations of a request: an answer of some 10 MB.
+/// Contacts in one answer, about 10 MB.
 constexpr std::size_t kMostContacts = 100000;
 
 Answer answer(const Json& json, int status = 200) {
@@ -31,16 +31,17 @@ Answer no_scene(const std::string& id) {
   return refusal(404, "not_found", fmt::format("there is no scene \"{}\"", id));
 }
 
-/// No turn was had: the line is full, or the client or the service is about to be gone.
+/// The answer without a turn: the queue is full, or the request was cancelled.
 Answer no_turn(bool is_cancelled) {
-  if (is_cancelled) return refusal(503, "cancelled", "the service stops, or the client has gone");
-  Answer busy = refusal(503, "busy", "too many requests wait already: try again soon");
+  if (is_cancelled)
+    return refusal(503, "cancelled", "cancelled: the service stops, or the client disconnected");
+  Answer busy = refusal(503, "busy", "too many requests are waiting: try again soon");
   busy.may_retry = true;
   return busy;
 }
 
 Answer refuse_check(const std::string& reason) {
-  return refusal(400, "invalid", reason + ": ask for fewer configurations at a time");
+  return refusal(400, "invalid", reason + ": send fewer configurations per request");
 }
 
 Json scene_json(const std::string& id, const Scene& scene) {
@@ -88,7 +89,7 @@ Endpoints::Endpoints(const Robot& robot, std::shared_ptr<Database> database,
       page_(std::move(page)),
       scenes_(settings.scenes),
       queue_(settings.threads, settings.queue) {
-  // What is computed of a robot once, so that the first client does not wait for it.
+  // Fills the caches of the robot, so that the first client does not wait for them.
   static_cast<void>(CollisionChecker::make(robot_, {}));
 }
 
@@ -213,7 +214,7 @@ Answer Endpoints::check(const Call& call) {
   for (const Configuration& q : request->configurations) {
     if (call.is_cancelled) return no_turn(true);
     if (stopwatch.elapsed_s() > settings_.longest_plan_s) {
-      return refuse_check(fmt::format("it takes more than {} s", settings_.longest_plan_s));
+      return refuse_check(fmt::format("the check takes more than {} s", settings_.longest_plan_s));
     }
     states.push_back(state_json(*checker, q));
     contacts += states.back()["contacts"].size();
@@ -260,9 +261,8 @@ Answer Endpoints::trace(const Call& call) {
   }
   if (plan == nullptr) {
     return refusal(404, "not_found",
-                   fmt::format("there is no trace {}: traces of the last {} plans that were asked "
-                               "for one are kept",
-                               call.id, settings_.traces));
+                   fmt::format("there is no trace {}: only the last {} traces are kept", call.id,
+                               settings_.traces));
   }
   const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(call.is_cancelled);
   if (!turn) return no_turn(call.is_cancelled);

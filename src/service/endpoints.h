@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the service answers, without HTTP: from the body of a request to that of its answer.
+/// The endpoints without HTTP: from the body of a request to the body of its answer.
 #pragma once
 
 #include "mneme/report.h"
@@ -25,25 +25,25 @@ struct Answer {
   int status = 200;
   std::string body;
   const char* type = "application/json";
-  bool may_retry = false;  ///< soon, because it is busy
+  bool may_retry = false;  ///< the service is busy; sends Retry-After
 };
 /// {"error": {"code": ..., "message": ...}}
 [[nodiscard]] Answer refusal(int status, std::string_view code, std::string_view message);
 [[nodiscard]] Answer refusal(const Error& error);
 
-/// A request, as the endpoints take it.
+/// A request to an endpoint.
 struct Call {
-  std::string id;  ///< that its path names, if it does
+  std::string id;  ///< from the path; may be empty
   const std::string& body;
-  const std::atomic<bool>& is_cancelled;  ///< set once the client goes away or the service stops
+  const std::atomic<bool>& is_cancelled;  ///< set when the client disconnects or the service stops
   bool knows_token = true;
-  int connections = 0;  ///< of the service, by now
+  int connections = 0;  ///< open connections of the service
 };
 
-/// All of it is safe from any thread.
+/// Thread-safe.
 class Endpoints {
  public:
-  /// The settings are complete: `threads` is above 0.
+  /// `settings.threads` must be above 0.
   Endpoints(const Robot& robot, std::shared_ptr<Database> database, const ServiceSettings& settings,
             LivePage page);
 
@@ -55,22 +55,21 @@ class Endpoints {
   [[nodiscard]] Answer delete_scene(const Call& call);
   [[nodiscard]] Answer scene(const Call& call);
   [[nodiscard]] Answer trace(const Call& call);
-  /// What is wrong with memory is told to those who know the token, only that something is to
-  /// others.
+  /// Reports the cause of a memory failure only to clients with the token.
   [[nodiscard]] Answer health(const Call& call);
   [[nodiscard]] Answer metrics_text(const Call& call);
   [[nodiscard]] Answer page(const Call&) { return {200, page_.html, "text/html; charset=utf-8"}; }
 
-  /// Error: no room for it.
+  /// Error: the store is full.
   [[nodiscard]] Result<void> keep_scene_of_page();
   [[nodiscard]] Metrics& metrics() { return metrics_; }
-  /// Looks for rows of other processes.
+  /// Loads new rows of other processes.
   void refresh_memory();
-  /// Health says so from now on.
+  /// Makes health() report "stopping".
   void set_stopping() { is_stopping_ = true; }
 
  private:
-  /// A plan that may be asked for its trace.
+  /// A plan whose trace can be requested.
   struct TracedPlan {
     Problem problem;
     SolveResult result;
@@ -78,7 +77,7 @@ class Endpoints {
   };
   struct Outcome {
     SolveResult result;
-    std::string memory_failure;  ///< why it planned without memory
+    std::string memory_failure;  ///< the reason why it planned without memory, or empty
   };
   [[nodiscard]] RequestContext context() const;
   [[nodiscard]] Result<Outcome> solve_remembering(const PlanRequest& request);
@@ -95,8 +94,8 @@ class Endpoints {
   Stopwatch uptime_;
   std::atomic<bool> is_stopping_ = false;
   mutable std::mutex mutex_;
-  std::string read_failure_;   ///< the last one, until memory answers again
-  std::string write_failure_;  ///< the last one, until a plan has been remembered again
+  std::string read_failure_;   ///< empty after a successful refresh
+  std::string write_failure_;  ///< empty after a successful insertion
   std::map<std::uint64_t, std::shared_ptr<const TracedPlan>> traces_;
   std::uint64_t last_trace_ = 0;
 };

@@ -32,7 +32,7 @@ constexpr milliseconds kWatchPeriod{10};
 constexpr milliseconds kAcceptPause{10};
 constexpr std::chrono::seconds kMostDrain{1};
 constexpr std::size_t kReadBytes = 16384;
-/// Threads for requests that neither plan nor wait in line.
+/// Threads for requests that neither plan nor wait in the queue.
 constexpr int kSpareThreads = 4;
 
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
@@ -65,7 +65,7 @@ bool is_of_client(const error_code& error) {
 
 }  // namespace
 
-/// One client, whose requests are answered one after the other. Its handlers run on a strand.
+/// A client connection. Requests are answered one after the other, on a strand.
 class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
  public:
   using Socket = asio::basic_stream_socket<asio::generic::stream_protocol, Strand>;
@@ -73,7 +73,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   Connection(HttpServer& server, Socket socket)
       : server_(server),
         stream_(std::move(socket)),
-        // More than a head may have; bodies are taken out as they come.
+        // More than a head may have; bodies are consumed as they arrive.
         buffer_(2 * std::size_t{server.limits_.head_bytes}) {}
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -90,7 +90,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     }
     asio::dispatch(stream_.get_executor(), [self = shared_from_this()] { self->await_request(); });
   }
-  /// From any thread. A request that is being read or answered is finished first.
+  /// Callable from any thread. A running request is finished first.
   void close_if_idle() {
     asio::post(stream_.get_executor(), [self = weak_from_this()] {
       if (const auto connection = self.lock(); connection && connection->is_idle_) {
@@ -104,7 +104,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
  private:
   using Parser = http::request_parser<http::string_body>;
 
-  /// A member to be called with the error and size of an operation, while the connection lives.
+  /// Returns a handler that calls `member` and keeps the connection alive.
   template <class... Ignored>
   auto then(void (Connection::*member)(error_code)) {
     return [self = shared_from_this(), member](error_code error, Ignored...) {
@@ -134,7 +134,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     read_more_of_head();
   }
 
-  /// Beast limits what it has not parsed of a head, but not the number of its lines.
+  /// Beast limits the unparsed part of a head, but not the number of its lines.
   void read_more_of_head() {
     http::async_read_some(stream_, buffer_, *parser_,
                           [self = shared_from_this()](error_code error, std::size_t count) {
@@ -174,7 +174,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   Answer answer_or_fail() {
     try {
       return server_.handlers_.answer(parser_->get(), is_cancelled_);
-    } catch (...) {  // whatever it is, other clients are served
+    } catch (...) {  // other clients must still be served
       return refusal(500, "internal", "the request could not be answered");
     }
   }
@@ -191,7 +191,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     server_.answering_.erase(this);
   }
 
-  /// Tells a client that is still there why its request cannot be read.
+  /// Tells a connected client why its request cannot be read.
   void give_up(error_code error) {
     if (is_of_client(error)) refuse(refuse_unreadable(error, server_.limits_));
   }
@@ -221,8 +221,8 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     if (!error) await_request();
   }
 
-  /// Takes for a while what the client still sends: cut off at once, it might never read the answer
-  /// (RFC 9112, 9.6).
+  /// Reads on for a while: a client that is cut off at once may never see the answer (RFC
+  /// 9112, 9.6).
   void drain(error_code error) {
     if (error) return;
     stream_.socket().shutdown(asio::socket_base::shutdown_send, error);
@@ -241,7 +241,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   beast::basic_stream<asio::generic::stream_protocol, Strand> stream_;
   beast::flat_buffer buffer_;
   std::optional<Parser> parser_;
-  std::size_t head_bytes_ = 0;  ///< that are parsed
+  std::size_t head_bytes_ = 0;  ///< parsed so far
   http::response<http::string_body> response_;
   std::optional<http::response_serializer<http::string_body>> serializer_;
   bool is_idle_ = false;
@@ -265,7 +265,7 @@ Result<void> HttpServer::start(const std::string& where, bool may_be_remote) {
   return {};
 }
 
-/// What a handler throws, such as std::bad_alloc, ends its connection alone.
+/// An exception of a handler, such as std::bad_alloc, ends only its connection.
 void HttpServer::run() {
   while (!io_.stopped()) {
     try {
@@ -281,11 +281,11 @@ void HttpServer::accept() {
   listener_->acceptor.async_accept(
       asio::make_strand(io_), [this](error_code error, Connection::Socket socket) {
         if (!error) {
-          // First, because what add() throws must not be the end of it.
+          // First, because add() may throw.
           accept();
           add(std::move(socket));
         } else if (error != asio::error::operation_aborted) {
-          // Most likely out of descriptors: the client waits until another one leaves.
+          // Most likely no descriptors are left: the client waits until another one leaves.
           accept_timer_.expires_after(kAcceptPause);
           accept_timer_.async_wait(asio::bind_executor(listener_->acceptor.get_executor(),
                                                        [this](error_code) { accept(); }));
@@ -306,10 +306,10 @@ void HttpServer::add(asio::basic_stream_socket<asio::generic::stream_protocol, S
 void HttpServer::watch() {
   is_watching_ = true;
   watch_timer_.expires_after(kWatchPeriod);
-  watch_timer_.async_wait([this](error_code) { look_at_clients(); });
+  watch_timer_.async_wait([this](error_code) { cancel_disconnected(); });
 }
 
-void HttpServer::look_at_clients() {
+void HttpServer::cancel_disconnected() {
   const std::lock_guard lock(mutex_);
   is_watching_ = false;
   if (answering_.empty()) return;

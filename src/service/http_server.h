@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// HTTP/1.1 over sockets: Boost.Beast reads requests, this file says how long and how much.
+/// HTTP/1.1 over sockets by Boost.Beast, with limits of time and size.
 #pragma once
 
 #include "service/endpoints.h"
@@ -25,28 +25,28 @@ namespace mneme::internal {
 namespace http = boost::beast::http;
 
 struct HttpLimits {
-  double request_timeout_s = 10;  ///< until all of a request has come; as long for its answer
+  double request_timeout_s = 10;  ///< to receive a whole request, and to send its answer
   double idle_timeout_s = 60;
   std::uint32_t head_bytes = 64 << 10;
   std::uint64_t body_bytes = 0;
   int connections = 1;
-  int busy_requests = 1;  ///< most that block a thread at a time
+  int busy_requests = 1;  ///< most requests that block a thread at a time
 };
 
-/// Requests as they came: nothing in them is decoded.
+/// A request with all values as received: nothing is decoded.
 using HttpRequest = http::request<http::string_body>;
 
-/// All are called from any thread.
+/// Called from any thread.
 struct HttpHandlers {
   /// Refuses a request by its head, before its body is read.
   std::function<std::optional<Answer>(const HttpRequest&)> refuse;
-  /// `is_cancelled` is set once the client goes away, or by HttpServer::cancel_all().
+  /// `is_cancelled` is set when the client disconnects, or by HttpServer::cancel_all().
   std::function<Answer(const HttpRequest&, const std::atomic<bool>& is_cancelled)> answer;
-  /// Counts a request that was refused by its head, or that cannot be read.
+  /// Counts a request that was refused by its head or is malformed.
   std::function<void(int status)> count_refused;
 };
 
-/// A few threads serve all connections. Each request is answered on one of them.
+/// Serves all connections by a few threads. Each request is answered on one of them.
 class HttpServer {
  public:
   HttpServer(HttpHandlers handlers, const HttpLimits& limits);
@@ -54,16 +54,16 @@ class HttpServer {
   HttpServer& operator=(const HttpServer&) = delete;
   ~HttpServer();
 
-  /// Listens as listen_at() does. Throws std::system_error if the machine has no threads left, and
-  /// boost::system::system_error without descriptors.
+  /// Listens as listen_at(). Throws std::system_error without threads, and
+  /// boost::system::system_error without file descriptors.
   [[nodiscard]] Result<void> start(const std::string& where, bool may_be_remote);
-  /// Accepts no more and closes idle connections; those that are answered go on.
+  /// Accepts no more connections and closes idle ones. Running requests continue.
   void stop_accepting();
-  /// Cancels all requests that are being answered, and those to come.
+  /// Cancels all running and later requests.
   void cancel_all();
-  /// Returns once all connections are closed, or after `patience_s`.
+  /// Waits until all connections are closed, at most `patience_s`.
   void wait(double patience_s) const;
-  /// Cuts the connections that are left, and waits for all threads.
+  /// Cuts the remaining connections and joins all threads.
   void join();
 
   [[nodiscard]] const std::string& address() const { return listener_->address; }
@@ -73,9 +73,9 @@ class HttpServer {
   class Connection;
   void accept();
   void add(asio::basic_stream_socket<asio::generic::stream_protocol, Strand> socket);
-  /// Looks in a few milliseconds which clients have gone away. Takes place under mutex_.
+  /// Schedules cancel_disconnected(). Call with mutex_ locked.
   void watch();
-  void look_at_clients();
+  void cancel_disconnected();
   void close_listener();
   void run();
 
@@ -87,7 +87,7 @@ class HttpServer {
   std::set<Connection*> answering_;
   bool is_watching_ = false;
   bool is_cancelling_ = false;
-  asio::io_context io_;  ///< holds the connections, which use all above
+  asio::io_context io_;  ///< owns the connections, which use the members above
   asio::steady_timer watch_timer_;
   asio::steady_timer accept_timer_;
   std::optional<Listener> listener_;

@@ -4,6 +4,8 @@
 
 #include "mneme/service.h"
 
+#include "base/fail.h"
+
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <fmt/format.h>
@@ -27,7 +29,7 @@ constexpr std::string_view kUnix = "unix:";
 constexpr std::string_view kDigits = "0123456789";
 
 tl::unexpected<Error> cannot_listen(const std::string& where, const std::string& why) {
-  return fail(ErrorCode::io, fmt::format("cannot listen at {}: {}", where, why));
+  return fail(ErrorCode::io, "cannot listen at {}: {}", where, why);
 }
 
 /// HOST and PORT, or the path of a socket.
@@ -40,8 +42,8 @@ Result<Address> split_address(const std::string& where) {
     const std::string path = where.substr(kUnix.size());
     constexpr std::size_t kMostBytes = sizeof sockaddr_un{}.sun_path - 1;
     if (!path.empty() && path.size() <= kMostBytes) return Address{.path = path};
-    return fail(ErrorCode::invalid,
-                fmt::format("'{}': expected unix:PATH with 1 to {} bytes", where, kMostBytes));
+    return fail(ErrorCode::invalid, "'{}': expected unix:PATH with a path of 1 to {} bytes", where,
+                kMostBytes);
   }
   const std::size_t colon = where.rfind(':');
   std::string host = where.substr(0, colon);
@@ -49,16 +51,15 @@ Result<Address> split_address(const std::string& where) {
   const bool is_number =
       !port.empty() && port.size() <= 5 && port.find_first_not_of(kDigits) == std::string::npos;
   if (host.empty() || !is_number || std::stoi(port) > 65535) {
-    return fail(
-        ErrorCode::invalid,
-        fmt::format("'{}': expected HOST:PORT, such as 127.0.0.1:7890, or unix:PATH", where));
+    return fail(ErrorCode::invalid,
+                "'{}': expected HOST:PORT, such as 127.0.0.1:7890, or unix:PATH", where);
   }
   const bool is_bracketed = host.starts_with('[') && host.ends_with(']');
   if (is_bracketed) host = host.substr(1, host.size() - 2);
   return Address{.host = std::move(host), .port = port};
 }
 
-/// True if a program listens at the socket file. A full line of waiting clients counts.
+/// True if a program listens at the socket file, even if its queue of clients is full.
 bool is_listened_at(asio::io_context& io, const UnixProtocol::endpoint& endpoint) {
   UnixProtocol::socket probe(io, UnixProtocol());
   probe.native_non_blocking(true);
@@ -67,7 +68,7 @@ bool is_listened_at(asio::io_context& io, const UnixProtocol::endpoint& endpoint
          errno == EAGAIN;
 }
 
-/// Binds the acceptor and listens. Returns what went wrong.
+/// Binds the acceptor and listens.
 template <class Endpoint>
 error_code open(Listener& listener, const Endpoint& endpoint) {
   error_code error;
@@ -83,8 +84,8 @@ Result<Listener> listen_at_file(asio::io_context& io, const std::string& path,
   const UnixProtocol::endpoint endpoint(path);
   struct stat file {};
   if (stat(path.c_str(), &file) == 0) {
-    if (!S_ISSOCK(file.st_mode)) return cannot_listen(where, "it is a file, not a socket");
-    if (is_listened_at(io, endpoint)) return cannot_listen(where, "another program does");
+    if (!S_ISSOCK(file.st_mode)) return cannot_listen(where, "this is a file, not a socket");
+    if (is_listened_at(io, endpoint)) return cannot_listen(where, "another program listens there");
     if (errno != ECONNREFUSED) return cannot_listen(where, std::strerror(errno));
     unlink(path.c_str());
   }
@@ -107,10 +108,11 @@ Result<Listener> listen_at_host(asio::io_context& io, const Address& wanted,
   if (error) return cannot_listen(where, error.message());
   const tcp::endpoint endpoint = *found.begin();
   if (!may_be_remote && !endpoint.address().is_loopback()) {
-    return fail(ErrorCode::invalid,
-                fmt::format("other machines reach {}: expected a token that they must know, or an "
-                            "address of this machine, such as 127.0.0.1",
-                            where));
+    return fail(
+        ErrorCode::invalid,
+        "other machines reach {}: set a token, or listen at an address of this machine, such "
+        "as 127.0.0.1",
+        where);
   }
   Listener listener{decltype(Listener::acceptor)(asio::make_strand(io))};
   error = open(listener, endpoint);

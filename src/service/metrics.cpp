@@ -23,7 +23,7 @@ void add_single(std::string& text, std::string_view name, std::string_view type,
 }
 
 void add_requests(std::string& text, const ServiceCounts& counts) {
-  add_head(text, "mneme_requests_total", "counter", "Requests that were answered.");
+  add_head(text, "mneme_requests_total", "counter", "Answered requests.");
   for (const auto& [key, count] : counts.requests) {
     fmt::format_to(std::back_inserter(text),
                    "mneme_requests_total{{path=\"{}\",status=\"{}\"}} {}\n", key.first, key.second,
@@ -33,7 +33,7 @@ void add_requests(std::string& text, const ServiceCounts& counts) {
 
 void add_latencies(std::string& text, ServiceCounts& counts) {
   add_head(text, "mneme_request_seconds", "summary",
-           "From the last byte of a request to its answer; quantiles of the last 1024.");
+           "Seconds from the last byte of a request to its answer. Quantiles of the last 1024.");
   const auto out = std::back_inserter(text);
   for (auto& [path, latencies] : counts.latencies) {
     std::vector<float>& last = latencies.last;
@@ -49,25 +49,25 @@ void add_latencies(std::string& text, ServiceCounts& counts) {
 }
 
 void add_plans(std::string& text, const ServiceCounts& counts) {
-  add_head(text, "mneme_plans_total", "counter", "Plans by how they ended.");
+  add_head(text, "mneme_plans_total", "counter", "Plans by status.");
   for (const auto& [status, count] : counts.plans) {
     fmt::format_to(std::back_inserter(text), "mneme_plans_total{{status=\"{}\"}} {}\n", status,
                    count);
   }
-  add_single(text, "mneme_memory_hits_total", "counter", "Plans that memory gave samplers.",
-             counts.hits);
-  add_single(text, "mneme_retrieved_total", "counter", "Samplers that memory gave.",
+  add_single(text, "mneme_memory_hits_total", "counter",
+             "Plans for which memory had local samplers.", counts.hits);
+  add_single(text, "mneme_retrieved_total", "counter", "Local samplers from memory.",
              counts.retrieved);
-  add_single(text, "mneme_remembered_total", "counter", "Samplers that plans taught.",
+  add_single(text, "mneme_remembered_total", "counter", "Rows that plans inserted into memory.",
              counts.remembered);
 }
 
 void add_gauges(std::string& text, const ServiceGauges& gauges) {
-  add_single(text, "mneme_memory_rows", "gauge", "Samplers in memory.", gauges.memory_rows);
-  add_single(text, "mneme_threads", "gauge", "Plans that may run at a time.", gauges.threads);
+  add_single(text, "mneme_memory_rows", "gauge", "Rows of the memory.", gauges.memory_rows);
+  add_single(text, "mneme_threads", "gauge", "Plans that can run at a time.", gauges.threads);
   add_single(text, "mneme_waiting", "gauge", "Requests that wait for a thread.", gauges.waiting);
-  add_single(text, "mneme_connections", "gauge", "Connections that are open.", gauges.connections);
-  add_single(text, "mneme_scenes", "gauge", "Scenes that are kept.", gauges.scenes);
+  add_single(text, "mneme_connections", "gauge", "Open connections.", gauges.connections);
+  add_single(text, "mneme_scenes", "gauge", "Uploaded scenes.", gauges.scenes);
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ void Metrics::add_plan(std::string_view status, std::size_t retrieved, int remem
 }
 
 std::string Metrics::text(const ServiceGauges& gauges) const {
-  // A copy, so that no request waits until all is sorted and printed.
+  // A copy, so that requests do not wait for sorting and printing.
   ServiceCounts counts = [&] {
     const std::lock_guard lock(mutex_);
     return counts_;

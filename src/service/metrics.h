@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Counts and latencies of a service, as Prometheus reads them.
+/// Counts and latencies of a service in the text format of Prometheus.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace mneme::internal {
 
-/// What a service is at one moment.
+/// The state of a service.
 struct ServiceGauges {
   std::int64_t memory_rows = 0;
   int threads = 0;
@@ -25,9 +25,9 @@ struct ServiceGauges {
   std::size_t scenes = 0;
 };
 
-/// What has been counted since a service began.
+/// Counts since the start of a service.
 struct ServiceCounts {
-  /// The last latencies, whose quantiles are told.
+  /// The last latencies, for quantiles.
   struct Latencies {
     static constexpr std::size_t kKept = 1024;
     std::vector<float> last;
@@ -43,15 +43,15 @@ struct ServiceCounts {
   std::uint64_t hits = 0, retrieved = 0, remembered = 0;
 };
 
-/// All of it is safe from any thread.
+/// Thread-safe.
 class Metrics {
  public:
-  /// `endpoint` is a path of the documents, such as "/v1/scenes/{id}".
+  /// `endpoint`: a documented path, such as "/v1/scenes/{id}".
   void add_request(std::string_view endpoint, int status, double seconds);
-  /// `status` is a PlanStatus in words. `retrieved`: samplers that memory gave.
+  /// `status`: a PlanStatus in words. `retrieved`: local samplers from memory.
   void add_plan(std::string_view status, std::size_t retrieved, int remembered);
 
-  /// Prometheus' text format.
+  /// Returns all metrics in the text format of Prometheus.
   [[nodiscard]] std::string text(const ServiceGauges& gauges) const;
 
  private:

@@ -8,7 +8,7 @@
 namespace mneme::internal {
 namespace {
 
-constexpr std::chrono::milliseconds kLookAtFlag{10};
+constexpr std::chrono::milliseconds kPollFlag{10};
 
 }  // namespace
 
@@ -16,14 +16,14 @@ std::optional<PlanQueue::Turn> PlanQueue::wait_for_turn(const std::atomic<bool>&
                                                         int threads, bool is_alone) {
   std::unique_lock lock(mutex_);
   Waiter waiter{threads, is_alone};
-  line_.push_back(&waiter);
+  waiters_.push_back(&waiter);
   serve();
-  const bool is_full = !waiter.has_turn && static_cast<int>(line_.size()) > longest_line_;
+  const bool is_full = !waiter.has_turn && static_cast<int>(waiters_.size()) > most_waiting_;
   while (!waiter.has_turn && !is_cancelled && !is_full) {
-    waiter.wake.wait_for(lock, kLookAtFlag, [&] { return waiter.has_turn; });
+    waiter.wake.wait_for(lock, kPollFlag, [&] { return waiter.has_turn; });
   }
   if (waiter.has_turn) return Turn(*this, threads, is_alone);
-  std::erase(line_, &waiter);
+  std::erase(waiters_, &waiter);
   serve();
   return std::nullopt;
 }
@@ -36,17 +36,17 @@ void PlanQueue::give_back(int threads, bool is_alone) {
 }
 
 void PlanQueue::serve() {
-  for (auto next = line_.begin(); next != line_.end();) {
+  for (auto next = waiters_.begin(); next != waiters_.end();) {
     Waiter& waiter = **next;
     if (waiter.is_alone && is_one_alone_) {
       ++next;
       continue;
     }
     if (waiter.threads > free_) return;
-    next = line_.erase(next);
+    next = waiters_.erase(next);
     free_ -= waiter.threads;
     is_one_alone_ = is_one_alone_ || waiter.is_alone;
-    // It cannot be gone before the lock is.
+    // The waiter cannot return before the lock is released.
     waiter.has_turn = true;
     waiter.wake.notify_one();
   }
@@ -54,7 +54,7 @@ void PlanQueue::serve() {
 
 int PlanQueue::waiting() const {
   const std::lock_guard lock(mutex_);
-  return static_cast<int>(line_.size());
+  return static_cast<int>(waiters_.size());
 }
 
 }  // namespace mneme::internal

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Who may plan now: so many at a time, so many more in line, and nobody else.
+/// A queue for planning threads: a fixed number of threads, and a limited number of waiting
+/// requests.
 #pragma once
 
 #include <atomic>
@@ -13,14 +14,14 @@
 
 namespace mneme::internal {
 
-/// First come, first served. All of it is safe from any thread.
+/// First come, first served. Thread-safe.
 class PlanQueue {
  public:
-  PlanQueue(int threads, int longest_line) : free_(threads), longest_line_(longest_line) {}
+  PlanQueue(int threads, int most_waiting) : free_(threads), most_waiting_(most_waiting) {}
   PlanQueue(const PlanQueue&) = delete;
   PlanQueue& operator=(const PlanQueue&) = delete;
 
-  /// Some of the threads, until it is destroyed.
+  /// Holds threads until it is destroyed.
   class Turn {
    public:
     Turn(PlanQueue& queue, int threads, bool is_alone)
@@ -40,9 +41,9 @@ class PlanQueue {
     bool is_alone_;
   };
 
-  /// Waits in line for so many threads, at most all there are. Of those with `is_alone` one runs at
-  /// a time; while it does, the others of them are overtaken. Nothing if the line is full, or once
-  /// `is_cancelled`.
+  /// Waits for `threads` threads, at most the total. At most one turn with `is_alone` exists at a
+  /// time; other requests may overtake requests that wait for it. Empty if the queue is full, or
+  /// once `is_cancelled` is set.
   [[nodiscard]] std::optional<Turn> wait_for_turn(const std::atomic<bool>& is_cancelled,
                                                   int threads = 1, bool is_alone = false);
   [[nodiscard]] int waiting() const;
@@ -55,13 +56,13 @@ class PlanQueue {
     bool has_turn = false;
   };
   void give_back(int threads, bool is_alone);
-  /// Gives turns to those who are first in line, as far as threads are free. Under the lock.
+  /// Gives free threads to the first waiters. Call with mutex_ locked.
   void serve();
 
   mutable std::mutex mutex_;
-  std::deque<Waiter*> line_;
+  std::deque<Waiter*> waiters_;
   int free_;
-  int longest_line_;
+  int most_waiting_;
   bool is_one_alone_ = false;
 };
 

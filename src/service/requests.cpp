@@ -19,7 +19,7 @@ constexpr std::size_t kMostConfigurations = 100000;
 
 const std::string kSource = "request";
 
-/// What `read` makes of the JSON text `body`.
+/// Parses JSON and converts it with `read`.
 template <class Read>
 auto read_body(std::string_view body, Read&& read) {
   return without_throwing([&] {
@@ -35,9 +35,8 @@ bool read_switch(const Input& input, std::string_view key, bool otherwise) {
 
 void check_robot(const Input& input, const Robot& robot) {
   if (const auto named = input.find("robot"); named && named->text() != robot.name()) {
-    named->fail(ErrorCode::invalid, fmt::format("expected {}, the robot of this service, got "
-                                                "\"{}\"",
-                                                robot.name(), named->text()));
+    named->fail(ErrorCode::invalid, "expected {}, the robot of this service, got \"{}\"",
+                robot.name(), named->text());
   }
   const auto joints = input.find("joints");
   if (!joints) return;
@@ -45,13 +44,12 @@ void check_robot(const Input& input, const Robot& robot) {
   for (const Input& name : joints->items()) named.push_back(name.text());
   for (int i = 0; i < robot.joint_count(); ++i) own.push_back(robot.group_joint(i).name);
   if (named != own) {
-    joints->fail(
-        ErrorCode::invalid,
-        fmt::format("expected the joints that this service plans for, [{}]", fmt::join(own, ", ")));
+    joints->fail(ErrorCode::invalid, "expected the joints that this service plans for, [{}]",
+                 fmt::join(own, ", "));
   }
 }
 
-/// Points, triangles or cubes of a shape.
+/// Counts the points, triangles or cubes of a shape.
 struct CountParts {
   template <class Part>
   std::size_t operator()(const CompoundShape<Part>& compound) const {
@@ -67,17 +65,16 @@ void check_count(const Input& input, const Scene& scene, const RequestContext& c
     for (const Shape& shape : obstacle.shapes) parts += std::visit(CountParts(), shape);
   }
   if (shapes > static_cast<std::size_t>(context.limits.obstacles)) {
-    input.fail(ErrorCode::invalid, fmt::format("expected at most {} obstacles, got {}",
-                                               context.limits.obstacles, shapes));
+    input.fail(ErrorCode::invalid, "expected at most {} obstacles, got {}",
+               context.limits.obstacles, shapes);
   }
   if (parts > static_cast<std::size_t>(context.limits.points)) {
-    input.fail(ErrorCode::invalid,
-               fmt::format("expected at most {} points, triangles and cubes, got {}",
-                           context.limits.points, parts));
+    input.fail(ErrorCode::invalid, "expected at most {} points, triangles and cubes, got {}",
+               context.limits.points, parts);
   }
 }
 
-/// The obstacles of the keys `circles` and `obstacles`, in the frame that `input` names.
+/// Reads the keys `circles` and `obstacles`, without changing their frame.
 Scene read_framed_scene(const Input& input, const std::string& name,
                         const RequestContext& context) {
   SceneBuilder builder;
@@ -93,13 +90,13 @@ Scene read_framed_scene(const Input& input, const std::string& name,
 Scene find_scene(const Input& id, const RequestContext& context) {
   const SceneStore::Kept scene = context.scenes.find(id.text());
   if (scene == nullptr) {
-    id.fail(ErrorCode::invalid,
-            fmt::format("there is no scene \"{}\"; PUT /v1/scenes/ID makes one", id.text()));
+    id.fail(ErrorCode::invalid, "there is no scene \"{}\"; PUT /v1/scenes/ID uploads one",
+            id.text());
   }
   return *scene;
 }
 
-/// The key `allow`, pairs of a link and an obstacle.
+/// Applies the key `allow`: pairs of a link and an obstacle.
 Scene with_allowed(const Input& input, Scene scene) {
   if (const auto allowed = input.find("allow")) read_allowed_contacts(*allowed, scene);
   return scene;
@@ -113,9 +110,9 @@ double read_margin(const Input& input) {
   return metres;
 }
 
-/// Of a request that may name a scene, hold obstacles, or both: those that it holds come first, in
-/// the place of the scene's of the same names. Without a scene they stay in the frame that the
-/// request names. One that says nothing of either is in the scene of the service's problem.
+/// Reads the scene of a request. Obstacles of the request come first and replace obstacles of the
+/// named scene with the same names. Without a named scene they stay in the request's frame. Without
+/// scene and obstacles it is the scene of the service's problem.
 Scene read_scene_of_request(const Input& input, const std::string& name,
                             const RequestContext& context) {
   Scene scene = read_framed_scene(input, name, context);
@@ -124,9 +121,10 @@ Scene read_scene_of_request(const Input& input, const std::string& name,
   const bool is_of_its_own = input.find("obstacles") || input.find("circles");
   if (!id && (is_of_its_own || shown == nullptr)) return scene;
   if (const auto frame = input.find("frame")) {
-    frame->fail(ErrorCode::invalid,
-                "expected no frame beside scene: its obstacles, and those beside it, are in the "
-                "frame of the root link");
+    frame->fail(
+        ErrorCode::invalid,
+        "expected no frame beside scene: with a scene, all obstacles are in the frame of the "
+        "root link");
   }
   Scene kept = id ? find_scene(*id, context) : Scene(shown->scene);
   for (Obstacle& obstacle : kept.obstacles) {
@@ -144,7 +142,7 @@ void check_setting_names(const Input& settings, const SolveSettings& all) {
     const std::string_view key = name;
     if (key != "learn-budget" && key != "remember-after") names.push_back(key);
   };
-  // Requests have nothing learned, but for what their own plans teach.
+  // Requests cannot learn, except by remembering their plans.
   visit_settings(all, add);
   visit_settings(all.plan, add);
   visit_settings(all.memory, add);
@@ -174,19 +172,16 @@ void check_limits(const Input& input, const SolveSettings& settings,
                   const ServiceSettings& limits) {
   if (settings.plan.timeout_s + settings.plan.improve > limits.longest_plan_s) {
     input.fail(ErrorCode::invalid,
-               fmt::format("expected a timeout and improve of at most {} together, the limit of "
-                           "this service",
-                           limits.longest_plan_s));
+               "expected a timeout and improve of at most {} s together, the limit of this service",
+               limits.longest_plan_s);
   }
   if (settings.threads > limits.threads) {
-    input.at("threads").fail(
-        ErrorCode::invalid,
-        fmt::format("expected at most {}, all threads of this service", limits.threads));
+    input.at("threads").fail(ErrorCode::invalid, "expected at most {}, the threads of this service",
+                             limits.threads);
   }
   if (settings.plan.max_nodes > limits.nodes) {
     input.at("max-nodes")
-        .fail(ErrorCode::invalid,
-              fmt::format("expected at most {}, the limit of this service", limits.nodes));
+        .fail(ErrorCode::invalid, "expected at most {}, the limit of this service", limits.nodes);
   }
 }
 
@@ -204,14 +199,13 @@ SolveSettings read_settings(const Input& request, const RequestContext& context)
   return settings;
 }
 
-/// A problem of the service's robot, of the keys that compact files have.
+/// Reads a problem of the service's robot from the keys of compact files.
 Problem read_problem_of_request(const Input& input, const ProblemOptions& options,
                                 const RequestContext& context) {
   check_robot(input, context.robot);
   const auto attached = input.find("attached");
   if (attached && std::ssize(attached->items()) > context.limits.obstacles) {
-    attached->fail(ErrorCode::invalid,
-                   fmt::format("expected at most {} objects", context.limits.obstacles));
+    attached->fail(ErrorCode::invalid, "expected at most {} objects", context.limits.obstacles);
   }
   const auto named = input.find("name");
   const std::string name = named ? named->text() : kSource;
@@ -233,7 +227,7 @@ PlanRequest read_plan(const Input& input, const RequestContext& context) {
   return request;
 }
 
-/// Where inverse kinematics begins.
+/// Reads the start of inverse kinematics.
 Configuration read_near(const Input& input, const Robot& robot) {
   const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
   const auto near = input.find("near");
@@ -282,8 +276,8 @@ CheckRequest read_check(const Input& input, const RequestContext& context) {
   const Input configurations = input.at("configurations");
   for (const Input& q : configurations.items()) request.configurations.push_back(q.numbers());
   if (request.configurations.size() > kMostConfigurations) {
-    configurations.fail(ErrorCode::invalid,
-                        fmt::format("expected at most {} configurations", kMostConfigurations));
+    configurations.fail(ErrorCode::invalid, "expected at most {} configurations",
+                        kMostConfigurations);
   }
   request.margin = read_margin(input);
   return request;
@@ -294,9 +288,8 @@ void remove_obstacle(const Input& name, Scene& scene) {
       scene.obstacles,
       [wanted = name.text()](const Obstacle& obstacle) { return obstacle.name == wanted; });
   if (removed == 0) {
-    name.fail(
-        ErrorCode::invalid,
-        fmt::format("expected the name of an obstacle of the scene, got \"{}\"", name.text()));
+    name.fail(ErrorCode::invalid, "expected the name of an obstacle of the scene, got \"{}\"",
+              name.text());
   }
 }
 

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What clients ask, read from the bodies of their requests (docs/service.md). No key of a body
-/// names a file.
+/// Requests, parsed from their JSON bodies (docs/service.md). No key of a body names a file.
 #pragma once
 
 #include "mneme/pipeline.h"
@@ -16,7 +15,7 @@
 
 namespace mneme::internal {
 
-/// What requests are read against.
+/// Robot, scenes and limits for reading requests.
 struct RequestContext {
   const Robot& robot;
   const SceneStore& scenes;
@@ -31,8 +30,8 @@ struct PlanRequest {
   bool wants_trace = false;
   bool may_remember = true;
 };
-/// Errors: as of problem files; a robot or joints that are not those of the service; an unknown
-/// scene or setting; what is beyond the limits.
+/// Errors: as for problem files; robot or joints differ from the service's; an unknown scene or
+/// setting; a limit is exceeded.
 [[nodiscard]] Result<PlanRequest> read_plan_request(std::string_view body,
                                                     const RequestContext& context);
 
@@ -45,17 +44,17 @@ struct CheckRequest {
                                                       const RequestContext& context);
 
 struct IkRequest {
-  Problem problem;  ///< its goals are poses, its start is where the search begins
+  Problem problem;  ///< pose goals, and the start of the search
   IkSettings settings;
   double margin = 0;
 };
 [[nodiscard]] Result<IkRequest> read_ik_request(std::string_view body,
                                                 const RequestContext& context);
 
-/// A scene that is to be kept under the name `id`.
+/// Reads a scene that is kept under the name `id`.
 [[nodiscard]] Result<Scene> read_scene_request(std::string_view body, const std::string& id,
                                                const RequestContext& context);
-/// `scene` without the obstacles that the body removes, and with those that it sets.
+/// Returns `scene` after the removals and additions of the body.
 [[nodiscard]] Result<Scene> edit_scene(std::string_view body, const Scene& scene,
                                        const RequestContext& context);
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/scene_store.h"
 
-#include <fmt/format.h>
+#include "base/fail.h"
 
 #include <utility>
 
@@ -20,9 +20,8 @@ Result<SceneStore::Kept> SceneStore::put(const std::string& id, Scene scene) {
   const std::lock_guard lock(mutex_);
   if (scenes_.size() >= most_ && !scenes_.contains(id)) {
     return fail(ErrorCode::invalid,
-                fmt::format("there are {} scenes already, the most that this server keeps: delete "
-                            "one first",
-                            scenes_.size()));
+                "there are {} scenes already, the limit of this service: delete one first",
+                scenes_.size());
   }
   scenes_[id] = kept;
   return kept;
@@ -36,7 +35,6 @@ Result<SceneStore::Kept> SceneStore::change(
   Scene edited = MNEME_TRY(edit(*before));
   auto kept = std::make_shared<const Scene>(std::move(edited));
   const std::lock_guard lock(mutex_);
-  // It may have been removed meanwhile.
   const auto found = scenes_.find(id);
   if (found == scenes_.end()) return Kept();
   found->second = kept;

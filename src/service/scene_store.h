@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The scenes that clients have uploaded.
+/// Uploaded scenes.
 #pragma once
 
 #include "mneme/scene.h"
@@ -14,22 +14,22 @@
 
 namespace mneme::internal {
 
-/// Scenes by their ids, in the frame of the robot's root link. Whoever has got one keeps it as it
-/// was. All of it is safe from any thread.
+/// Scenes by id, in the frame of the robot's root link. A scene that was handed out does not
+/// change. Thread-safe.
 class SceneStore {
  public:
   using Kept = std::shared_ptr<const Scene>;
   explicit SceneStore(int most) : most_(static_cast<std::size_t>(most)) {}
 
-  /// Null if there is none.
+  /// Returns null if there is none.
   [[nodiscard]] Kept find(const std::string& id) const;
-  /// Puts a scene in the place of the one there was. Error: there are too many.
+  /// Adds or replaces a scene. Error: the store is full.
   [[nodiscard]] Result<Kept> put(const std::string& id, Scene scene);
-  /// Puts what `edit` makes of the scene that is there, unless that is an error; nobody else puts
-  /// one in between. Null if there is none.
+  /// Replaces a scene by the result of `edit`, as one atomic step. Returns null if there is none.
+  /// Errors: as `edit`.
   [[nodiscard]] Result<Kept> change(const std::string& id,
                                     const std::function<Result<Scene>(const Scene&)>& edit);
-  /// False if there was none.
+  /// Returns false if there was none.
   bool remove(const std::string& id);
   [[nodiscard]] std::size_t count() const;
 

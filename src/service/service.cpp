@@ -32,8 +32,8 @@ using internal::refusal;
 namespace http = internal::http;
 namespace beast = boost::beast;
 
-constexpr double kGrace = 0.5;    ///< seconds for what runs when the service stops
-constexpr double kGoodbye = 0.3;  ///< seconds for the answers to what was cancelled then
+constexpr double kGrace = 0.5;    ///< seconds for running requests when the service stops
+constexpr double kGoodbye = 0.3;  ///< seconds to answer requests that were cancelled then
 constexpr std::string_view kScenes = "/v1/scenes/";
 constexpr std::string_view kId = "{id}";
 constexpr std::size_t kMostIdBytes = 64;
@@ -49,7 +49,7 @@ ServiceSettings completed(ServiceSettings settings) {
 
 struct Route {
   http::verb method;
-  std::string_view path;  ///< as the documents and metrics name it
+  std::string_view path;  ///< as in documents and metrics
   Answer (Endpoints::*answer)(const Call&);
 };
 
@@ -72,7 +72,8 @@ std::string_view path_of(const HttpRequest& request) {
   return target.substr(0, target.find('?'));
 }
 
-/// What `path` has in the place of {id}, empty where there is none; nothing if they do not match.
+/// Returns the part of `path` that matches {id}, or an empty string if `pattern` has none. Empty if
+/// they do not match.
 std::optional<std::string> match(std::string_view pattern, std::string_view path) {
   const std::size_t at = pattern.find(kId);
   if (at == std::string_view::npos) return pattern == path ? std::optional("") : std::nullopt;
@@ -85,7 +86,7 @@ std::optional<std::string> match(std::string_view pattern, std::string_view path
   return is_id ? std::optional(std::string(path)) : std::nullopt;
 }
 
-/// The route of a request and its id. A null route: there is none.
+/// Returns the route of a request, or null, and its id.
 std::pair<const Route*, std::string> find_route(const HttpRequest& request) {
   const bool is_head = request.method() == http::verb::head;
   const http::verb method = is_head ? http::verb::get : request.method();
@@ -101,7 +102,7 @@ std::string header(const HttpRequest& request, http::field name) {
   return {value.data(), value.size()};
 }
 
-/// Equal or not, in a time that does not tell where they differ.
+/// Compares in a time that does not depend on the position of a difference.
 bool is_same_secret(std::string_view a, std::string_view b) {
   unsigned difference = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
@@ -120,9 +121,9 @@ bool takes_body(const HttpRequest& request) {
   return method == http::verb::post || method == http::verb::put || method == http::verb::patch;
 }
 
-/// Refuses a request unless it is certain where it ends: a proxy before the service may see another
-/// end, and what one client sends as a body would be a request of the next (RFC 9112, 6.3 and
-/// 11.2). Beast takes a repeated length and knows other encodings than chunked.
+/// Refuses a request with an ambiguous end (RFC 9112, 6.3 and 11.2): if a proxy in front of the
+/// service sees another end, the body of one client becomes a request of the next. Beast accepts
+/// repeated lengths and encodings other than chunked.
 std::optional<Answer> refuse_framing(const HttpRequest& request) {
   const auto refuse = [](std::string_view message) { return refusal(400, "invalid", message); };
   const std::size_t lengths = request.count(http::field::content_length);
@@ -146,13 +147,13 @@ std::optional<Answer> refuse_framing(const HttpRequest& request) {
   return std::nullopt;
 }
 
-/// Refuses what is not served. A scene with such a name is a mistake of whoever uploads it.
+/// Refuses unknown paths, with 400 for an invalid scene id.
 std::optional<Answer> refuse_path(const HttpRequest& request) {
   if (find_route(request).first != nullptr) return std::nullopt;
   const bool is_scene = path_of(request).starts_with(kScenes);
   const std::string message =
       fmt::format("there is no {} {}{}", std::string(request.method_string()), path_of(request),
-                  is_scene ? ": ids of scenes are 1 to 64 letters, digits, '_', '.' and '-'" : "");
+                  is_scene ? ": a scene id has 1 to 64 letters, digits, '_', '.' and '-'" : "");
   return is_scene && request.method() == http::verb::put ? refusal(400, "invalid", message)
                                                          : refusal(404, "not_found", message);
 }
@@ -171,15 +172,15 @@ std::optional<Answer> refuse_head(const HttpRequest& request, const ServiceSetti
   const bool is_open = settings.token.empty() && address.starts_with("http:");
   if (is_open && !internal::is_own_host(header(request, http::field::host), address)) {
     return refusal(403, "forbidden",
-                   fmt::format("expected the header Host to name this machine, as in {}: without a "
-                               "token only its own programs are answered",
+                   fmt::format("expected the header Host to name this machine, as in {}: a service "
+                               "without a token answers local programs only",
                                address));
   }
   if (auto refused = refuse_path(request)) return refused;
   if (request.count(http::field::content_encoding) > 0) {
-    return refusal(415, "unsupported", "expected a body that is not compressed");
+    return refusal(415, "unsupported", "expected an uncompressed body");
   }
-  // Pages of other origins can send forms and plain text without being asked, but no JSON.
+  // Pages of other origins can send forms and plain text without a preflight request, but no JSON.
   if (takes_body(request) && !is_json(header(request, http::field::content_type))) {
     return refusal(415, "unsupported", "expected the header Content-Type: application/json");
   }
@@ -188,7 +189,7 @@ std::optional<Answer> refuse_head(const HttpRequest& request, const ServiceSetti
 
 Result<void> check(const ServiceSettings& settings, bool has_memory) {
   if (settings.remember_after && !has_memory) {
-    return fail(ErrorCode::invalid, "to remember paths takes a database");
+    return fail(ErrorCode::invalid, "remember-after needs a database");
   }
   return internal::check_ranges(settings);
 }
@@ -227,7 +228,7 @@ class Service::State {
     return {};
   }
 
-  /// Whoever calls it while another one does returns with that one.
+  /// Concurrent calls return together.
   void stop() {
     std::call_once(stopped_, [this] { stop_once(); });
   }
@@ -271,7 +272,7 @@ class Service::State {
   ServiceSettings settings_;
   bool has_memory_;
   Endpoints endpoints_;
-  HttpServer server_;  ///< after what its threads use
+  HttpServer server_;  ///< after the members that its threads use
   std::thread refresher_;
   std::mutex mutex_;
   std::condition_variable wake_;
@@ -292,7 +293,7 @@ Result<Service> Service::start(const Robot& robot, std::shared_ptr<Database> dat
     MNEME_TRY(state->start());
     return Service(std::move(state));
   } catch (const std::system_error& error) {
-    return fail(ErrorCode::io, std::string("cannot serve: no thread to be had: ") + error.what());
+    return fail(ErrorCode::io, std::string("cannot serve: no thread is left: ") + error.what());
   } catch (const boost::system::system_error& error) {
     return fail(ErrorCode::io, std::string("cannot listen: ") + error.what());
   }

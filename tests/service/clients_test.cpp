@@ -188,7 +188,7 @@ TEST_SUITE("flow") {
       }
       const auto started = Service::start(planar8(), nullptr, settings);
       REQUIRE_FALSE(started.has_value());
-      CHECK(started.error().message.find("another program does") != std::string::npos);
+      CHECK(started.error().message.find("another program listens there") != std::string::npos);
       CHECK(std::filesystem::exists(path));
     }
     SUBCASE("of a successor") {
