@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "report/picture.h"
+#include "base/as_index.h"
+#include "base/fail.h"
 
 #include <fmt/format.h>
 
@@ -17,12 +19,12 @@ namespace mneme::internal {
 namespace {
 
 constexpr int kMostFanArms = 36;
-constexpr double kFanStep = 0.3;  // radians between neighbours of the fan
+constexpr double kFanStep = 0.3;  // L2 joint distance between neighbours of the fan
 constexpr int kTraceStates = 241;
 constexpr std::size_t kMostLongLabels = 3;
 constexpr double kFrameMargin = 0.12;  // metres between a primitive's circles and its frame
 
-/// Why `q` is no configuration of the robot, or nothing: limits do not matter here.
+/// Says why `q` does not fit the robot; empty if it does. Limits are not checked.
 std::optional<std::string> misfit(const Robot& robot, const Configuration& q,
                                   std::string_view what) {
   if (static_cast<int>(q.size()) != robot.joint_count()) {
@@ -37,13 +39,13 @@ Result<void> check_keys(const GlSampler& gl) {
   for (const PrimitiveRetrieval& retrieval : gl.primitives) {
     if (retrieval.primitive.key.size() == 6) continue;
     return fail(ErrorCode::invalid,
-                fmt::format("picture: a primitive's key has {} numbers; a pair of circles has 6",
-                            retrieval.primitive.key.size()));
+                "picture: a primitive's key has {} numbers; expected 6, a pair of circles",
+                retrieval.primitive.key.size());
   }
   return {};
 }
 
-/// The rectangle along the line of centres around both circles of a key in the scene's frame.
+/// Returns the rectangle along the line of centres that holds both circles of a key.
 std::vector<Point> frame_around(const PrimitiveKey& key) {
   const Point a = {key[0], key[1]};
   const double length = std::hypot(key[3] - a.x, key[4] - a.y);
@@ -76,10 +78,9 @@ void add_memories(const PlanarPicture& picture, Drawing& drawing) {
   if (picture.gl->mixture == nullptr) return;
   const GaussianMixture& mixture = *picture.gl->mixture;
   for (const int component : choose_components(mixture, picture.max_arms)) {
-    const auto index = static_cast<std::size_t>(component);
     const auto first = mixture.means.begin() + component * mixture.joint_count;
     const Configuration mean(first, first + mixture.joint_count);
-    drawing.memories.push_back({mixture.sources.empty() ? 0 : mixture.sources[index],
+    drawing.memories.push_back({mixture.sources.empty() ? 0 : mixture.sources[as_index(component)],
                                 arm_at(picture.problem->robot, mean)});
   }
 }
@@ -107,16 +108,15 @@ void add_path(const PlanarPicture& picture, Drawing& drawing) {
   }
 }
 
-/// Distance from the first joint that no point of the robot's moving links can exceed.
+/// Returns an upper bound of the distance from the first joint to any point of the moving links.
 double reach_of(const Robot& robot) {
   std::vector<double> offsets(robot.links().size(), 0);
   double reach = 0;
   for (const Joint& joint : robot.joints()) {
-    const auto link = static_cast<std::size_t>(joint.child_link);
-    const bool is_base = &joint == &robot.group_joint(0);
-    offsets[link] = is_base ? 0
-                            : offsets[static_cast<std::size_t>(joint.parent_link)] +
-                                  joint.origin.translation.norm();
+    const std::size_t link = as_index(joint.child_link);
+    const double from_parent =
+        offsets[as_index(joint.parent_link)] + joint.origin.translation.norm();
+    offsets[link] = &joint == &robot.group_joint(0) ? 0 : from_parent;
     for (const Capsule& capsule : robot.links()[link].capsules) {
       const double extent = std::max(capsule.a.norm(), capsule.b.norm()) + capsule.radius;
       reach = std::max(reach, offsets[link] + extent);
@@ -148,9 +148,9 @@ Result<Drawing> make_drawing(const PlanarPicture& picture) {
   if (!problem.robot.is_planar()) {
     return fail(
         ErrorCode::unsupported,
-        fmt::format("picture: robot {} is not planar; only arms whose joints all turn about "
-                    "z and whose links stay in the plane z = 0 can be drawn",
-                    problem.robot.name()));
+        "picture: robot {} is not planar; expected joints that turn about z and links in the "
+        "plane z = 0. --view shows any robot",
+        problem.robot.name());
   }
   if (const auto flaw = find_misfit(problem, picture.path, picture.gl)) {
     return fail(ErrorCode::invalid, "picture: " + *flaw);
@@ -163,8 +163,7 @@ Result<Drawing> make_drawing(const PlanarPicture& picture) {
     }
   }
   const auto poses = problem.robot.link_poses(problem.start);
-  const auto first_link = static_cast<std::size_t>(problem.robot.group_joint(0).child_link);
-  drawing.base = {poses[first_link].translation.x(), poses[first_link].translation.y()};
+  drawing.base = flat(poses[as_index(problem.robot.group_joint(0).child_link)].translation);
   drawing.reach = reach_of(problem.robot);
   if (picture.gl != nullptr) add_memories(picture, drawing);
   add_path(picture, drawing);
@@ -262,12 +261,11 @@ std::vector<Configuration> spread_along(const Robot& robot, const Path& path, in
 std::vector<int> choose_components(const GaussianMixture& mixture, int limit) {
   std::map<SampleSource, std::vector<int>> by_source;
   for (int i = 0; i < mixture.component_count(); ++i) {
-    const auto position = static_cast<std::size_t>(i);
-    by_source[mixture.sources.empty() ? 0 : mixture.sources[position]].push_back(i);
+    by_source[mixture.sources.empty() ? 0 : mixture.sources[as_index(i)]].push_back(i);
   }
   std::vector<std::vector<int>> sources;
   for (auto& [source, components] : by_source) sources.push_back(std::move(components));
-  // Small sources first: what they leave of their share goes to the larger ones.
+  // Small sources first: the rest of their share goes to larger ones.
   std::ranges::stable_sort(sources, {}, &std::vector<int>::size);
   std::vector<int> chosen;
   int left = std::max(0, limit);
@@ -275,8 +273,7 @@ std::vector<int> choose_components(const GaussianMixture& mixture, int limit) {
     const auto size = static_cast<int>(sources[i].size());
     const int share = std::min(size, left / static_cast<int>(sources.size() - i));
     for (int k = 0; k < share; ++k) {
-      const std::int64_t place = std::int64_t{k} * size / share;
-      chosen.push_back(sources[i][static_cast<std::size_t>(place)]);
+      chosen.push_back(sources[i][static_cast<std::size_t>(std::int64_t{k} * size / share)]);
     }
     left -= share;
   }

@@ -22,8 +22,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kTries = 1000;
-/// Metres, and entries of rotations: links whose poses seen from each other differ by less did not
-/// move against each other.
+/// Links are fixed to each other if their relative pose changes by less, in metres and entries of
+/// rotation matrices.
 constexpr double kSame = 1e-9;
 
 Configuration random_configuration(const Robot& robot, Rng& rng) {
@@ -35,7 +35,7 @@ Configuration random_configuration(const Robot& robot, Rng& rng) {
   return q;
 }
 
-/// Each joint half-way between its limits, from where a hand reaches to all sides.
+/// Returns the middle of all limits, from where the arm reaches to all sides.
 Configuration middle_configuration(const Robot& robot) {
   Configuration q;
   for (int i = 0; i < robot.joint_count(); ++i) {
@@ -45,8 +45,7 @@ Configuration middle_configuration(const Robot& robot) {
   return robot.normalized(q);
 }
 
-/// A state of the SRDF, the middle or anything else that is free, in this order; the middle if
-/// nothing is.
+/// Returns the configuration that resting_problem() describes; the middle if none is free.
 Configuration rest_of(const Robot& robot) {
   const Configuration middle = middle_configuration(robot);
   const auto checker = CollisionChecker::make(robot, {});
@@ -69,7 +68,7 @@ Json pose_json(const Transform& pose) {
   return {p.x(), p.y(), p.z(), turn.x(), turn.y(), turn.z(), turn.w()};
 }
 
-/// Where links stand at two configurations.
+/// Poses of all links at two random configurations.
 struct TwoPoses {
   std::vector<Transform> here, there;
 
@@ -78,7 +77,7 @@ struct TwoPoses {
     here = robot.link_poses(random_configuration(robot, rng));
     there = robot.link_poses(random_configuration(robot, rng));
   }
-  /// The pose of `link` in the frame of `tip`; nothing if they move against each other.
+  /// Returns the pose of `link` in the frame of `tip`; empty if they move relative to each other.
   [[nodiscard]] std::optional<Transform> fixed_pose(int tip, int link) const {
     const Transform a = here[as_index(tip)].inverse() * here[as_index(link)];
     const Transform b = there[as_index(tip)].inverse() * there[as_index(link)];
@@ -88,32 +87,27 @@ struct TwoPoses {
   }
 };
 
-int link_index_of(const Robot& robot, const std::string& link) {
-  const auto found = std::ranges::find(robot.links(), link, &Link::name);
-  return static_cast<int>(found - robot.links().begin());
-}
-
-/// The links of the trace that stand to `tip` as they do, wherever the group goes.
+/// Lists the links of the trace that are fixed to `tip`.
 Json carried_with(const Robot& robot, int tip, const std::vector<Link>& links) {
   const TwoPoses poses(robot);
   Json carried = Json::array();
   for (std::size_t i = 0; i < links.size(); ++i) {
-    const auto pose = poses.fixed_pose(tip, link_index_of(robot, links[i].name));
+    const auto pose = poses.fixed_pose(tip, *robot.find_link(links[i].name));
     if (pose) carried.push_back({{"link", i}, {"pose", pose_json(*pose)}});
   }
   return carried;
 }
 
-/// Per link of the trace that is only seen: a link with shapes that carries it. Traces of plans
-/// have no others.
+/// Lists for each link that has visual shapes only a link with collision shapes to which it is
+/// fixed.
 Json welds_json(const Robot& robot, const std::vector<Link>& links) {
   const TwoPoses poses(robot);
   Json welds = Json::array();
   for (std::size_t i = 0; i < links.size(); ++i) {
     if (has_shapes(links[i])) continue;
     for (std::size_t k = 0; k < links.size(); ++k) {
-      const auto pose = poses.fixed_pose(link_index_of(robot, links[k].name),
-                                         link_index_of(robot, links[i].name));
+      const auto pose =
+          poses.fixed_pose(*robot.find_link(links[k].name), *robot.find_link(links[i].name));
       if (!has_shapes(links[k]) || !pose) continue;
       welds.push_back({{"link", i}, {"to", k}, {"pose", pose_json(*pose)}});
       break;
@@ -122,7 +116,8 @@ Json welds_json(const Robot& robot, const std::vector<Link>& links) {
   return welds;
 }
 
-/// Where goals are to begin: that of the problem, or the link's pose at its goal or its start.
+/// Returns the first goal of a link: the problem's pose goal, or the link's pose at the first goal
+/// or the start.
 Transform goal_of(const Problem& problem, const std::string& link, int index) {
   const auto found = std::ranges::find(problem.pose_goals, link, &PoseGoal::link);
   if (found != problem.pose_goals.end()) return found->pose;
@@ -134,7 +129,7 @@ Json tips_json(const Problem& problem, const PlanTrace& trace) {
   const Robot& robot = problem.robot;
   Json tips = Json::array();
   for (const std::string& name : find_tips(robot)) {
-    const int index = link_index_of(robot, name);
+    const int index = *robot.find_link(name);
     tips.push_back({{"link", name},
                     {"pose", pose_json(goal_of(problem, name, index))},
                     {"carries", carried_with(robot, index, trace.links)}});
@@ -142,7 +137,6 @@ Json tips_json(const Problem& problem, const PlanTrace& trace) {
   return tips;
 }
 
-/// Of points, triangles or cubes.
 bool has_compound(const Obstacle& obstacle) {
   return std::ranges::any_of(obstacle.shapes, [](const Shape& shape) {
     return std::visit(
@@ -153,7 +147,7 @@ bool has_compound(const Obstacle& obstacle) {
   });
 }
 
-/// Pairs of the key `allow`, of obstacles that the page's requests hold.
+/// Lists allowed contacts with the obstacles that the page's requests contain.
 Json allow_json(const Scene& scene) {
   Json pairs = Json::array();
   for (const Obstacle& obstacle : scene.obstacles) {
@@ -178,7 +172,7 @@ Problem resting_problem(const Robot& robot, const std::string& robot_path) {
 
 Result<LivePage> make_live_page(Problem problem, bool has_memory, const TraceSettings& settings) {
   LivePage page;
-  // The order of a plan's scene: what its request holds, then what the service keeps.
+  // As in a plan's scene: obstacles of the request come before the kept ones.
   auto& obstacles = problem.scene.obstacles;
   const auto kept = std::stable_partition(obstacles.begin(), obstacles.end(),
                                           std::not_fn(internal::has_compound));

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Text made safe for XML, HTML, CSV and tables, whatever bytes it holds, and SVG elements.
+/// Text that is safe in XML, HTML, CSV and tables for any input bytes. A writer of SVG elements.
 #pragma once
 
 #include <initializer_list>
@@ -13,29 +13,30 @@
 
 namespace mneme::internal {
 
-/// `text` with malformed UTF-8, and characters that XML 1.0 forbids, replaced by U+FFFD.
+/// Replaces malformed UTF-8, and characters that XML 1.0 forbids, by U+FFFD.
 [[nodiscard]] std::string clean_text(std::string_view text);
-/// Cleaned and escaped, for the content and the quoted attributes of XML and HTML.
+/// Cleans and escapes text for the content and the quoted attributes of XML and HTML.
 [[nodiscard]] std::string escape_markup(std::string_view text);
-/// Cleaned, on one line, for text tables.
+/// Cleans text and joins its lines, for text tables.
 [[nodiscard]] std::string single_line(std::string_view text);
-/// Number of characters of well-formed UTF-8.
+/// Returns the number of characters of well-formed UTF-8.
 [[nodiscard]] int character_count(std::string_view text);
-/// At most `limit` >= 1 characters of well-formed UTF-8; an ellipsis tells if some are missing.
+/// Returns at most `limit` >= 1 characters of well-formed UTF-8; shortened text ends in an
+/// ellipsis.
 [[nodiscard]] std::string shortened(const std::string& text, int limit);
 
-/// A point of a drawing, or of the plane in metres.
+/// A point of a picture in pixels, or of the plane in metres.
 struct Point {
   double x = 0;
   double y = 0;
 };
 
-/// At most `decimals` decimals, without trailing zeros; "0" for what is not finite.
+/// Prints at most `decimals` decimals without trailing zeros; "0" if `value` is not finite.
 [[nodiscard]] std::string short_number(double value, int decimals = 2);
-/// The value of a `points` attribute.
+/// Prints the value of a `points` attribute.
 [[nodiscard]] std::string short_points(std::span<const Point> points);
 
-/// Attribute names and values; values are escaped when written.
+/// Names and values of attributes. Values are escaped when written.
 using Attributes = std::initializer_list<std::pair<std::string_view, std::string>>;
 
 class SvgWriter {
@@ -46,7 +47,7 @@ class SvgWriter {
   /// An element that holds text.
   void text_element(std::string_view tag, Attributes attributes, std::string_view content);
 
-  /// The document; every opened element must be closed.
+  /// Returns the document. Every opened element must be closed.
   [[nodiscard]] const std::string& str() const { return text_; }
 
  private:

@@ -14,7 +14,7 @@ namespace mneme::internal {
 namespace {
 
 constexpr double kSteps = 65535;
-/// Cells along the longest extent when corners are first merged, and how these grow.
+/// Cells along the longest extent when vertices are first merged, and the growth of a cell.
 constexpr double kFirstCells = 512;
 constexpr double kCellGrowth = 1.3;
 
@@ -22,7 +22,7 @@ void append(std::vector<std::uint8_t>& bytes, std::uint32_t value, int size) {
   for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
-/// Where coordinates are counted from, and in which steps.
+/// Bounds of the points and the step of their coordinates.
 class Grid {
  public:
   void include(const Vec3& p) {
@@ -53,8 +53,8 @@ struct Surface {
   std::vector<Corners> triangles;
 };
 
-/// The surface with all corners in a cell of an edge of `cell` metres as one, their mean. Triangles
-/// that become lines are dropped.
+/// Replaces all vertices in a cell of `cell` metres by their mean. Degenerate triangles are
+/// dropped.
 Surface merged(const std::vector<Triangle>& triangles, const Grid& grid, double cell) {
   struct Hash {
     std::size_t operator()(const std::array<std::int64_t, 3>& key) const {

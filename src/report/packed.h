@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Many points, triangles and cubes in little text: coordinates in 16 bits, as base64.
+/// Compact text for many points, triangles and cubes: 16-bit coordinates as base64.
 #pragma once
 
 #include "mneme/geometry.h"
@@ -13,24 +13,25 @@
 
 namespace mneme::internal {
 
-/// Coordinates as multiples of `step` above `low`: 65535 steps are the longest extent.
+/// Coordinates as multiples of `step` above `low`; 65535 steps span the longest extent.
 struct Packed {
-  std::size_t count = 0;  ///< of what there is; not all of it needs to be in `data`
+  std::size_t count = 0;  ///< number before thinning
   Vec3 low = Vec3::Zero();
   double step = 0;
-  std::string data;          ///< base64 of 16-bit numbers, the lower byte first
-  std::string indices = {};  ///< of triangles: base64 of 32-bit numbers, three a triangle
+  std::string data;          ///< base64 of 16-bit numbers, little-endian
+  std::string indices = {};  ///< base64 of 32-bit vertex indices, three per triangle
 };
 
 [[nodiscard]] std::string to_base64(std::span<const std::uint8_t> bytes);
 
-/// x, y, z of each; if there are more than `most`, every so many-th one.
+/// Packs x, y, z of each point. At most `most` are kept, at equal steps.
 [[nodiscard]] Packed pack(const std::vector<CloudPoint>& points, std::size_t most);
-/// x, y, z of the middle and half the edge of each; if there are more than `most`, the largest.
+/// Packs x, y, z of the centre and half the edge of each cube. At most `most` are kept, the
+/// largest.
 [[nodiscard]] Packed pack(const std::vector<Cube>& cubes, std::size_t most);
-/// x, y, z of corners, and the corners of each triangle. If there are more triangles than `most`,
-/// corners are merged in cells that grow until there are not: after Rossignac and Borrel,
-/// Multi-resolution 3D approximations for rendering complex scenes, 1993.
+/// Packs vertices and triangles. Above `most` triangles, vertices in a grid cell are merged, with
+/// cells that grow until enough triangles vanish (Rossignac and Borrel, Multi-resolution 3D
+/// approximations for rendering complex scenes, 1993).
 [[nodiscard]] Packed pack(const std::vector<Triangle>& triangles, std::size_t most);
 
 }  // namespace mneme::internal

@@ -5,6 +5,7 @@
 
 #include "base/as_index.h"
 #include "check/link_distances.h"
+#include "report/picture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +16,8 @@ namespace {
 
 using internal::Clearance;
 
-/// Radians of L2 joint distance between states that are looked at, and how often the interval on
-/// either side of the nearest of them is divided then.
+/// L2 joint distance between the states that are measured, and the number of parts into which the
+/// intervals beside the nearest of them are divided then.
 constexpr double kStep = 1.0 / 32;
 constexpr double kPlanarStep = 0.02;
 constexpr int kRefinement = 16;
@@ -28,13 +29,13 @@ class ClearanceSearch {
 
   [[nodiscard]] Clearance along(const Path& path) {
     if (obstacles_.empty() || path.empty()) return nearest_;
-    look(path.front(), path.front(), 0);
+    measure(path.front(), path.front(), 0);
     const double step = robot_.is_planar() ? kPlanarStep : kStep;
     for (std::size_t i = 1; i < path.size(); ++i) {
       const int count =
           std::max(1, static_cast<int>(std::ceil(robot_.distance(path[i - 1], path[i]) / step)));
       for (int k = 1; k <= count; ++k) {
-        if (look(path[i - 1], path[i], static_cast<double>(k) / count)) half_ = 1.0 / count;
+        if (measure(path[i - 1], path[i], static_cast<double>(k) / count)) step_ = 1.0 / count;
       }
     }
     refine();
@@ -42,11 +43,9 @@ class ClearanceSearch {
   }
 
  private:
-  /// True if it is the nearest so far.
-  bool look(const Configuration& from, const Configuration& to, double fraction) {
-    Configuration q = from;
-    const Configuration delta = robot_.difference(from, to);
-    for (std::size_t i = 0; i < q.size(); ++i) q[i] += fraction * delta[i];
+  /// Measures a state of a motion. Returns true if it is the nearest so far.
+  bool measure(const Configuration& from, const Configuration& to, double fraction) {
+    const Configuration q = internal::along(robot_, from, to, fraction);
     const auto found = internal::find_clearance(links_, links_.posed(robot_.link_poses(q)),
                                                 obstacles_, nearest_.distance);
     if (found.link < 0) return false;
@@ -60,7 +59,7 @@ class ClearanceSearch {
     const Configuration from = from_, to = to_;
     const double middle = fraction_;
     for (int k = -kRefinement; k <= kRefinement; ++k) {
-      look(from, to, std::clamp(middle + half_ * k / kRefinement, 0.0, 1.0));
+      measure(from, to, std::clamp(middle + step_ * k / kRefinement, 0.0, 1.0));
     }
   }
 
@@ -70,7 +69,7 @@ class ClearanceSearch {
   Clearance nearest_{std::numeric_limits<double>::infinity(), -1, -1};
   Configuration from_, to_;
   double fraction_ = 0;
-  double half_ = 0;  ///< of the motion: the interval between two states
+  double step_ = 0;  ///< fraction of the motion between two states
 };
 
 }  // namespace

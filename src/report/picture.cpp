@@ -41,7 +41,7 @@ std::vector<LegendEntry> legend_of(const Drawing& drawing, bool has_path) {
   return legend;
 }
 
-/// Keeps labels off the base and the bold arms.
+/// Returns a placer that keeps labels off the base, the scale bar and the bold arms.
 LabelPlacer make_placer(const Drawing& drawing, const PlanarView& view, const PixelBox& panel) {
   LabelPlacer placer({panel.left + 4, panel.top + 4, panel.right - 4, panel.bottom - 4});
   const Point base = view.pixel(drawing.base);
@@ -98,7 +98,8 @@ void write_scale_bar(SvgWriter& svg, const PlanarView& view, const PixelBox& pan
   svg.close();
 }
 
-/// A nested document, because it clips without an identifier that pictures on one page would share.
+/// Opens a nested document, which clips without an identifier; identifiers clash between pictures
+/// on one page.
 void open_panel(SvgWriter& svg, const PixelBox& panel) {
   const std::string x = short_number(panel.left);
   const std::string y = short_number(panel.top);

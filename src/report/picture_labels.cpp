@@ -19,7 +19,7 @@ constexpr double kLegendRowHeight = 20;
 constexpr double kMarkWidth = 26;
 constexpr double kMarkGap = 7;
 constexpr double kEntryGap = 20;
-// Per square pixel, against 1 for what a label had better not cover.
+// Costs per square pixel; covering a taken area costs 1.
 constexpr double kOutsideCost = 8;
 constexpr double kLabelOverlapCost = 8;
 
@@ -27,7 +27,7 @@ double entry_width(const LegendEntry& entry) {
   return kMarkWidth + kMarkGap + text_width(entry.words, kFontSize);
 }
 
-/// Top left corners of the entries, relative to the legend's.
+/// Returns the top left corners of the entries relative to the legend.
 std::vector<Point> entry_corners(std::span<const LegendEntry> entries, double width) {
   std::vector<Point> corners;
   Point next;
@@ -52,7 +52,7 @@ void write_line(SvgWriter& svg, const Point& a, const Point& b, const std::strin
                        {"stroke-linecap", "round"}});
 }
 
-/// Lines that fan out from the lower middle of the mark.
+/// Writes lines that spread from the lower middle of the mark.
 void write_fan(SvgWriter& svg, const Point& corner) {
   constexpr int kLines = 9;
   const Point foot = {corner.x + kMarkWidth / 2, corner.y + 15};

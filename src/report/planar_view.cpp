@@ -47,7 +47,7 @@ std::optional<Outline> shadow(const std::vector<Vec3>& points) {
   return hull;
 }
 
-/// A circle about the z axis of `pose`, at height `z` there.
+/// Appends a circle about the z axis of `pose`, at height `z` in its frame.
 void append_circle(const Transform& pose, double z, double radius, std::vector<Vec3>& points) {
   for (int i = 0; i < kCirclePoints; ++i) {
     const double angle = 2 * std::numbers::pi * i / kCirclePoints;
@@ -88,7 +88,7 @@ std::optional<Outline> outline_of(const Capsule& capsule) {
   return shadow(points);
 }
 
-/// Has no outline of its own, and is not drawn.
+/// Compound shapes are not shown.
 template <class Part>
 std::optional<Outline> outline_of(const CompoundShape<Part>& /*compound*/) {
   return std::nullopt;

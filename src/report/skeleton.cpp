@@ -2,23 +2,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "report/trace.h"
+#include "base/as_index.h"
 
 #include <algorithm>
 
 namespace mneme::internal {
 namespace {
 
-/// Points this close to the farthest one, as a fraction of its distance, are the tip.
+/// Points beyond this fraction of the largest distance are part of the tip.
 constexpr double kTipFraction = 0.9;
 
-std::size_t position(int index) { return static_cast<std::size_t>(index); }
-
-/// True per link if `root` is the link or one of its ancestors.
+/// Per link: true if `root` is the link or one of its ancestors.
 std::vector<bool> carried_by(const Robot& robot, std::size_t root) {
   std::vector<bool> is_carried(robot.links().size(), false);
   is_carried[root] = true;
   for (const Joint& joint : robot.joints()) {
-    if (is_carried[position(joint.parent_link)]) is_carried[position(joint.child_link)] = true;
+    if (is_carried[as_index(joint.parent_link)]) is_carried[as_index(joint.child_link)] = true;
   }
   return is_carried;
 }
@@ -48,10 +47,10 @@ Vec3 middle_of_farthest(const std::vector<Vec3>& points) {
 
 Skeleton::Skeleton(const Robot& robot) : robot_(robot) {
   if (robot.joint_count() == 0) return;
-  tip_link_ = position(robot.group_joint(robot.joint_count() - 1).child_link);
+  tip_link_ = as_index(robot.group_joint(robot.joint_count() - 1).child_link);
   const std::vector<bool> is_carried = carried_by(robot, tip_link_);
   const std::vector<Transform> poses =
-      robot.link_poses(Configuration(position(robot.joint_count()), 0.0));
+      robot.link_poses(Configuration(as_index(robot.joint_count()), 0.0));
   const Transform X_TW = poses[tip_link_].inverse();
   std::vector<Vec3> points;
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -68,7 +67,7 @@ std::vector<Vec3> Skeleton::points(std::span<const double> q) const {
   const std::vector<Transform> poses = robot_.link_poses(q);
   std::vector<Vec3> points;
   for (int i = 0; i < robot_.joint_count(); ++i) {
-    points.push_back(poses[position(robot_.group_joint(i).child_link)].translation);
+    points.push_back(poses[as_index(robot_.group_joint(i).child_link)].translation);
   }
   points.push_back(tip(poses));
   return points;

@@ -19,13 +19,13 @@
 namespace mneme::internal {
 namespace {
 
-/// Radians of L2 joint distance between the points of an edge, and the most of them.
+/// L2 joint distance between the points of an edge, and the largest number of steps.
 constexpr double kEdgeStep = 0.35;
 constexpr int kMostEdgeSteps = 6;
 
 using Looks = std::map<std::string, std::vector<PlanTrace::Look>>;
 
-/// By link; of an attached object under its own name.
+/// Returns visual shapes by the name of the link or attached object.
 Looks find_looks(const Problem& problem, const TraceSettings& settings) {
   Looks looks;
   if (!problem.robot_path.empty() && !problem.robot.is_planar()) {
@@ -45,7 +45,7 @@ Looks find_looks(const Problem& problem, const TraceSettings& settings) {
   return looks;
 }
 
-/// Those with shapes or looks.
+/// Returns the links with collision or visual shapes.
 std::vector<int> seen_links(const Robot& robot, const Looks& looks) {
   std::vector<int> links;
   for (std::size_t i = 0; i < robot.links().size(); ++i) {
@@ -102,7 +102,7 @@ class Tracer {
     return chosen(robot_.link_poses(q));
   }
 
-  /// Equal steps along the path, and its own configurations between them.
+  /// Adds waypoints at equal steps, and the path's own configurations.
   void add_path(const Path& path) {
     if (path.empty()) return;
     const double step = path_length(robot_, path) / std::max(1, settings_.waypoints);
@@ -121,7 +121,8 @@ class Tracer {
     }
   }
 
-  /// Equal times along the trajectory; the path's configurations are those that it passes nearest.
+  /// Adds waypoints at equal times. The vertices are the waypoints nearest to the path's
+  /// configurations.
   void add_trajectory(const Trajectory& trajectory, const Path& path) {
     const int steps = std::max(1, settings_.waypoints);
     trace_.duration_s = trajectory.duration_s();
@@ -144,7 +145,7 @@ class Tracer {
     }
   }
 
-  /// What touches at `q`, the start or the goal of this index.
+  /// Adds the contacts at `q`: the start if `goal` is -1.
   void add_touches(const Scene& scene, const Configuration& q, int goal) {
     const PosedLinks posed = links_.posed(robot_.link_poses(q));
     for (const Contact& contact : find_contacts(robot_, links_, scene, q, 0)) {
@@ -175,7 +176,7 @@ class Tracer {
     trace_.component_count = mixture.component_count();
     const auto joints = static_cast<std::size_t>(mixture.joint_count);
     for (const int component : choose_components(mixture, settings_.components)) {
-      const auto i = static_cast<std::size_t>(component);
+      const std::size_t i = as_index(component);
       const auto mean = std::span(mixture.means).subspan(i * joints, joints);
       trace_.components.push_back(arm_of(mixture.sources.empty() ? 0 : mixture.sources[i], mean));
     }
@@ -186,12 +187,12 @@ class Tracer {
       for (const PlanRecorder::Sample& sample : samples->entries())
         trace_.samples.push_back(arm_of(sample.source, sample.q));
     }
-    for (const auto& [source, count] : recorder.draws()) {
+    for (const auto& [source, count] : recorder.sample_counts()) {
       const auto i = static_cast<std::size_t>(source);
       if (source == kUniformSource) {
-        trace_.uniform_draws = count;
+        trace_.uniform_count = count;
       } else if (i < trace_.primitives.size()) {
-        trace_.primitives[i].draws = count;
+        trace_.primitives[i].sample_count = count;
       }
     }
     for (const PlanRecorder::Edge& edge : recorder.edges().entries()) add_edge(edge);
@@ -201,25 +202,20 @@ class Tracer {
  private:
   [[nodiscard]] PlanTrace::Poses chosen(const std::vector<Transform>& poses) const {
     PlanTrace::Poses chosen;
-    for (const int i : link_indices_) chosen.push_back(poses[static_cast<std::size_t>(i)]);
+    for (const int i : link_indices_) chosen.push_back(poses[as_index(i)]);
     return chosen;
   }
 
-  /// Index into the trace's links, or -1.
+  /// Returns the index into the trace's links, or -1.
   [[nodiscard]] int index_of(const std::string& link) const {
     const auto found = std::ranges::find(trace_.links, link, &Link::name);
     return found == trace_.links.end() ? -1 : static_cast<int>(found - trace_.links.begin());
   }
 
-  [[nodiscard]] int robot_index_of(const std::string& link) const {
-    const auto found = std::ranges::find(robot_.links(), link, &Link::name);
-    return static_cast<int>(found - robot_.links().begin());
-  }
-
-  /// The middle of the link's shape that is nearest to the other thing, or deepest in it.
+  /// Returns the middle of the link's shape that is nearest to, or deepest in, the other body.
   [[nodiscard]] Vec3 place_of(const Contact& contact, std::span<const Transform> poses) const {
     const auto posed = [&](const std::string& name) {
-      const auto i = as_index(robot_index_of(name));
+      const std::size_t i = as_index(*robot_.find_link(name));
       return shapes_of(robot_.links()[i], poses[i]);
     };
     const std::vector<Capsule> others =
@@ -308,7 +304,7 @@ PlanRecorder::PlanRecorder(const TraceSettings& settings)
     : uniform_(settings.samples), memory_(settings.samples), edges_(settings.edges) {}
 
 void PlanRecorder::on_sample(std::span<const float> q, SampleSource source) {
-  ++draws_[source];
+  ++sample_counts_[source];
   Thinned<Sample>& samples = source == kUniformSource ? uniform_ : memory_;
   if (samples.counts_next()) samples.add({source, {q.begin(), q.end()}});
 }
@@ -337,7 +333,7 @@ Result<PlanTrace> make_trace(const Problem& problem, const SolveResult& result,
   internal::Tracer tracer(problem, checked_scene(problem, result), settings,
                           internal::find_looks(problem, settings), trace);
   trace.start = tracer.poses_at(problem.start);
-  // Those that poses were resolved to count, too.
+  // Pose goals appear as the configurations that inverse kinematics found.
   const auto& goals = result.goals.empty() ? problem.goals : result.goals;
   for (const Configuration& goal : goals) trace.goals.push_back(tracer.poses_at(goal));
   if (result.plan.status == PlanStatus::invalid_start)

@@ -12,15 +12,15 @@
 
 namespace mneme::internal {
 
-/// The chain of the planning group. Const and parallel-safe.
+/// The joints of the planning group as a polyline. Const and parallel-safe.
 class Skeleton {
  public:
   explicit Skeleton(const Robot& robot);
 
-  /// The end effector, given the poses of all links: the middle of what is farthest from the last
-  /// joint among all that it carries.
+  /// Returns the position of the end effector, given the poses of all links: the middle of the
+  /// points that are farthest from the last joint and move with it.
   [[nodiscard]] Vec3 tip(std::span<const Transform> poses) const;
-  /// The origins of the links that the group's joints carry, in its order, then the tip.
+  /// Returns the origins of the child links of the group's joints, in its order, then the tip.
   [[nodiscard]] std::vector<Vec3> points(std::span<const double> q) const;
 
  private:
@@ -29,7 +29,7 @@ class Skeleton {
   Vec3 tip_in_link_ = Vec3::Zero();
 };
 
-/// viewer/dist/viewer.html, as the build puts it into the library: the page without a trace.
+/// Returns the page of the viewer (viewer/dist/viewer.html) without a trace.
 [[nodiscard]] std::string_view viewer_page();
 
 }  // namespace mneme::internal

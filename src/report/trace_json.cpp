@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// A hundredth of a millimetre, or of a milliradian: below what anybody sees.
+/// Rounds to 0.01 mm or 0.01 mrad.
 double rounded(double value) { return std::round(value * 1e5) / 1e5 + 0.0; }
 
 Json number(double value) { return std::isfinite(value) ? Json(rounded(value)) : Json(nullptr); }
@@ -32,7 +32,7 @@ Json flat(std::span<const Vec3> points) {
   return list;
 }
 
-/// What `to` makes of each of the items.
+/// Converts each item with `to`.
 template <class Items, class ToJson>
 Json list_of(const Items& items, ToJson&& to) {
   Json list = Json::array();
@@ -66,10 +66,10 @@ Json to_json(const Capsule& capsule) {
   return list;
 }
 
-/// What bounds the size of a page: more points and triangles than these are thinned.
+/// Limits of points and triangles on a page; more are thinned.
 constexpr std::size_t kMostPoints = 100'000;
 constexpr std::size_t kMostTriangles = 60'000;
-/// Of each shape, however small its part of all is.
+/// Least number that is kept of each shape.
 constexpr std::size_t kFewest = 64;
 
 std::size_t part_count(const Shape& shape) {
@@ -81,7 +81,7 @@ std::size_t part_count(const Shape& shape) {
       shape);
 }
 
-/// How many of all triangles, and of all points and cubes, are shown.
+/// Shares of triangles, and of points and cubes, that are shown.
 struct Shares {
   double triangles = 1, points = 1;
 
@@ -223,7 +223,7 @@ Json primitives_json(const std::vector<PlanTrace::Primitive>& primitives) {
             {"similarity_errors", list_of(primitive.similarity_errors, rounded)},
             {"is_learned", primitive.is_learned},
             {"components", primitive.components},
-            {"draws", primitive.draws}};
+            {"draws", primitive.sample_count}};
   });
 }
 
@@ -241,19 +241,18 @@ Json edges_json(const std::vector<PlanTrace::Edge>& edges) {
 
 Json plan_json(const PlanTrace& trace) {
   const SolveResult& result = trace.result;
-  Json json = {{"status", to_string(result.plan.status)},
-               {"solved", result.plan.is_solved()},
-               {"message", result.plan.message},
-               {"planner", result.planner},
-               {"sampler", result.sampler},
-               {"seed", result.seed},
-               {"isa", to_string(result.isa)},
-               {"path_length", trace.path_length}};
-  json["iterations"] = result.plan.iterations;
-  json["states_checked"] = result.plan.states_checked;
-  json["motions_checked"] = result.plan.motions_checked;
-  json["nodes"] = result.plan.nodes;
-  return json;
+  return {{"status", to_string(result.plan.status)},
+          {"solved", result.plan.is_solved()},
+          {"message", result.plan.message},
+          {"planner", result.planner},
+          {"sampler", result.sampler},
+          {"seed", result.seed},
+          {"isa", to_string(result.isa)},
+          {"path_length", trace.path_length},
+          {"iterations", result.plan.iterations},
+          {"states_checked", result.plan.states_checked},
+          {"motions_checked", result.plan.motions_checked},
+          {"nodes", result.plan.nodes}};
 }
 
 Json times_json(const PlanTrace& trace) {
@@ -294,7 +293,7 @@ std::string to_json(const PlanTrace& trace) {
   json["vertices"] = trace.vertices;
   json["primitives"] = primitives_json(trace.primitives);
   json["components"] = {{"count", trace.component_count}, {"shown", arms_json(trace.components)}};
-  json["samples"] = {{"uniform_draws", trace.uniform_draws}, {"shown", arms_json(trace.samples)}};
+  json["samples"] = {{"uniform_draws", trace.uniform_count}, {"shown", arms_json(trace.samples)}};
   json["edges"] = {{"count", trace.edge_count}, {"shown", edges_json(trace.edges)}};
   // Names come from files and may hold any bytes; JSON must be UTF-8.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);

@@ -3,10 +3,10 @@
 
 #include "mneme/report.h"
 
+#include "base/fail.h"
 #include "report/markup.h"
 #include "report/trace.h"
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <array>
@@ -20,7 +20,7 @@ using PlainJson = nlohmann::json;
 constexpr std::string_view kTitlePlace = "<!--mneme-title-->";
 constexpr std::string_view kTracePlace = "<!--mneme-trace-->";
 constexpr int kMaxTraceDepth = 64;
-/// What the page cannot do without, and the kind of each.
+/// The members that the page needs, with their types.
 constexpr std::array<std::pair<const char*, PlainJson::value_t>, 15> kMembers = {{
     {"problem", PlainJson::value_t::string},
     {"robot", PlainJson::value_t::string},
@@ -39,8 +39,7 @@ constexpr std::array<std::pair<const char*, PlainJson::value_t>, 15> kMembers = 
     {"edges", PlainJson::value_t::object},
 }};
 
-/// True if lists and objects stand in each other more than kMaxTraceDepth deep: writing such JSON
-/// takes as deep a stack.
+/// True if arrays and objects are nested more than kMaxTraceDepth deep. Writing JSON is recursive.
 bool is_too_deep(std::string_view json) {
   int depth = 0;
   bool is_quoted = false;
@@ -62,37 +61,38 @@ bool is_too_deep(std::string_view json) {
 
 Result<PlainJson> parse_trace(std::string_view text, const std::string& source) {
   if (text.size() > kMaxTraceBytes) {
-    return fail(ErrorCode::unsupported,
-                fmt::format("{}: expected a trace of at most {} bytes", source, kMaxTraceBytes));
+    return fail(ErrorCode::unsupported, "{}: expected a trace of at most {} bytes", source,
+                kMaxTraceBytes);
   }
   if (is_too_deep(text)) {
-    return fail(ErrorCode::unsupported,
-                fmt::format("{}: expected a trace nested at most {} deep", source, kMaxTraceDepth));
+    return fail(ErrorCode::unsupported, "{}: expected a trace nested at most {} deep", source,
+                kMaxTraceDepth);
   }
   PlainJson json = PlainJson::parse(text, nullptr, false);
-  if (json.is_discarded())
-    return fail(ErrorCode::parse,
-                source + ": no JSON: expected a trace, as 'mneme plan --trace' writes it");
+  if (json.is_discarded()) {
+    return fail(ErrorCode::parse, "{}: not JSON; expected a trace of 'mneme plan --trace'", source);
+  }
   const auto format = json.is_object() ? json.find("format") : json.end();
   if (!json.is_object() || format == json.end() || *format != "mneme-trace") {
-    return fail(ErrorCode::parse, source +
-                                      ": no trace: expected \"format\": \"mneme-trace\", as "
-                                      "'mneme plan --trace' writes it");
+    return fail(
+        ErrorCode::parse,
+        "{}: not a trace; expected \"format\": \"mneme-trace\", as 'mneme plan --trace' writes",
+        source);
   }
   if (json.value("version", PlainJson()) != 1) {
-    return fail(ErrorCode::unsupported, source + ": a trace of another version: expected 1");
+    return fail(ErrorCode::unsupported, "{}: this trace has another version; expected 1", source);
   }
   for (const auto& [name, kind] : kMembers) {
     const auto member = json.find(name);
     if (member == json.end() || member->type() != kind) {
-      return fail(ErrorCode::parse, source + ": the trace has no \"" + name + "\", or not as " +
-                                        PlainJson(kind).type_name());
+      return fail(ErrorCode::parse, "{}: expected a trace with \"{}\", of the type {}", source,
+                  name, PlainJson(kind).type_name());
     }
   }
   return json;
 }
 
-/// JSON that cannot end the script element that it stands in.
+/// Returns JSON that cannot end the script element around it.
 std::string script_text(const PlainJson& json) {
   const std::string text = json.dump(-1, ' ', false, PlainJson::error_handler_t::replace);
   std::string safe;
@@ -116,13 +116,12 @@ std::string replaced(std::string_view text, std::string_view place, std::string_
   return result;
 }
 
-/// What both have in common stands in the page once.
+/// Adds the second trace without the links and obstacles that both share.
 Result<void> add_beside(PlainJson& trace, std::string_view text, const std::string& source) {
   PlainJson beside = MNEME_TRY(parse_trace(text, source + ", beside"));
   for (const char* key : {"robot", "joints", "is_planar"}) {
     if (trace[key] == beside[key]) continue;
-    return fail(ErrorCode::invalid,
-                fmt::format("{}: the trace beside it is of another robot", source));
+    return fail(ErrorCode::invalid, "{}: the trace beside it is of another robot", source);
   }
   for (const char* key : {"links", "obstacles"}) {
     if (trace[key] == beside[key]) beside[key] = PlainJson::array();
@@ -143,7 +142,7 @@ Result<std::string> to_page(std::string_view json, const std::string& source,
   }
   const std::string title = trace.at("problem").get<std::string>() + ", " +
                             trace.at("robot").get<std::string>() + " - mneme";
-  // The trace comes last in the page: whatever it holds is not searched for places.
+  // The trace comes last, so that its text is not searched for places.
   return replaced(replaced(viewer_page(), kTitlePlace, escape_markup(title)), kTracePlace,
                   script_text(trace));
 }

@@ -391,12 +391,12 @@ TEST_SUITE("unit") {
     const PlanarFiles files;
     const std::string unwritable = files / "no/such/directory/p.svg";
     check_bad_inputs({{{"plan", files.problem(), "--svg", unwritable}, 1, {unwritable}},
-                      {{"plan", files.problem(), "--svg", files / ""}, 1, {"cannot write"}}});
+                      {{"plan", files.problem(), "--svg", files / ""}, 1, {"cannot be written"}}});
     for (const char* flag : {"--svg", "--view", "--trace"}) {
       const ProgramRun early = run_program({"plan", files.problem(), flag, unwritable});
       CHECK_MESSAGE(early.out.empty(), early.out);
       CHECK(early.err ==
-            "mneme: error: cannot write '" + unwritable + "': No such file or directory\n");
+            "mneme: error: " + unwritable + ": cannot be written: No such file or directory\n");
     }
   }
 

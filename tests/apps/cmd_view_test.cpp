@@ -81,7 +81,7 @@ TEST_SUITE("flow") {
          {{"view", files / "no.json", "-o", files / "p.html"},
           1,
           {files / "no.json", "mneme-trace"}},
-         {{"view", files.problem(), "-o", files / "p.html"}, 1, {"no JSON", "plan --trace"}},
+         {{"view", files.problem(), "-o", files / "p.html"}, 1, {"not JSON", "plan --trace"}},
          {{"view", files / "empty.json", "-o", files / "p.html"}, 1, {"empty.json"}},
          {{"view", files / "missing.json", "-o", files / "p.html"},
           1,

@@ -19,8 +19,8 @@ TEST_SUITE("unit") {
                       csv = write_some_runs(files);
     const std::string before = read_file(memory);
     std::filesystem::create_symlink(memory, files / "link");
-    const std::string read = "is the memory that is read; expected another file";
-    const std::string kept = "is a memory; expected another file";
+    const std::string read = "is also an input (the memory); choose another output";
+    const std::string kept = "is a memory; choose another output";
     check_bad_inputs({
         {{"bench", "run", problem, "--db", memory, "--csv", memory}, 1, {memory, read}},
         {{"bench", "run", problem, "--csv", memory}, 1, {memory, kept}},
@@ -53,20 +53,26 @@ TEST_SUITE("unit") {
     check_bad_inputs({
         {{"plan", problem, "--trace", problem},
          1,
-         {problem, "is a file of the problem that is read"}},
+         {problem, "is also an input (a file of the problem)"}},
         {{"plan", problem, "--svg", files / "hard.yaml"},
          1,
-         {"hard.yaml", "is a file of the problem"}},
-        {{"plan", problem, "--trace", files / "arm.stl"}, 1, {"arm.stl", "which mneme reads"}},
-        {{"plan", problem, "--trace", files / "ARM.STL"}, 1, {"is a .STL file", "mneme reads"}},
-        {{"plan", problem, "--view", robot}, 1, {"planar8.urdf", "is the robot that is read"}},
+         {"hard.yaml", "is also an input (a file of the problem)"}},
+        {{"plan", problem, "--trace", files / "arm.stl"}, 1, {"arm.stl", "mneme reads .stl files"}},
+        {{"plan", problem, "--trace", files / "ARM.STL"}, 1, {"ARM.STL", "mneme reads .STL files"}},
+        {{"plan", problem, "--view", robot}, 1, {"planar8.urdf", "is also an input (the robot)"}},
         {{"plan", problem, "--svg", files / "a", "--trace", files / "./a"},
          1,
-         {"to be written twice"}},
-        {{"bench", "run", problem, "--csv", problem}, 1, {problem, "is a file of a problem"}},
-        {{"bench", "report", csv, "-o", csv}, 1, {csv, "is a file of runs that is read"}},
-        {{"scene", "convert", problem, "-o", problem}, 1, {problem, "is a file of the scene"}},
-        {{"view", files / "trace.json", "-o", files / "trace.json"}, 1, {"is the trace"}},
+         {"two outputs are named"}},
+        {{"bench", "run", problem, "--csv", problem},
+         1,
+         {problem, "is also an input (a file of a problem)"}},
+        {{"bench", "report", csv, "-o", csv}, 1, {csv, "is also an input (a file of runs)"}},
+        {{"scene", "convert", problem, "-o", problem},
+         1,
+         {problem, "is also an input (a file of the scene)"}},
+        {{"view", files / "trace.json", "-o", files / "trace.json"},
+         1,
+         {"is also an input (the trace)"}},
     });
     CHECK(read_file(problem) == before);
     CHECK_FALSE(std::filesystem::exists(files / "a"));
@@ -90,7 +96,7 @@ TEST_SUITE("unit") {
     write_file(arm, read_file(source_file("robots/planar8.urdf")));
     const std::string before =
         read_file(scene) + read_file(srdf) + read_file(compact) + read_file(arm);
-    const std::string kept = "is a file of the problem that is read; expected another file";
+    const std::string kept = "is also an input (a file of the problem); choose another output";
     check_bad_inputs({
         {{"plan", named, "--trace", scene}, 1, {scene, kept}},
         {{"plan", named, "--trajectory", scene}, 1, {scene, kept}},
@@ -98,12 +104,18 @@ TEST_SUITE("unit") {
         {{"plan", compact + "#two", "--view", compact}, 1, {compact, kept}},
         {{"bench", "run", named, compact, "--csv", scene}, 1, {scene, "a file of a problem"}},
         {{"bench", "run", named, compact, "--csv", compact}, 1, {compact, "a file of a problem"}},
-        {{"scene", "convert", named, "-o", scene}, 1, {scene, "is a file of the scene"}},
+        {{"scene", "convert", named, "-o", scene},
+         1,
+         {scene, "is also an input (a file of the scene)"}},
         {{"scene", "repeat", compact, "--tasks", "1", "-n", "1", "-o", compact},
          1,
-         {compact, "is a file of a problem"}},
-        {{"scene", "threaded", "--robot", arm, "-n", "1", "-o", arm}, 1, {arm, "is the robot"}},
-        {{"scene", "enclosed", "--robot", arm, "-n", "1", "-o", arm}, 1, {arm, "is the robot"}},
+         {compact, "is also an input (a file of a problem)"}},
+        {{"scene", "threaded", "--robot", arm, "-n", "1", "-o", arm},
+         1,
+         {arm, "is also an input (the robot)"}},
+        {{"scene", "enclosed", "--robot", arm, "-n", "1", "-o", arm},
+         1,
+         {arm, "is also an input (the robot)"}},
     });
     CHECK(read_file(scene) + read_file(srdf) + read_file(compact) + read_file(arm) == before);
   }
@@ -117,7 +129,7 @@ TEST_SUITE("unit") {
                "settings: {a: {memory: m}}\n");
     check_bad_inputs({{{"bench", "run", files / "s.yaml", "--out", files / "out"},
                        1,
-                       {"report.html", "is a memory that is read"}}});
+                       {"report.html", "is also an input (a memory)"}}});
     CHECK(run_program({"db", "info", files / "out/report.html"}).exit_code == 0);
   }
 }

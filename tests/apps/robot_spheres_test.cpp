@@ -158,8 +158,8 @@ TEST_SUITE("unit") {
         {{"robot", "spheres", arm.files / "missing.urdf", "-o", arm.out}, 1, {"missing.urdf"}},
         {{"robot", "spheres", bad_mesh, "-o", arm.out}, 1, {bad_mesh, "link 'b'", "bad.stl"}},
         {{"robot", "spheres", arm.urdf, "-o", unwritable}, 1, {unwritable}},
-        {{"robot", "spheres", arm.urdf, "-o", arm.urdf}, 1, {"expected another file"}},
-        {with({"--srdf-out", arm.urdf}), 1, {"expected another file"}},
+        {{"robot", "spheres", arm.urdf, "-o", arm.urdf}, 1, {"choose another output"}},
+        {with({"--srdf-out", arm.urdf}), 1, {"choose another output"}},
         {with({"--srdf", arm.files / "none.srdf"}), 1, {"none.srdf"}},
     });
   }

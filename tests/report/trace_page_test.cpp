@@ -65,7 +65,7 @@ TEST_SUITE("unit") {
     const std::string json = to_json(plan.trace());
     const auto none = to_page(json, "t.json", "{}");
     REQUIRE_FALSE(none.has_value());
-    CHECK(none.error().message.find("t.json, beside: no trace") == 0);
+    CHECK(none.error().message.find("t.json, beside: not a trace") == 0);
     Json other = Json::parse(json);
     other["robot"] = "another";
     const auto wrong = to_page(json, "t.json", other.dump());

@@ -72,7 +72,8 @@ TEST_SUITE("unit") {
     CHECK(recorder.uniform_samples().entries()[2].q == std::vector<float>{2, 0});
     REQUIRE(recorder.memory_samples().entries().size() == 2);
     CHECK(recorder.memory_samples().entries()[1].source == 7);
-    CHECK(recorder.draws() == std::map<SampleSource, std::uint64_t>{{kUniformSource, 3}, {7, 2}});
+    CHECK(recorder.sample_counts() ==
+          std::map<SampleSource, std::uint64_t>{{kUniformSource, 3}, {7, 2}});
     REQUIRE(recorder.edges().entries().size() == 1);
     CHECK(recorder.edges().entries()[0].graph == 1);
     CHECK(recorder.edges().entries()[0].from == std::vector<float>{1, 2});
@@ -152,11 +153,11 @@ TEST_SUITE("unit") {
     REQUIRE(trace.primitives.size() == 1);
     CHECK(trace.primitives[0].similarity_errors == std::vector<double>{0.0123456, 0.2});
     CHECK(trace.primitives[0].components == 4);
-    CHECK(trace.primitives[0].draws == 1);
+    CHECK(trace.primitives[0].sample_count == 1);
     CHECK(trace.component_count == 100);
     CHECK(trace.components.size() == 20);
     CHECK(trace.components[0].points.size() == 4);
-    CHECK(trace.uniform_draws == 3);
+    CHECK(trace.uniform_count == 3);
     REQUIRE(trace.samples.size() == 4);
     CHECK(trace.samples[3].source == 0);
     CHECK((trace.samples[3].points.back() - 3 * Vec3(std::cos(0.3F), std::sin(0.3F), 0)).norm() <
