@@ -28,16 +28,17 @@ Robot attach_objects(const Robot& robot, const std::string& link, const Scene& o
 void bind_attached(py::class_<Robot>& robot) {
   robot.def("attach", &attach_objects, py::arg("link"), py::arg("objects"), py::kw_only(),
             py::arg("touch") = std::vector<std::string>(),
-            "This robot carrying objects: a Scene in the frame of the link that carries them.\n\n"
-            "touch: names of other links and attached objects that may touch them. What is\n"
-            "attached is checked against obstacles, links and other objects. Experience of the\n"
-            "robot applies, whatever it carries. Takes tens of microseconds.");
+            "Returns this robot with attached objects.\n\n"
+            "objects: a Scene in the frame of the link that carries them. touch: names of other\n"
+            "links and attached objects that may touch them. Attached objects are checked against\n"
+            "obstacles, links and each other. Memory of the robot still applies. Takes tens of\n"
+            "microseconds.");
   robot.def(
       "detach",
       [](const Robot& self, const std::string& name) {
         return unwrap(self.without_attached(name));
       },
-      py::arg("name"), "This robot without one of its attached objects.");
+      py::arg("name"), "Returns this robot without one of its attached objects.");
   robot.def_property_readonly(
       "attached",
       [](const Robot& self) {

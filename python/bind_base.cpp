@@ -12,7 +12,7 @@
 namespace mneme::python {
 namespace {
 
-/// mneme.Error. Lives as long as the process, like all static types.
+/// mneme.Error. Never destroyed, as all static types.
 PyObject* error_type = nullptr;
 
 void raise_in_python(const Error& error) {
@@ -25,11 +25,14 @@ void raise_in_python(const Error& error) {
 void bind_error(py::module_& module) {
   error_type = PyErr_NewExceptionWithDoc(
       "mneme.Error",
-      "Something is wrong with a file, an argument or a database.\n\n"
-      "The message names the file, line or object and says what was expected. `code` is one of\n"
-      "'io' (a file cannot be read, written or created), 'parse' (malformed text), 'unsupported'\n"
-      "(well-formed, but not handled), 'invalid' (out of range, or inputs that do not fit\n"
-      "together), 'wrong_robot' (a database of another robot) and 'corrupt'.",
+      "A file, an argument or a database is wrong.\n\n"
+      "The message names the file, line or object and what was expected. `code` is one of:\n"
+      "'io': a file cannot be read, written or created;\n"
+      "'parse': malformed text;\n"
+      "'unsupported': well-formed, but not handled;\n"
+      "'invalid': out of range, or inputs do not fit together;\n"
+      "'wrong_robot': a database of another robot;\n"
+      "'corrupt': a damaged database.",
       nullptr, nullptr);
   if (error_type == nullptr) throw py::error_already_set();
   module.attr("Error") = py::reinterpret_borrow<py::object>(error_type);
@@ -50,8 +53,8 @@ void bind_base(py::module_& module) {
   module.attr("__version__") = std::string(version());
   module.def(
       "default_isa", [] { return std::string(to_string(default_isa())); },
-      "The instruction set that kernels use unless told otherwise: the best of this machine, or\n"
-      "the one that the environment variable MNEME_ISA names.");
+      "Returns the default instruction set of the kernels: the environment variable MNEME_ISA, or\n"
+      "the best of this machine.");
   module.def(
       "available_isas",
       [] {
@@ -61,11 +64,11 @@ void bind_base(py::module_& module) {
         }
         return names;
       },
-      "Instruction sets that this machine can run, from the worst to the best.");
+      "Returns the instruction sets that this machine can run, slowest first.");
   module.def(
       "find_scene", [](const std::string& name) { return unwrap(find_scene(name)); },
       py::arg("name"),
-      "The file of a scene or problem that came with mneme, such as 'planar/threaded_b2.yaml'.");
+      "Returns the path of a bundled scene or problem, such as 'planar/threaded_b2.yaml'.");
 }
 
 }  // namespace mneme::python

@@ -16,7 +16,7 @@
 namespace mneme::python {
 namespace {
 
-/// What is run how often.
+/// The runs of a benchmark.
 struct Runs {
   std::vector<std::string> planners;
   std::vector<std::string> samplers;
@@ -41,7 +41,7 @@ BenchPlan make_bench_plan(const std::vector<SharedProblem>& problems, const Memo
   return plan;
 }
 
-/// Only solving lets other threads run, so that `on_row` is called by the caller's.
+/// Only solving runs in another thread, so that the caller's thread calls `on_row`.
 void bench(const std::vector<SharedProblem>& problems, const Memory* memory, const Runs& runs,
            const SolveSettings& settings, const py::function& on_row) {
   if (memory == nullptr) check_without_memory(settings);
@@ -67,17 +67,18 @@ void bind_rows(py::module_& module) {
       .def_readonly("seed", &BenchmarkRow::seed)
       .def_property_readonly(
           "status", [](const BenchmarkRow& self) { return std::string(to_string(self.status)); })
-      .def_readonly("is_solved", &BenchmarkRow::is_solved, "What the planner says.")
-      .def_readonly("is_path_valid", &BenchmarkRow::is_path_valid,
-                    "By an independent check with exact distances at ten times the resolution.")
+      .def_readonly("is_solved", &BenchmarkRow::is_solved, "Result of the planner.")
+      .def_readonly(
+          "is_path_valid", &BenchmarkRow::is_path_valid,
+          "Result of an independent check with exact distances at ten times the resolution.")
       .def_readonly("planning_time_s", &BenchmarkRow::planning_time_s,
-                    "The time limit if there is no path.")
+                    "Seconds; the time limit if there is no path.")
       .def_readonly("total_time_s", &BenchmarkRow::total_time_s)
       .def_readonly("iterations", &BenchmarkRow::iterations)
       .def_readonly("states_checked", &BenchmarkRow::states_checked)
       .def_readonly("path_length", &BenchmarkRow::path_length, "Radians.")
       .def_readonly("duration_s", &BenchmarkRow::duration_s,
-                    "Seconds of the path's trajectory within the robot's own limits.")
+                    "Duration of the path's trajectory within the robot's own limits, seconds.")
       .def_readonly("components", &BenchmarkRow::components);
   module.def("_to_table", [](const std::vector<BenchmarkRow>& rows) {
     return to_table(std::span<const BenchmarkRow>(rows));
@@ -108,8 +109,8 @@ void bind_benchmark(py::module_& module) {
                  "a file of a problem");
   });
   module.def("planner_names", &planner_names,
-             "Names of all planners, those of OMPL with the prefix 'ompl:' where it was built in.");
-  module.def("sampler_names", &sampler_names, "Names of all sources of configurations.");
+             "Returns the names of all planners. Planners of OMPL begin with 'ompl:'.");
+  module.def("sampler_names", &sampler_names, "Returns the names of all samplers.");
   module.def("_needs_memory", &needs_memory);
 }
 

@@ -91,31 +91,33 @@ bool path_is_free(const CollisionChecker& checker, const py::object& path,
 void bind_collision(py::module_& module) {
   py::class_<CollisionChecker> checker(
       module, "CollisionChecker",
-      "Decides whether configurations and straight motions are free of contact. Joint limits are\n"
-      "not its business: see Robot.describe_violation.");
+      "Checks configurations and straight motions for contact. Does not check joint limits: see\n"
+      "Robot.describe_violation.");
   refuse_pickling(checker, "make it in each process, of a robot that was loaded there");
   checker
       .def(py::init(&make), py::arg("robot"), py::arg("scene"), py::kw_only(),
            py::arg("resolution") = py::none(), py::arg("margin") = 0.0,
            py::arg("isa") = "automatic",
-           "resolution: largest L2 joint distance between checked states of a motion, radians;\n"
-           "None for the robot's default. margin: metres that the robot is inflated by.")
+           "resolution: largest L2 joint distance between checked states of a motion, radians.\n"
+           "Default: the robot's. margin: the robot is inflated by this many metres.")
       .def_property_readonly("resolution", &CollisionChecker::resolution)
       .def_property_readonly("margin", &CollisionChecker::margin)
       .def_property_readonly(
           "isa", [](const CollisionChecker& self) { return std::string(to_string(self.isa())); })
       .def("is_valid", &is_valid, py::arg("q"),
-           "True if q, shape (joint_count,), is free; for rows of shape (n, joint_count) an array\n"
-           "of n booleans.")
+           "Returns True if q, shape (joint_count,), is free. For rows of shape (n, joint_count):\n"
+           "an array of n booleans.")
       .def("is_motion_valid", &is_motion_valid, py::arg("start"), py::arg("end"),
-           "True if the straight motion after start, up to and including end, is free.")
+           "Returns True if the straight motion from start to end is free. start is not checked.")
       .def("contacts", &contacts, py::arg("q"),
-           "Everything that touches at q: dictionaries with link, other, is_self and distance\n"
-           "(metres, negative in contact).")
+           "Returns all contacts at q: dictionaries with link, other, is_self and distance "
+           "(metres,\n"
+           "negative in contact).")
       .def("is_path_free", &path_is_free, py::arg("path"), py::arg("resolution") = py::none(),
-           "True if every state of path, shape (n, joint_count), is within limits and free by\n"
-           "exact distances that share no code with the kernels. resolution: radians; None for a\n"
-           "tenth of the checker's.");
+           "Returns True if every state of path, shape (n, joint_count), is within limits and "
+           "free.\n"
+           "Uses exact distances that share no code with the kernels. resolution: radians.\n"
+           "Default: a tenth of the checker's.");
 }
 
 }  // namespace mneme::python

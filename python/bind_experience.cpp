@@ -35,7 +35,7 @@ Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot
             const std::string& mode, std::int64_t memory_mib) {
   const OpenMode open_mode = parse_mode(mode);
   if (!robot && open_mode != OpenMode::read_only) {
-    raise_invalid("robot: expected one, unless the mode is 'read_only'");
+    raise_invalid("robot: needed for the modes 'read_write' and 'create'");
   }
   if (memory_mib < 0 || memory_mib > 1'000'000) raise_invalid("memory_mib: expected 0 to 1000000");
   const DatabaseSettings kept{memory_mib << 20};
@@ -162,7 +162,7 @@ py::list find(const Memory& memory, const LocalPrimitive& primitive,
               std::optional<double> similarity, int max_matches) {
   const std::shared_ptr<Database> database = memory.get();
   const MemoryKind* kind = memory_kind_of(primitive.kind);
-  if (kind == nullptr) raise_invalid("primitive: it is of no kind of memory");
+  if (kind == nullptr) raise_invalid("primitive: its kind of memory is unknown");
   const double threshold = similarity.value_or(kind->defaults.similarity);
   if (!(threshold > 0)) raise_invalid("similarity: expected more than 0 m^2");
   if (max_matches < 0) raise_invalid("max_matches: expected 0 or more");
@@ -220,29 +220,29 @@ void bind_experience(py::module_& module) {
       .def_static("open", &open, py::arg("path"), py::arg("robot") = py::none(), py::kw_only(),
                   py::arg("mode") = "read_only",
                   py::arg("memory_mib") = DatabaseSettings{}.memory_bytes >> 20,
-                  "Opens the memory of a robot; without a robot, whatever is there, to look at.\n\n"
+                  "Opens the memory of a robot. Without a robot: any database, to inspect it.\n\n"
                   "mode: 'read_only', 'read_write', or 'create', which also makes a missing file.\n"
-                  "memory_mib: a larger database is not in memory; rows are read as they match.")
+                  "memory_mib: a larger database stays on disk, and rows are read when they match.")
       .def_static("verify", &verify, py::arg("path"),
-                  "Damaged rows as (id, what); id 0 is damage to the file. Empty if all is well.")
+                  "Returns damaged rows as (id, what). id 0: damage to the file. Empty: no damage.")
       .def(
           "find", &find, py::arg("primitive"), py::kw_only(), py::arg("similarity") = py::none(),
           py::arg("max_matches") = 8,
-          "Rows whose squared key distance to the primitive is less than similarity (m^2, default\n"
-          "the key's own), nearest first, with their similarity_error; 0 matches are all.")
-      .def(
-          "to_arrays", &to_arrays,
-          "All rows as a dict of NumPy arrays, for numpy.savez: ids, kinds, keys, means, factors,\n"
-          "factor_rows, sources, seeds, settings. Row i has keys[key_ends[i-1]:key_ends[i]], from "
-          "0\n"
-          "for the first, and likewise means, factors, factor_rows and sources.")
-      .def("info", &info, "Robot, kinds of rows, numbers of samplers and components, bytes.")
-      .def("close", &Memory::close, "Lets go of the file; results that refer to it stay valid.")
+          "Returns the rows whose similarity error, the squared key distance to the primitive, is\n"
+          "below similarity (m^2). Nearest first. max_matches: 0 returns all.")
+      .def("to_arrays", &to_arrays,
+           "Returns all rows as a dict of NumPy arrays, for numpy.savez: ids, kinds, keys, means,\n"
+           "factors, factor_rows, sources, seeds, settings. Row i has "
+           "keys[key_ends[i-1]:key_ends[i]],\n"
+           "row 0 keys[:key_ends[0]]; likewise means, factors, factor_rows and sources.")
+      .def("info", &info,
+           "Returns a dict: robot, kinds of rows, numbers of samplers and components, bytes.")
+      .def("close", &Memory::close, "Closes the file. Results that refer to it stay valid.")
       .def("__len__", [](const Memory& self) { return self.get()->size(); })
       .def("__getitem__", &get, py::arg("position"),
-           "A row: id, kind, key, means of shape (components, joint_count), float32, and where it "
-           "is\n"
-           "from. The means of a path (is_path) are its waypoints.")
+           "Returns a row: id, kind, key, means of shape (components, joint_count), float32, and "
+           "its\n"
+           "provenance. The means of a path (is_path) are its waypoints.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](Memory& self, const py::args&) { self.close(); })
       .def("__repr__", [](const Memory& self) {

@@ -69,7 +69,7 @@ PoseGoal make_pose_goal(std::string link, const py::object& position, const py::
     goal.cone = to_radians(cone, "cone");
     goal.turn = to_radians(turn, "turn");
   } else if (cone != Angle(0.0) || turn != Angle(0.0)) {
-    raise_invalid("cone, turn: expected quat_xyzw beside them, got none");
+    raise_invalid("cone, turn: expected quat_xyzw, too, got none");
   }
   const bool is_number = py::isinstance<py::float_>(position_tolerance) ||
                          py::isinstance<py::int_>(position_tolerance);
@@ -83,7 +83,7 @@ py::array_t<double> to_quaternion(const PoseGoal& goal) {
   return to_array(std::vector<double>{q.x(), q.y(), q.z(), q.w()});
 }
 
-/// What pickles hold.
+/// Returns the state for pickling.
 py::tuple state_of(const PoseGoal& goal) {
   const Eigen::Matrix3d& rotation = goal.pose.rotation;
   return py::make_tuple(goal.link, point_array(goal.pose.translation),
@@ -134,26 +134,29 @@ double tilt_at(const Robot& robot, const OrientationConstraint& constraint, cons
 
 void bind_constraint(py::module_& module) {
   using Constraint = OrientationConstraint;
-  py::class_<Constraint>(module, "OrientationConstraint", "A link that stays upright on its way.")
+  py::class_<Constraint>(module, "OrientationConstraint",
+                         "A link that stays upright along the path.")
       .def(py::init(&make_constraint), py::arg("link"), py::arg("angle"), py::kw_only(),
            py::arg("axis") = py::make_tuple(0, 0, 1), py::arg("up") = py::make_tuple(0, 0, 1),
-           "The axis of the link, in its own frame, leans by at most `angle` radians from `up`, a\n"
-           "direction in the frame of the robot's root link, or, for Problem.load(), of the\n"
+           "Limits the angle between `axis`, in the link's frame, and `up` to `angle` radians. "
+           "`up`\n"
+           "is in the frame of the robot's root link; for Problem.load() in the frame of the\n"
            "problem's scene.")
       .def_readonly("link", &Constraint::link)
       .def_readonly("angle", &Constraint::angle, "Radians.")
       .def_property_readonly(
           "axis", [](const Constraint& self) { return point_array(self.axis); },
-          "Shape (3,), of length 1.")
+          "Unit vector, shape (3,).")
       .def_property_readonly(
           "up", [](const Constraint& self) { return point_array(self.up); },
-          "Shape (3,), of length 1.")
+          "Unit vector, shape (3,).")
       .def(
           "tilt",
           [](const Constraint& self, const Robot& robot, const py::object& q) {
             return tilt_at(robot, self, q);
           },
-          py::arg("robot"), py::arg("q"), "Radians that the link leans at a configuration.")
+          py::arg("robot"), py::arg("q"),
+          "Returns the angle between axis and up at a configuration, radians.")
       .def(py::pickle(
           [](const Constraint& self) {
             return py::make_tuple(self.link, point_array(self.axis), point_array(self.up),
@@ -233,17 +236,20 @@ py::object solve_ik(const Robot& robot, const OneOrMore& given, const py::object
 
 void bind_goal(py::module_& module) {
   bind_constraint(module);
-  py::class_<PoseGoal>(module, "PoseGoal", "A region of poses for a link to reach.")
+  py::class_<PoseGoal>(module, "PoseGoal", "A region of goal poses of a link.")
       .def(
           py::init(&make_pose_goal), py::arg("link"), py::arg("position"),
           py::arg("quat_xyzw") = py::none(), py::kw_only(), py::arg("position_tolerance") = 0.0,
           py::arg("axis") = "z", py::arg("cone") = 0.0, py::arg("turn") = 0.0,
           py::arg("frame") = "",
-          "In the frame of the link `frame`, where that is at the start (for inverse_kinematics()\n"
-          "at near); without it in that of the robot's root link, or, for Problem.load(), of the\n"
-          "problem's scene. Without quat_xyzw any rotation. position_tolerance: metres along the\n"
-          "axes of the pose, or one number for all. The link's axis may lean by cone and the link\n"
-          "be turned about it by turn, radians; pi, or \"free\", is any way.")
+          "position: metres. quat_xyzw: orientation; without it any rotation is a goal.\n"
+          "position_tolerance: metres along the axes of the pose, or one number for all.\n"
+          "cone, turn: tolerances in radians: the link's `axis` may tilt by `cone`, and the link "
+          "may\n"
+          "turn about it by `turn`. pi or \"free\": any angle.\n"
+          "frame: a link whose pose at the start is the frame of the goal; inverse_kinematics()\n"
+          "takes its pose at `near`. Default: the robot's root link; for Problem.load() the frame\n"
+          "of the problem's scene.")
       .def_readonly("link", &PoseGoal::link)
       .def_property_readonly(
           "position", [](const PoseGoal& self) { return point_array(self.pose.translation); },
@@ -257,22 +263,23 @@ void bind_goal(py::module_& module) {
                              [](const PoseGoal& self) { return std::string(to_string(self.axis)); })
       .def_readonly("cone", &PoseGoal::cone)
       .def_readonly("turn", &PoseGoal::turn)
-      .def_readonly("frame", &PoseGoal::frame,
-                    "The link in whose frame the pose is; empty for the root link: goals of a\n"
-                    "Problem have been placed.")
+      .def_readonly(
+          "frame", &PoseGoal::frame,
+          "The link in whose frame the pose is. Empty: the root link. Goals of a Problem\n"
+          "are always in the root link's frame.")
       .def(
           "to_json", [](const PoseGoal& self) { return to_json(self); },
-          "Text of the goal as JSON files and requests spell it.")
+          "Returns the goal as in JSON files and requests.")
       .def(py::pickle(&state_of, &goal_of))
       .def("__repr__", &describe);
-  module.def(
-      "inverse_kinematics", &solve_ik, py::arg("robot"), py::arg("goals"), py::kw_only(),
-      py::arg("near") = py::none(), py::arg("scene") = Scene(), py::arg("seed") = 1,
-      py::arg("isa") = "automatic",
-      ("Free configurations that reach any of the goals, nearest to `near` (zeros) first: shape\n"
-       "(k, joint_count), radians; none if k is 0, and then `message` says why.\n\n" +
-       describe_keywords<IkSettings>())
-          .c_str());
+  module.def("inverse_kinematics", &solve_ik, py::arg("robot"), py::arg("goals"), py::kw_only(),
+             py::arg("near") = py::none(), py::arg("scene") = Scene(), py::arg("seed") = 1,
+             py::arg("isa") = "automatic",
+             ("Returns free configurations that reach any of the goals, nearest to `near` "
+              "(default: zeros)\n"
+              "first: shape (k, joint_count), radians. If k is 0, `message` says why.\n\n" +
+              describe_keywords<IkSettings>())
+                 .c_str());
 }
 
 }  // namespace mneme::python

@@ -24,13 +24,13 @@
 namespace mneme::python {
 namespace {
 
-/// What is to be learned: keys, and a range that further ones shall cover.
+/// The primitives to learn: keys, and a range to cover by further keys.
 struct Lesson {
   std::vector<PrimitiveKey> keys;
   std::optional<PrimitiveGrid> grid;
 };
 
-/// Calls back into Python; what it raises ends the work and is kept for later.
+/// Calls back into Python. An exception cancels the work and is stored.
 class ProgressCallback {
  public:
   ProgressCallback(py::object function, std::atomic<bool>& cancel)
@@ -111,14 +111,14 @@ LearnSummary learn(const Robot& robot, const Memory& memory, Lesson lesson, Lear
   return unwrap(std::move(summary));
 }
 
-/// What learning from problems is given besides.
+/// Arguments of learning from problems.
 struct PathLesson {
   int paths_per_problem = ProblemLesson{}.paths;
   double timeout_s = ProblemLesson{}.timeout_s;
 };
 
 LearnSummary learn_problems(const Robot& robot, const Memory& memory, const py::iterable& given,
-                            const PathLesson& asked, const LearnRun& run,
+                            const PathLesson& each, const LearnRun& run,
                             const MemorySettings& settings, const py::object& on_progress) {
   std::vector<Problem> problems;
   for (const py::handle item : given) {
@@ -134,8 +134,8 @@ LearnSummary learn_problems(const Robot& robot, const Memory& memory, const py::
   ProgressCallback callback(on_progress, cancel);
   ProblemLesson lesson;
   static_cast<LearnRun&>(lesson) = run;
-  lesson.paths = asked.paths_per_problem;
-  lesson.timeout_s = asked.timeout_s;
+  lesson.paths = each.paths_per_problem;
+  lesson.timeout_s = each.timeout_s;
   lesson.cancel = &cancel;
   if (!on_progress.is_none()) lesson.on_progress = std::ref(callback);
   auto summary = run_interruptible(
@@ -159,19 +159,19 @@ LearnSummary learn_with_keywords(const Robot& robot, const Memory& memory,
   if (count && *count < 0) raise_invalid("count: expected 0 or more");
   if (jobs < 0 || jobs > 4096) raise_invalid("jobs: expected 1 to 4096, or 0 for all processors");
   LearnJob job;
-  MemorySettings asked;
+  MemorySettings wanted;
   Keywords keywords("learn", arguments);
   keywords.apply(job.settings);
-  keywords.apply_memory(asked);
+  keywords.apply_memory(wanted);
   keywords.finish();
   job.seed = seed;
   job.jobs = jobs > 0 ? jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   if (!problems.is_none()) {
-    if (!asked.kind) asked.kind = default_kind_of_paths(robot).name;
-    return learn_problems(robot, memory, problems, {paths, timeout}, job, asked, on_progress);
+    if (!wanted.kind) wanted.kind = default_kind_of_paths(robot).name;
+    return learn_problems(robot, memory, problems, {paths, timeout}, job, wanted, on_progress);
   }
   Lesson lesson;
-  if (!scenes.is_none()) add_scenes(scenes, robot, memory.to_learn(asked), lesson);
+  if (!scenes.is_none()) add_scenes(scenes, robot, memory.to_learn(wanted), lesson);
   if (!primitives.is_none()) add_primitives(primitives, count, lesson);
   return learn(robot, memory, std::move(lesson), job, on_progress);
 }
@@ -179,15 +179,15 @@ LearnSummary learn_with_keywords(const Robot& robot, const Memory& memory,
 std::int64_t learn_paths(const Robot& robot, const Memory& memory, const Scene& scene,
                          const py::iterable& paths, double reach, std::uint64_t seed,
                          const py::kwargs& arguments) {
-  MemorySettings asked;
+  MemorySettings wanted;
   Keywords keywords("learn_from_paths", arguments);
-  keywords.apply_memory(asked);
+  keywords.apply_memory(wanted);
   keywords.finish();
   if (!(reach > 0 && reach <= 100)) raise_invalid("reach: expected more than 0, at most 100 m");
   std::vector<Path> rows;
   for (const py::handle path : paths) rows.push_back(to_rows(path, robot.joint_count(), "paths"));
   const std::shared_ptr<Database> database = memory.get();
-  const MemorySettings wanted = memory.to_learn(asked);
+  wanted = memory.to_learn(wanted);
   const py::gil_scoped_release released;
   auto learned = unwrap(learn_from_paths({robot, scene}, rows, wanted, reach));
   for (Experience& row : learned) {
@@ -197,18 +197,19 @@ std::int64_t learn_paths(const Robot& robot, const Memory& memory, const Scene& 
 }
 
 void bind_results(py::module_& module) {
-  py::class_<LearnProgress>(module, "LearnProgress", "How far learning has come.")
-      .def_readonly("done", &LearnProgress::done, "Primitives in the database, of those asked for.")
+  py::class_<LearnProgress>(module, "LearnProgress", "The progress of learning.")
+      .def_readonly("done", &LearnProgress::done, "Requested primitives that are in the database.")
       .def_readonly("total", &LearnProgress::total)
       .def_readonly("components", &LearnProgress::components)
       .def_readonly("elapsed_s", &LearnProgress::elapsed_s);
-  py::class_<LearnSummary>(module, "LearnSummary", "What was learned.")
-      .def_readonly("learned", &LearnSummary::learned, "Primitives learned now.")
+  py::class_<LearnSummary>(module, "LearnSummary", "The result of learning.")
+      .def_readonly("learned", &LearnSummary::learned, "Newly learned primitives.")
       .def_readonly("skipped", &LearnSummary::skipped,
                     "Already in the database with the same seed and settings.")
-      .def_readonly("unsolved", &LearnSummary::unsolved, "Problems without a path, and why.")
-      .def_readonly("rows", &LearnSummary::rows, "Added to the database.")
-      .def_readonly("empty", &LearnSummary::empty, "Of those learned: nothing passes them.")
+      .def_readonly("unsolved", &LearnSummary::unsolved, "Problems without a path, with reasons.")
+      .def_readonly("rows", &LearnSummary::rows, "Rows added to the database.")
+      .def_readonly("empty", &LearnSummary::empty,
+                    "Learned primitives without any free configuration between the obstacles.")
       .def_readonly("components", &LearnSummary::components)
       .def_readonly("time_s", &LearnSummary::time_s)
       .def("__repr__", [](const LearnSummary& self) {
@@ -227,23 +228,24 @@ void bind_learning(py::module_& module) {
       py::arg("problems") = py::none(), py::arg("paths") = ProblemLesson{}.paths,
       py::arg("timeout") = ProblemLesson{}.timeout_s, py::arg("count") = py::none(),
       py::arg("seed") = 1, py::arg("jobs") = 0, py::arg("on_progress") = py::none(),
-      ("Learns local samplers of primitives into a database; resumable, also after Control-C.\n"
-       "Primitives and scenes are for planar arms, problems for any robot.\n\n"
-       "primitives: a YAML file with a range to cover, or pairs of circles of shape (n, 6).\n"
-       "scenes: scenes or problems whose primitives to learn.\n"
-       "problems: problems to solve, paths times each, and to learn from; those that are hard.\n"
+      ("Learns local samplers into a database. Resumable, also after Control-C.\n\n"
+       "primitives: planar arms only; a YAML file with a range to cover, or pairs of circles,\n"
+       "shape (n, 6).\n"
+       "scenes: planar arms only; scenes or problems whose primitives are learned.\n"
+       "problems: any robot; problems that are solved `paths` times each. Hard ones teach most.\n"
        "timeout: seconds per path.\n"
-       "count: at least this many primitives, instead of the range's number.\n"
-       "jobs: threads; 0 for all processors. The result does not depend on it.\n"
-       "on_progress: called with a LearnProgress about once a second; what it raises ends it.\n\n" +
+       "count: least number of primitives. Default: from the range.\n"
+       "jobs: number of threads. 0: all processors. Does not change the result.\n"
+       "on_progress: called with a LearnProgress about once a second. Its exceptions end "
+       "learn().\n\n" +
        describe_keywords<LearnSettings>() + describe_memory_keywords())
           .c_str());
   module.def("learn_from_paths", &learn_paths, py::arg("robot"), py::arg("database"),
              py::arg("scene"), py::arg("paths"), py::kw_only(), py::arg("reach") = 0.12,
              py::arg("seed") = 0,
-             ("Learns from solved paths, each of shape (n, joint_count): per pair of close\n"
-              "obstacles the waypoints at which the robot is closer to both than reach, metres.\n"
-              "Returns the number of rows that were added.\n\n" +
+             ("Learns from solved paths, each of shape (n, joint_count): for each pair of close\n"
+              "obstacles, the waypoints at which the robot is within reach, metres, of both.\n"
+              "Returns the number of added rows.\n\n" +
               describe_memory_keywords())
                  .c_str());
 }

@@ -22,11 +22,11 @@
 namespace mneme::python {
 namespace {
 
-/// What a call of solve() was given and what came out. Holds on to the database, because what was
-/// retrieved refers to it.
+/// Input and result of a call of solve(). Owns the database, because the retrieved mixture refers
+/// to it.
 struct Plan {
-  SharedProblem asked;
-  Problem problem;  ///< as it was when it was asked
+  SharedProblem shared;
+  Problem problem;  ///< a copy at the time of the call
   std::shared_ptr<Database> database;
   SolveSettings settings;
   std::shared_ptr<PlanRecorder> recorder;  ///< null unless the search was recorded
@@ -88,7 +88,7 @@ py::list primitives_of(const Plan& plan) {
   return rows;
 }
 
-/// A trajectory that is sampled already.
+/// A sampled trajectory.
 struct TimedPlan {
   Robot robot;
   std::vector<Trajectory::Point> points;
@@ -152,7 +152,7 @@ BenchmarkRow row_of(const Plan& plan, const std::string& set) {
 
 void bind_answer(py::class_<Plan>& type) {
   const auto plan_of = [](const Plan& self) -> const PlanResult& { return self.result.plan; };
-  type.def_property_readonly("problem", [](const Plan& self) { return self.asked; })
+  type.def_property_readonly("problem", [](const Plan& self) { return self.shared; })
       .def_property_readonly(
           "status",
           [](const Plan& self) { return std::string(to_string(self.result.plan.status)); },
@@ -162,7 +162,7 @@ void bind_answer(py::class_<Plan>& type) {
                              [](const Plan& self) { return self.result.plan.is_solved(); })
       .def_property_readonly(
           "message", [=](const Plan& self) { return plan_of(self).message; },
-          "Why there is no path, in words; empty if solved.")
+          "The reason why there is no path; empty if solved.")
       .def_property_readonly(
           "path", &path_of,
           "Shape (n, joint_count), float64, radians, read-only; n is 0 unless solved.")
@@ -171,32 +171,33 @@ void bind_answer(py::class_<Plan>& type) {
           [=](const Plan& self) { return path_length(self.problem.robot, plan_of(self).path); },
           "Sum of L2 joint distances, radians.")
       .def_property_readonly("primitives", &primitives_of,
-                             "Per pair of close obstacles: their names, key, gap (metres) and the "
-                             "similarity errors (m^2) of what was retrieved.")
+                             "For each pair of close obstacles: names, key, gap (metres) and the "
+                             "similarity errors (m^2) of the retrieved rows.")
       .def_property_readonly("means", &components_of,
                              "Retrieved components in the scene, shape (k, joint_count), float32.")
       .def_property_readonly(
           "checked_scene",
           [](const Plan& self) { return checked_scene(self.problem, self.result); },
-          "The problem's scene as it was checked: a copy, in which links whose spheres alone touch "
-          "at the start or at a goal are checked by exact geometry.")
+          "A copy of the problem's scene as it was checked. If spheres of a link touch at the "
+          "start "
+          "or a goal but its exact geometry does not, the exact geometry is checked.")
       .def_property_readonly(
           "notes", [](const Plan& self) { return self.result.notes; },
-          "Goals that were left out, as there were others, and why.")
+          "Goals that were dropped in favour of others, with reasons.")
       .def_property_readonly(
           "remembered", [](const Plan& self) { return self.result.remembered.rows; },
-          "Samplers that the path taught the database; see remember_after.")
+          "Rows that were added to the database; see remember_after.")
       .def_property_readonly(
           "remember_failure", [](const Plan& self) { return self.result.remembered.failure; },
-          "Why the path taught none although it should; empty if nothing went wrong.")
+          "The error that kept the path from being remembered; empty without one.")
       .def_property_readonly(
           "replayed", [](const Plan& self) { return self.result.replay.row; },
-          "The row of the database whose path was replayed; 0 if it was planned.")
+          "The row of the database whose path was replayed; 0 if none was.")
       .def_property_readonly(
           "replay",
           [](const Plan& self) { return describe_replay(self.problem, self.result.replay); },
-          "Whether a known task was replayed, and if not, why; empty if no memory of whole paths "
-          "was asked.");
+          "Says whether a known task was replayed, and if not, why. Empty if no memory of whole "
+          "paths was queried.");
 }
 
 void bind_numbers(py::class_<Plan>& type) {
@@ -216,7 +217,7 @@ void bind_numbers(py::class_<Plan>& type) {
                              [](const Plan& self) { return self.result.plan.verification_time_s; })
       .def_property_readonly(
           "iterations", [](const Plan& self) { return self.result.plan.iterations; },
-          "Samples drawn.")
+          "Number of samples.")
       .def_property_readonly("states_checked",
                              [](const Plan& self) { return self.result.plan.states_checked; })
       .def_property_readonly("motions_checked",
@@ -229,17 +230,17 @@ void bind_numbers(py::class_<Plan>& type) {
 }
 
 std::string trajectory_help() {
-  return "The time-optimal motion along the path, with its corners rounded, sampled every dt "
-         "seconds.\n\nlimits: a file of limits of velocity and acceleration, YAML as MoveIt's\n"
-         "joint_limits.yaml; default: those of the URDF.\n\n" +
+  return "Returns the time-optimal motion along the path with rounded corners, sampled every dt "
+         "seconds.\n\nlimits: a YAML file of velocity and acceleration limits, as MoveIt's\n"
+         "joint_limits.yaml. Default: the limits of the URDF.\n\n" +
          describe_keywords<TrajectorySettings>();
 }
 
 void bind_trajectory(py::module_& module) {
   using Point = Trajectory::Point;
   py::class_<TimedPlan>(module, "Trajectory",
-                        "A motion in time, from rest to rest, sampled: n points. Continuous joints "
-                        "do not wrap.")
+                        "A sampled motion of n points, from rest to rest. Continuous joints do not "
+                        "wrap.")
       .def_property_readonly(
           "duration", [](const TimedPlan& self) { return self.points.back().time_s; }, "Seconds.")
       .def_property_readonly("times", &times_of, "Shape (n,), seconds; the last is the duration.")
@@ -254,13 +255,13 @@ void bind_trajectory(py::module_& module) {
           "Shape (n, joint_count), per second squared; from each time on.")
       .def(
           "to_csv", [](const TimedPlan& self) { return to_csv(self.robot, self.points); },
-          "What `mneme plan --trajectory FILE.csv` writes.")
+          "Returns the text of `mneme plan --trajectory FILE.csv`.")
       .def(
           "to_yaml", [](const TimedPlan& self) { return to_yaml(self.robot, self.points); },
-          "The same of FILE.yaml, in the shape of trajectory_msgs/JointTrajectory.")
+          "Returns the text of FILE.yaml, in the form of trajectory_msgs/JointTrajectory.")
       .def(
           "to_json", [](const TimedPlan& self) { return to_json(self.robot, self.points); },
-          "The same of FILE.json.")
+          "Returns the text of FILE.json.")
       .def("__repr__", [](const TimedPlan& self) {
         return fmt::format("<mneme.Trajectory: {:.3f} s, {} points>", self.points.back().time_s,
                            self.points.size());
@@ -269,11 +270,11 @@ void bind_trajectory(py::module_& module) {
 
 std::string plan_help() {
   return "Solves a problem; with a database, from memory. Control-C ends it.\n\n"
-         "planner: one of planner_names(). sampler: one of sampler_names(); default 'gl' with a\n"
-         "database, 'uniform' without. isa: instruction set of the kernels.\n"
-         "memory: str = 'auto', or 'off', or 'paper' for the paper's literal rules.\n"
-         "record: keep some of the samples and edges, to be seen in view(); costs a little "
-         "time.\n\n" +
+         "planner: one of planner_names().\n"
+         "sampler: one of sampler_names(). Default: 'gl' with a database, 'uniform' without.\n"
+         "isa: instruction set of the kernels.\n"
+         "memory: 'auto', 'off', or 'paper' for the paper's literal rules.\n"
+         "record: keep samples and edges for view(). Costs a little time.\n\n" +
          describe_keywords<SolveSettings>() + describe_keywords<PlanSettings>() +
          describe_memory_keywords() + describe_keywords<LearnSettings>() +
          describe_keywords<IkSettings>();
@@ -283,7 +284,7 @@ std::string plan_help() {
 
 void bind_pipeline(py::module_& module) {
   bind_trajectory(module);
-  py::class_<Plan> type(module, "Plan", "What came out of plan(). Times in seconds.");
+  py::class_<Plan> type(module, "Plan", "The result of plan(). Times in seconds.");
   bind_answer(type);
   bind_numbers(type);
   refuse_pickling(type, "send its path, which is an array, or its to_json()");
@@ -297,17 +298,17 @@ void bind_pipeline(py::module_& module) {
                              self.result.plan.path);
             return to_json(self.problem, self.result, 0, &measures);
           },
-          "The text that `mneme plan --json` prints.")
-      .def("to_svg", &svg_of, "A picture of a planar robot's plan, as SVG text.")
+          "Returns the JSON that `mneme plan --json` prints.")
+      .def("to_svg", &svg_of, "Returns a picture of a planar robot's plan as SVG.")
       .def("to_trace", &trace_of,
-           "The plan as geometry, JSON that `mneme view` shows (docs/file_formats.md).")
-      .def("to_page", &page_of, "A page that shows the plan, HTML that needs no network.")
+           "Returns the plan as geometry: JSON for `mneme view` (docs/file_formats.md).")
+      .def("to_page", &page_of, "Returns an HTML page that shows the plan without a network.")
       .def("_check_output",
            [](const Plan& self, const std::string& path) {
-             check_output(path, {&self.asked, 1}, self.database, "a file of the problem");
+             check_output(path, {&self.shared, 1}, self.database, "a file of the problem");
            })
       .def("to_row", &row_of, py::arg("set") = "",
-           "The row of a benchmark; the path is checked again by independent code.")
+           "Returns the row of a benchmark. Independent code checks the path again.")
       .def("__repr__", [](const Plan& self) {
         return fmt::format("<mneme.Plan '{}': {}, {} configurations, {:.3f} ms>", self.problem.name,
                            to_string(self.result.plan.status), self.result.plan.path.size(),

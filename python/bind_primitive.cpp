@@ -19,7 +19,7 @@ int key_size_for_arm(const MemoryKind& kind, const std::vector<double>& lengths)
   return kind.key_size(unwrap(parse_robot(unwrap(planar_arm_urdf("arm", lengths)), "arm")));
 }
 
-/// Keys of whole paths have so many numbers for each joint, whatever the robot.
+/// Keys of whole paths have a fixed number of values per joint, for every robot.
 PrimitiveKey to_key(const MemoryKind& kind, const py::object& value, const std::string& what) {
   PrimitiveKey key = to_vector(value, -1, what);
   const int size = static_cast<int>(key.size()), expected = key_size_for_arm(kind, {1});
@@ -28,7 +28,7 @@ PrimitiveKey to_key(const MemoryKind& kind, const py::object& value, const std::
                                      : size > per_joint && size % per_joint == expected % per_joint;
   if (!is_key) {
     raise_invalid(
-        fmt::format("{}: a key of the kind '{}' has not {} numbers", what, kind.name, size));
+        fmt::format("{}: a key of the kind '{}' cannot have {} numbers", what, kind.name, size));
   }
   return key;
 }
@@ -37,17 +37,17 @@ PrimitiveKey to_key(const MemoryKind& kind, const py::object& value, const std::
 
 void bind_primitive(py::module_& module) {
   py::class_<LocalPrimitive>(module, "Primitive",
-                             "A pair of close obstacles: what experience is bound to.")
+                             "A pair of close obstacles, the unit of experience.")
       .def_static(
           "from_circles",
           [](const py::object& circles) {
             return make_primitive(to_vector(circles, 6, "circles"));
           },
           py::arg("circles"),
-          "The primitive of two circles (x_a, y_a, r_a, x_b, y_b, r_b), metres.")
+          "Returns the primitive of two circles (x_a, y_a, r_a, x_b, y_b, r_b), metres.")
       .def_property_readonly(
           "key", [](const LocalPrimitive& self) { return to_array(self.key); },
-          "The numbers that describe it in canonical form; metres.")
+          "Its description in canonical form; metres.")
       .def_readonly("gap", &LocalPrimitive::gap, "Metres between the two obstacles.")
       .def_readonly("obstacles", &LocalPrimitive::obstacles,
                     "Indices of the obstacles in the scene.")
@@ -65,7 +65,8 @@ void bind_primitive(py::module_& module) {
         return unwrap(decompose({robot, scene}, settings));
       },
       py::arg("robot"), py::arg("scene"),
-      ("The pairs of close obstacles of a scene, in scene order.\n\n" + describe_memory_keywords())
+      ("Returns the pairs of close obstacles of a scene, in scene order.\n\n" +
+       describe_memory_keywords())
           .c_str());
   module.def(
       "kind_names",
@@ -74,7 +75,7 @@ void bind_primitive(py::module_& module) {
         for (const MemoryKind* kind : memory_kinds()) names.emplace_back(kind->name);
         return names;
       },
-      "Names of all kinds of memory.");
+      "Returns the names of all kinds of memory.");
   module.def(
       "similarity_error",
       [](const py::object& a, const py::object& b, const std::string& kind) {
@@ -83,7 +84,7 @@ void bind_primitive(py::module_& module) {
         return similarity_error(known, first, to_vector(b, static_cast<int>(first.size()), "b"));
       },
       py::arg("a"), py::arg("b"), py::arg("kind") = "pairs",
-      "Squared distance of two canonical keys of one kind of memory, m^2.");
+      "Returns the squared distance of two canonical keys of one kind of memory, m^2.");
 }
 
 }  // namespace mneme::python

@@ -58,7 +58,7 @@ SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& sce
   return {std::move(problem), scene};
 }
 
-/// A name or a path, in whatever type Python has it.
+/// Converts a name or a path-like object.
 std::string path_of(const py::object& robot) {
   try {
     return robot.cast<std::filesystem::path>().string();
@@ -85,7 +85,7 @@ SharedProblem load(const ProblemArguments& arguments) {
   if (py::isinstance<Robot>(arguments.robot)) {
     options.made_robot = arguments.robot.cast<Robot>();
     if (!(arguments.options == RobotOptions())) {
-      raise_invalid("robot: a Robot has its SRDF, group and packages; expected none beside it");
+      raise_invalid("robot: a Robot has its own SRDF, group and packages; pass only the Robot");
     }
   } else if (const auto named = path_of(arguments.robot); !named.empty()) {
     options.robot_path = unwrap(robot_file(named));
@@ -115,9 +115,9 @@ void bind_factories(py::class_<SharedProblem>& problem) {
               py::arg("start"), py::arg("goals") = py::none(), py::arg("name") = "problem",
               py::kw_only(), py::arg("pose_goals") = std::vector<PoseGoal>(),
               py::arg("constraints") = Constraints(),
-              "start: shape (joint_count,), radians. goals: one configuration, or several of\n"
-              "shape (k, joint_count); any of these and of the pose_goals will do. The scene is\n"
-              "shared: what is added to it later counts; scene.copy() is one of its own.");
+              "start: shape (joint_count,), radians. goals: one configuration, or rows of shape\n"
+              "(k, joint_count). A path may end at any of the goals and pose_goals. The scene is\n"
+              "shared: later edits take effect. Pass scene.copy() to avoid that.");
   problem.def_static(
       "load",
       [](const std::filesystem::path& where, py::object robot, py::object start, py::object goal,
@@ -137,11 +137,11 @@ void bind_factories(py::class_<SharedProblem>& problem) {
       py::arg("constraints") = Constraints(), py::arg("srdf") = "", py::arg("group") = "",
       py::arg("package_paths") = std::vector<std::string>(), py::arg("self_filter") = py::none(),
       "Reads a problem: a YAML file, FILE.json#NAME for one of a compact file, or a motion plan\n"
-      "request of MoveIt. What is given besides replaces what the file says. robot: a name, the\n"
-      "path of a URDF, or a Robot, which is then shared; what the file says of robot, SRDF, group\n"
-      "and joints is not looked at, and MoveIt's requests do not take one. self_filter: metres;\n"
-      "points of clouds that are nearer to the robot at its start are left out, which warnings\n"
-      "tell.");
+      "request of MoveIt. Other arguments replace values of the file.\n\n"
+      "robot: a name, the path of a URDF, or a Robot, which is then shared. A Robot also replaces\n"
+      "SRDF, group and joints of the file; requests of MoveIt need a URDF.\n"
+      "self_filter: points of clouds within this many metres of the robot at its start are\n"
+      "removed, with a warning.");
 }
 
 void bind_variations(py::class_<SharedProblem>& problem) {
@@ -152,7 +152,7 @@ void bind_variations(py::class_<SharedProblem>& problem) {
         self.rest().start = to_vector(start, joints(self), "start");
         return self;
       },
-      py::arg("start"), "The same problem, robot and scene shared, from another start.");
+      py::arg("start"), "Returns this problem with another start. Robot and scene are shared.");
   problem.def(
       "with_goal",
       [=](SharedProblem self, const py::object& goal) {
@@ -160,21 +160,23 @@ void bind_variations(py::class_<SharedProblem>& problem) {
         return self;
       },
       py::arg("goal"),
-      "The same problem, robot and scene shared, with another goal, or several of shape\n"
-      "(k, joint_count).");
+      "Returns this problem with another goal, or goals of shape (k, joint_count). Robot and "
+      "scene\n"
+      "are shared.");
   problem.def(
       "with_constraints",
       [](SharedProblem self, Constraints constraints) {
         self.rest().constraints = checked(self.rest().robot, std::move(constraints));
         return self;
       },
-      py::arg("constraints"), "The same problem, robot and scene shared, with other constraints.");
+      py::arg("constraints"),
+      "Returns this problem with other constraints. Robot and scene are shared.");
   problem.def(
       "with_scene",
       [](const SharedProblem& self, const std::shared_ptr<Scene>& scene) {
         return SharedProblem(self.rest(), scene);
       },
-      py::arg("scene").none(false), "The same problem in another scene, which is shared.");
+      py::arg("scene").none(false), "Returns this problem in another scene, which is shared.");
 }
 
 void bind_functions(py::module_& module) {
@@ -185,13 +187,13 @@ void bind_functions(py::module_& module) {
             drop_own_points(scene, robot, to_vector(q, robot.joint_count(), "q"), distance));
       },
       py::arg("scene"), py::arg("robot"), py::arg("q"), py::arg("distance"),
-      "Takes out of the scene's clouds the points that are nearer than distance, metres, to the\n"
-      "robot at q, shape (joint_count,), which sensors see too. A sentence for each obstacle that\n"
-      "lost some.");
+      "Removes points of the robot itself from the scene's clouds: those within distance, metres,\n"
+      "of the robot at q, shape (joint_count,). Returns a sentence for each changed obstacle.");
   module.def(
       "list_problems",
       [](const std::filesystem::path& path) { return unwrap(list_problems(path.string())); },
-      py::arg("path"), "Names of the problems in a compact file, for Problem.load('PATH#NAME').");
+      py::arg("path"),
+      "Returns the names of the problems in a compact file, for Problem.load('PATH#NAME').");
 }
 
 }  // namespace
@@ -199,7 +201,7 @@ void bind_functions(py::module_& module) {
 void bind_problem(py::module_& module) {
   bind_functions(module);
   py::class_<SharedProblem> problem(
-      module, "Problem", "A robot, a scene, a start and goals: the motion planning question.");
+      module, "Problem", "A motion planning problem: a robot, a scene, a start and goals.");
   bind_factories(problem);
   bind_variations(problem);
   refuse_pickling(problem,
@@ -212,7 +214,7 @@ void bind_problem(py::module_& module) {
       .def_property_readonly("robot", [](const SharedProblem& self) { return self.rest().robot; })
       .def_property_readonly(
           "scene", [](const SharedProblem& self) { return self.scene(); },
-          "The scene itself: what is added to it counts for the next plan.")
+          "The scene, not a copy: the next plan sees edits.")
       .def_property_readonly(
           "start", [](const SharedProblem& self) { return read_only(to_array(self.rest().start)); },
           "Shape (joint_count,), radians; read-only: see with_start.")
@@ -224,27 +226,28 @@ void bind_problem(py::module_& module) {
           "Shape (k, joint_count), radians; read-only: see with_goal.")
       .def_property_readonly(
           "pose_goals", [](const SharedProblem& self) { return self.rest().pose_goals; },
-          "Poses, and regions of them, that are goals too.")
+          "Goals as regions of poses, in addition to goals.")
       .def_property_readonly(
           "constraints", [](const SharedProblem& self) { return self.rest().constraints; },
-          "What holds all along the way; see with_constraints.")
+          "Constraints along the whole path; see with_constraints.")
       .def_property_readonly(
           "warnings", [](const SharedProblem& self) { return self.rest().warnings; },
-          "What was left aside while reading.")
+          "Parts of the input that were ignored.")
       .def(
           "to_yaml",
           [](const SharedProblem& self, const std::string& robot) {
             return to_yaml(self.get(), robot);
           },
           py::arg("robot"),
-          "Text of a problem file with the scene inside; robot is written as "
-          "given: a name or the path of a URDF.")
+          "Returns the text of a problem file that contains the scene. robot: a name or the path "
+          "of "
+          "a URDF, written as given.")
       .def(
           "to_compact_json",
           [](const SharedProblem& self, const std::string& robot) {
             return to_compact_json(self.get(), robot);
           },
-          py::arg("robot"), "The same as text of a compact file, which is JSON.")
+          py::arg("robot"), "As to_yaml(), as a compact file, which is JSON.")
       .def("__repr__", [](const SharedProblem& self) {
         return fmt::format("<mneme.Problem '{}', robot '{}', {} obstacles>", self.rest().name,
                            self.rest().robot.name(), self.scene()->obstacles.size());

@@ -102,13 +102,13 @@ void bind_factories(py::class_<Robot>& robot) {
       py::arg("joints") = std::vector<std::string>(),
       py::arg("package_paths") = std::vector<std::string>(),
       py::arg("fixed_values") = std::map<std::string, double>(),
-      ("Reads a robot: a URDF file, or the name of a robot that came with mneme.\n\n"
-       "srdf: file with groups and allowed collisions; default the one beside the URDF.\n"
+      ("Reads a robot: a URDF file, or the name of a bundled robot.\n\n"
+       "srdf: file with groups and allowed collisions. Default: the one beside the URDF.\n"
        "group: a group of the SRDF, or the chain 'base_link:tip_link'.\n"
        "joints: names of the joints to plan for, in the order of a configuration.\n"
-       "package_paths: directories in which the packages of package:// are looked for.\n"
+       "package_paths: directories to search for packages of package:// URLs.\n"
        "fixed_values: radians or metres of joints outside the group, by name.\n\n"
-       "Boxes, cylinders and meshes are approximated by spheres:\n" +
+       "Settings of the sphere approximation of boxes, cylinders and meshes:\n\n" +
        describe_keywords<SphereSettings>())
           .c_str());
   robot.def_static("planar", &make_planar, py::arg("lengths"), py::kw_only(),
@@ -120,8 +120,9 @@ void bind_factories(py::class_<Robot>& robot) {
 
 void bind_properties(py::class_<Robot>& robot) {
   robot.def_property_readonly("name", &Robot::name)
-      .def_property_readonly("joint_count", &Robot::joint_count,
-                             "Joints in the planning group: the length of a configuration.")
+      .def_property_readonly(
+          "joint_count", &Robot::joint_count,
+          "Number of joints in the planning group, the length of a configuration.")
       .def_property_readonly("joint_names", &joint_names,
                              "Names of the group's joints, in the order of a configuration.")
       .def_property_readonly("link_names", &link_names, "Names of all links, parents first.")
@@ -129,18 +130,18 @@ void bind_properties(py::class_<Robot>& robot) {
                              "Lower and upper limits, shape (joint_count, 2): radians, or metres "
                              "for prismatic joints; -pi and pi for continuous ones.")
       .def_property_readonly("hash", &Robot::hash,
-                             "16 hexadecimal digits over all that decides whether a configuration "
-                             "is valid.")
+                             "16 hexadecimal digits over all data that decide whether a "
+                             "configuration is valid.")
       .def_property_readonly("kinematics_hash", &Robot::kinematics_hash,
                              "16 hexadecimal digits over the joints of the group, their frames and "
-                             "limits: memory applies where it is the same.")
+                             "limits. Memory applies to all robots with the same value.")
       .def_property_readonly("is_planar", &Robot::is_planar)
       .def_property_readonly(
           "warnings",
           [](const Robot& self) {
             return std::vector<std::string>(self.warnings().begin(), self.warnings().end());
           },
-          "What was left aside while reading.");
+          "Parts of the input that were ignored.");
 }
 
 void bind_functions(py::class_<Robot>& robot) {
@@ -148,42 +149,44 @@ void bind_functions(py::class_<Robot>& robot) {
     return to_vector(q, self.joint_count(), what);
   };
   robot.def("link_poses", &link_poses, py::arg("q"),
-            "Poses of all links in the root link's frame, shape (links, 4, 4), in the order of\n"
-            "link_names. q: shape (joint_count,), radians.");
+            "Returns the poses of all links in the root link's frame, shape (links, 4, 4), in the\n"
+            "order of link_names. q: shape (joint_count,), radians.");
   robot.def(
       "describe_violation",
       [](const Robot& self, const py::object& q) {
         return self.describe_violation(to_vector(q, -1, "q"), "q");
       },
       py::arg("q"),
-      "Why q is no configuration of this robot (count, NaN, limits), or None if it is one.");
+      "Says why q is no configuration of this robot (count, NaN, limits). None if it is one.");
   robot.def(
       "normalized",
       [=](const Robot& self, const py::object& q) {
         return to_array(self.normalized(configuration(self, q, "q")));
       },
       py::arg("q"),
-      "q with continuous joints wrapped to [-pi, pi) and others clamped to their limits.");
+      "Returns q with continuous joints wrapped to [-pi, pi) and others clamped to their limits.");
   robot.def(
       "difference",
       [=](const Robot& self, const py::object& a, const py::object& b) {
         return to_array(self.difference(configuration(self, a, "a"), configuration(self, b, "b")));
       },
       py::arg("a"), py::arg("b"),
-      "Displacement from a to b, shape (joint_count,); continuous joints take the shorter way.");
+      "Returns the displacement from a to b, shape (joint_count,). Continuous joints take the "
+      "shorter\n"
+      "direction.");
   robot.def(
       "distance",
       [=](const Robot& self, const py::object& a, const py::object& b) {
         return self.distance(configuration(self, a, "a"), configuration(self, b, "b"));
       },
-      py::arg("a"), py::arg("b"), "L2 norm of difference(a, b), radians.");
+      py::arg("a"), py::arg("b"), "Returns the L2 norm of difference(a, b), radians.");
   robot.def(
       "path_length",
       [](const Robot& self, const py::object& path) {
         return path_length(self, to_rows(path, self.joint_count(), "path"));
       },
       py::arg("path"),
-      "Sum of the distances between neighbours of a path of shape (n, joint_count), radians.");
+      "Returns the sum of distances along a path of shape (n, joint_count), radians.");
   robot.def("__repr__", [](const Robot& self) {
     return fmt::format("<mneme.Robot '{}', {} joints, hash {}>", self.name(), self.joint_count(),
                        self.hash());

@@ -92,11 +92,11 @@ std::size_t add_points(Scene& scene, const std::string& name, const py::object& 
     }
     if (std::ranges::all_of(p, [](float x) { return std::isfinite(x); })) finite.push_back(p);
   }
-  if (finite.empty()) raise_invalid("points: expected one at least that is finite");
-  const std::size_t left_out = static_cast<std::size_t>(rows.shape(0)) - finite.size();
+  if (finite.empty()) raise_invalid("points: expected at least one finite point");
+  const std::size_t ignored = static_cast<std::size_t>(rows.shape(0)) - finite.size();
   const auto parts = std::make_shared<Parts<CloudPoint>>(std::move(finite));
   add(scene, name, PointCloud{pose_of(position, quat_xyzw), parts, radius});
-  return left_out;
+  return ignored;
 }
 
 void add_mesh(Scene& scene, const std::string& name, const py::object& vertices,
@@ -121,7 +121,7 @@ void add_mesh(Scene& scene, const std::string& name, const py::object& vertices,
     const Triangle triangle{corner(i, 0), corner(i, 1), corner(i, 2)};
     if (triangle.area() > 0) list.push_back(triangle);
   }
-  if (list.empty()) raise_invalid("triangles: expected one at least that has an area");
+  if (list.empty()) raise_invalid("triangles: expected at least one with an area above 0");
   const auto parts = std::make_shared<Parts<Triangle>>(std::move(list));
   add(scene, name, Mesh{pose_of(position, quat_xyzw), parts, 0});
 }
@@ -140,7 +140,7 @@ void replace_points(Scene& scene, const std::string& name, py::ssize_t first,
   unwrap(scene.replace_points(name, static_cast<std::size_t>(first), list));
 }
 
-/// Where a shape was put: its pose, or its middle if it has none.
+/// Returns the pose of a shape, or its centre if it has no pose.
 Transform place_of(const Shape& shape) {
   return std::visit(
       [&](const auto& own) {
@@ -171,18 +171,18 @@ void bind_edits(SceneClass& scene) {
         find(self, name);
         unwrap(self.remove(name));
       },
-      py::arg("name"), "Removes an obstacle; mneme.Error if there is none of this name.");
+      py::arg("name"), "Removes an obstacle. Raises mneme.Error if there is none of this name.");
   scene.def("replace_points", &replace_points, py::arg("name"), py::arg("first"), py::arg("points"),
-            "Replaces points of a cloud, from the one at index first on. points: shape (n, 3).");
+            "Replaces points of a cloud from index first on. points: shape (n, 3), metres.");
   scene.def("move", &move, py::arg("name"), py::arg("position"), py::arg("quat_xyzw") = py::none(),
-            "Moves an obstacle as a whole, so that its first shape is where add_box or its like\n"
-            "would put it; without quat_xyzw it is not turned.");
+            "Moves all shapes of an obstacle together. position, quat_xyzw: the new pose of its\n"
+            "first shape, as for add_box; without quat_xyzw the orientation does not change.");
   const auto copy = [](const std::shared_ptr<Scene>& self) {
     auto made = std::make_shared<Scene>(*self);
     set_origin(made, origin_of(self));
     return made;
   };
-  scene.def("copy", copy, "A scene of its own, which later edits of this one leave as it is.");
+  scene.def("copy", copy, "Returns an independent copy.");
   scene.def("__copy__", copy);
   scene.def(
       "__deepcopy__",
@@ -230,17 +230,19 @@ void bind_shapes(SceneClass& scene) {
         add(self, name, Capsule{to_point(a, "a"), to_point(b, "b"), radius});
       },
       py::arg("name"), py::arg("a"), py::arg("b"), py::arg("radius"),
-      "Adds all points within radius of the segment from a to b, shape (3,), metres.");
-  scene.def("add_points", &add_points, py::arg("name"), py::arg("points"), py::arg("radius"),
-            py::arg("position") = std::array{0.0, 0.0, 0.0}, py::arg("quat_xyzw") = py::none(),
-            "Adds balls about points, shape (n, 3), metres, in a frame at position. Rows that are\n"
-            "not finite are left out; their number is returned.");
+      "Adds a capsule: all points within radius of the segment from a to b, shape (3,), metres.");
+  scene.def(
+      "add_points", &add_points, py::arg("name"), py::arg("points"), py::arg("radius"),
+      py::arg("position") = std::array{0.0, 0.0, 0.0}, py::arg("quat_xyzw") = py::none(),
+      "Adds a point cloud: balls of `radius` about points, shape (n, 3), metres, in a frame at\n"
+      "position. Ignores rows that are not finite, and returns their number.");
   scene.def(
       "add_mesh", &add_mesh, py::arg("name"), py::arg("vertices"), py::arg("triangles"),
       py::arg("position") = std::array{0.0, 0.0, 0.0}, py::arg("quat_xyzw") = py::none(),
-      "Adds the surface of triangles: vertices, shape (n, 3), metres, in a frame at position;\n"
-      "triangles, shape (m, 3), indices of vertices. What lies wholly inside is not in\n"
-      "contact.");
+      "Adds a triangle mesh. vertices: shape (n, 3), metres, in a frame at position. triangles:\n"
+      "shape (m, 3), indices of vertices. Only the surface is checked: a body wholly inside is "
+      "not\n"
+      "in contact.");
 }
 
 std::shared_ptr<Scene> load_file(const std::filesystem::path& path) {
@@ -252,13 +254,13 @@ std::shared_ptr<Scene> load_file(const std::filesystem::path& path) {
 void bind_text(SceneClass& scene) {
   scene.def(
       "to_yaml", [](const Scene& self) { return to_yaml(self); },
-      "Text that Scene.parse reads back to the same scene.");
+      "Returns text that Scene.parse reads back to the same scene.");
   scene.def(
       "to_compact_json",
       [](const Scene& self) {
         return to_compact_json({self, ""});
       },
-      "Text of a compact file with this scene, and without start and goal.");
+      "Returns the text of a compact file with this scene, without start and goal.");
   scene.def(py::pickle([](const Scene& self) { return py::make_tuple(to_yaml(self)); },
                        [](const py::tuple& state) {
                          return unwrap(parse_scene(state[0].cast<std::string>(), "pickled scene"));
@@ -281,7 +283,7 @@ void bind_scene(py::module_& module) {
       [](const std::string& yaml, const std::string& source) {
         return unwrap(parse_scene(yaml, source));
       },
-      py::arg("yaml"), py::arg("source") = "scene", "Reads YAML text; source names it in errors.");
+      py::arg("yaml"), py::arg("source") = "scene", "Reads YAML text. source names it in errors.");
   scene.def_static(
       "from_circles",
       [](const py::object& circles, std::string name) {
@@ -304,8 +306,7 @@ void bind_scene(py::module_& module) {
       },
       "Names of the obstacles, in order.");
   scene.def_readonly("warnings", &Scene::warnings,
-                     "What was left aside while reading its files, such as points that are not "
-                     "finite.");
+                     "Parts of the input that were ignored, such as points that are not finite.");
   bind_shapes(scene);
   bind_edits(scene);
   scene.def(
@@ -318,8 +319,8 @@ void bind_scene(py::module_& module) {
         found->may_touch.push_back(link);
       },
       py::arg("link"), py::arg("obstacle"),
-      "Lets a link, or an object attached to one, touch an obstacle: they are not checked against "
-      "each other.");
+      "Allows contact of a link, or of an attached object, with an obstacle: the pair is not "
+      "checked.");
   bind_text(scene);
   scene.def("__len__", [](const Scene& self) { return self.obstacles.size(); });
   scene.def("__repr__", [](const Scene& self) {

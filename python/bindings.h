@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the bindings of each room add to the module.
+/// Functions that add the bindings of each room to the module.
 #pragma once
 
 #include "mneme/robot.h"

@@ -16,7 +16,7 @@ namespace mneme::python {
 
 namespace py = pybind11;
 
-/// An Error on its way to Python, where it is a mneme.Error.
+/// Carries an Error to Python, where it becomes a mneme.Error.
 class RaisedError : public std::exception {
  public:
   explicit RaisedError(Error error) : error_(std::move(error)) {}
@@ -27,7 +27,7 @@ class RaisedError : public std::exception {
   Error error_;
 };
 
-/// The value of a result; its error is raised.
+/// Returns the value of a result or raises its error.
 template <class T>
 [[nodiscard]] T unwrap(Result<T> result) {
   if (!result) throw RaisedError(std::move(result.error()));

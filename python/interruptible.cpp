@@ -12,14 +12,14 @@ namespace {
 
 constexpr std::chrono::milliseconds kPoll(50);
 
-/// The worker of a thread, which a forked process does not have.
+/// The worker of a thread. It does not exist in a forked process.
 struct OwnWorker {
   OwnWorker() = default;
   OwnWorker(const OwnWorker&) = delete;
   OwnWorker& operator=(const OwnWorker&) = delete;
-  ~OwnWorker() { forget_that_of_parent(); }
+  ~OwnWorker() { forget_after_fork(); }
 
-  void forget_that_of_parent() {
+  void forget_after_fork() {
     if (process != ::getpid()) static_cast<void>(worker.release());
   }
 
@@ -67,9 +67,9 @@ void Worker::run(const std::function<void()>& work, const std::function<void()>&
 
 void run_elsewhere(const std::function<void()>& work, const std::function<void()>& on_wait) {
   thread_local OwnWorker own;
-  // The handler of a signal may call back while this thread waits.
+  // A signal handler may call back while this thread waits.
   if (own.is_busy) return Worker().run(work, on_wait);
-  own.forget_that_of_parent();
+  own.forget_after_fork();
   own.process = ::getpid();
   if (own.worker == nullptr) own.worker = std::make_unique<Worker>();
   own.is_busy = true;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Long calls: without the global interpreter lock, and ended by Control-C.
+/// Long calls that release the global interpreter lock and end at Control-C.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -15,7 +15,7 @@
 
 namespace mneme::python {
 
-/// A thread that waits for work, because starting one takes longer than many a plan.
+/// A waiting thread. Starting one takes longer than many plans.
 class Worker {
  public:
   Worker();
@@ -23,7 +23,7 @@ class Worker {
   Worker& operator=(const Worker&) = delete;
   ~Worker();
 
-  /// Runs `work` in the thread, and returns once it is done. Meanwhile calls `on_wait` every 50 ms.
+  /// Runs `work` in the thread and waits for it. Calls `on_wait` every 50 ms meanwhile.
   void run(const std::function<void()>& work, const std::function<void()>& on_wait);
 
  private:
@@ -31,17 +31,18 @@ class Worker {
 
   std::mutex mutex_;
   std::condition_variable changed_;
-  const std::function<void()>* work_ = nullptr;  ///< null once it is done
+  const std::function<void()>* work_ = nullptr;  ///< null when done
   bool is_ending_ = false;
   std::thread thread_;
 };
 
-/// Runs `work` in another thread, the same one for all calls of this thread. Not under the lock.
+/// Runs `work` in another thread, which calls from this thread share. Call without the interpreter
+/// lock.
 void run_elsewhere(const std::function<void()>& work, const std::function<void()>& on_wait);
 
-/// Runs `work()` in another thread without the lock. If a signal's handler raises in the meantime,
-/// as that of Control-C does, `cancel` is set, and the exception is raised once `work` has
-/// returned. `work` does not throw and heeds the flag.
+/// Runs `work()` in another thread without the interpreter lock. If a signal handler raises, as for
+/// Control-C, sets `cancel` and raises the exception when `work` has returned. `work` must not
+/// throw and must poll the flag.
 template <class Work>
 auto run_interruptible(std::atomic<bool>& cancel, Work work) {
   std::optional<decltype(work())> result;

@@ -37,7 +37,8 @@ std::string describe_memory_keywords() {
     names += (names.empty() ? "" : ", ") + std::string(kind->name);
   }
   return "kind: str = None\n    kind of memory: " + names +
-         ". Default: all of the database, or the robot's\n" + describe_keywords<MemorySettings>();
+         ". Default: every kind in the database, or the robot's default\n" +
+         describe_keywords<MemorySettings>();
 }
 
 void Keywords::finish() const {
@@ -71,7 +72,7 @@ void Keywords::read(const std::string& keyword, const py::object& given, double&
     PyErr_Clear();
     fail_type(keyword, given, "a number");
   }
-  // Written so that a NaN is out of range.
+  // A NaN is out of range, too.
   if (!(number >= least && number <= most)) fail_range(keyword, given, describe(least, most));
   value = number;
 }

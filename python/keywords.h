@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Settings as keyword arguments, from the same declarations as the command line's flags.
+/// Settings as keyword arguments, from the declarations of the command-line flags.
 #pragma once
 
 #include "mneme/pipeline.h"
@@ -22,18 +22,18 @@ namespace mneme::python {
 
 namespace py = pybind11;
 
-/// The keyword that stands for a flag: "max-gap" is max_gap, "lambda" is lambda_.
+/// Returns the keyword of a flag: "max-gap" becomes max_gap, "lambda" becomes lambda_.
 [[nodiscard]] std::string keyword_of(std::string_view flag);
 
-/// The keyword arguments of a call, to be handed out to settings structs.
+/// The keyword arguments of a call, which settings structs take their values from.
 class Keywords {
  public:
-  /// `function` names the call in messages.
+  /// `function`: the name of the call in messages.
   Keywords(std::string function, const py::kwargs& arguments)
       : function_(std::move(function)), arguments_(arguments) {}
 
-  /// Assigns those that `settings` declares. Raises TypeError for a value of the wrong type and
-  /// mneme.Error for one that is out of range.
+  /// Assigns the keywords that `settings` declares. Raises TypeError for a wrong type, and
+  /// mneme.Error for a value out of range.
   template <class Settings>
   void apply(Settings& settings) {
     visit_settings(settings, [this](std::string_view flag, auto& value, auto least, auto most,
@@ -53,9 +53,9 @@ class Keywords {
       }
     });
   }
-  /// The same for a kind of memory: the keyword kind, and what its settings declare.
+  /// As apply(), with the keyword kind.
   void apply_memory(MemorySettings& settings);
-  /// The same for the keyword memory: "auto", "off" or "paper".
+  /// Assigns the keyword memory: "auto", "off" or "paper".
   void apply_memory_mode(MemoryMode& mode);
   /// Raises TypeError if a keyword belongs to none of the settings.
   void finish() const;
@@ -89,12 +89,12 @@ class Keywords {
   std::vector<std::string> known_;
 };
 
-/// What plan() was given. Raises TypeError for a keyword that belongs to none of its settings.
+/// Reads the settings of plan(). Raises TypeError for an unknown keyword.
 [[nodiscard]] SolveSettings read_solve_settings(const std::string& planner,
                                                 const std::string& sampler, const std::string& isa,
                                                 const py::kwargs& arguments);
 
-/// The settings' part of a docstring: keyword, default, range and sentence of each.
+/// Returns the docstring of settings: keyword, default, range and meaning.
 template <class Settings>
 [[nodiscard]] std::string describe_keywords() {
   Settings defaults;
@@ -125,7 +125,7 @@ template <class Settings>
   return text;
 }
 
-/// The same of a kind of memory.
+/// As describe_keywords(), for the settings of memory.
 [[nodiscard]] std::string describe_memory_keywords();
 
 }  // namespace mneme::python

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Which files the robots, scenes and memories of Python were read from, so that no output replaces
-/// them. Parallel-safe.
+/// The files that robots, scenes and memories were read from, which outputs must not replace.
+/// Thread-safe.
 #pragma once
 
 #include "mneme/experience.h"
@@ -17,13 +17,13 @@
 
 namespace mneme::python {
 
-/// Keeps what `object` was read from for as long as it lives.
+/// Stores the files of `object` for its lifetime.
 void set_origin(const std::weak_ptr<const void>& object, std::vector<ReadFile> files);
-/// What set_origin was told of `object`; nothing if it was not read from files.
+/// Returns the files of `object`; none if it was not read from files.
 [[nodiscard]] std::vector<ReadFile> origin_of(const std::weak_ptr<const void>& object);
 
-/// Raises what check_outputs() says of `output` beside what the problems and the memory, which may
-/// be null, were read from. `what` is what it calls the problems' files.
+/// Raises the error of check_outputs() if `output` is a file of the problems or of the memory,
+/// which may be null. `what`: the role of the problems' files in messages.
 void check_output(const std::string& output, std::span<const SharedProblem> problems,
                   const std::shared_ptr<Database>& memory, std::string_view what);
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What cannot be sent to another process says what to do instead.
+/// Classes that cannot be sent to another process.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@ namespace mneme::python {
 
 namespace py = pybind11;
 
-/// Makes pickling and copying of a class a TypeError that ends with `instead`, a clause.
+/// Makes pickling and copying of a class raise a TypeError. `instead` says what to do.
 template <class Class>
 void refuse_pickling(Class& type, const std::string& instead) {
   const auto name = type.attr("__name__").template cast<std::string>();

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What a problem is to Python: it shares its scene, so that no edit of it is lost.
+/// mneme.Problem: shares its scene, so that edits of the scene take effect.
 #pragma once
 
 #include "mneme/problem.h"
@@ -13,8 +13,8 @@
 
 namespace mneme::python {
 
-/// Brings the poses into the frame of the robot's root link, by where their frames are at `q`.
-/// Raises a mneme.Error that begins with `what` for what the robot cannot be asked for.
+/// Transforms goals to the frame of the robot's root link, with their frames as at `q`. Raises a
+/// mneme.Error that begins with `what` for invalid goals.
 void place_goals(std::vector<PoseGoal>& goals, const Robot& robot, const Configuration& q,
                  const std::string& what);
 
@@ -26,10 +26,10 @@ class SharedProblem {
       : scene_(std::move(scene)), rest_(std::move(problem)) {}
 
   [[nodiscard]] const std::shared_ptr<Scene>& scene() const { return scene_; }
-  /// All but the scene.
+  /// The problem without its scene.
   [[nodiscard]] const Problem& rest() const { return rest_; }
   [[nodiscard]] Problem& rest() { return rest_; }
-  /// As it is now: of its own, so that it may be used without the interpreter's lock.
+  /// Returns a copy, for use without the interpreter lock.
   [[nodiscard]] Problem get() const {
     Problem problem = rest_;
     problem.scene = *scene_;

@@ -8,9 +8,8 @@
     plan.path                      # float64 array of shape (n, joint_count), radians
 
 Metres and radians; configurations are arrays of shape (joint_count,), paths of shape
-(n, joint_count). What is wrong with the world is a mneme.Error; a problem without a path is a
-plan whose `is_solved` is False. plan(), learn() and bench() let other threads run, and end at
-Control-C.
+(n, joint_count). Wrong input raises mneme.Error; a plan without a path has `is_solved` False.
+plan(), learn() and bench() let other threads run and end at Control-C.
 """
 from ._mneme import (
     BenchmarkRow,

@@ -8,17 +8,17 @@ from . import _mneme
 
 
 class Benchmark:
-    """The runs of a benchmark. Runs without a valid path count as longer than any other."""
+    """The runs of a benchmark. A run without a valid path counts as slower than all others."""
 
     def __init__(self, rows):
         self.rows = rows
 
     def table(self):
-        """One line of text per problem, planner and sampler; planning times in ms."""
+        """Returns a line of text per problem, planner and sampler; planning times in ms."""
         return _mneme._to_table(self.rows)
 
     def to_csv(self):
-        """One line per run below a header, as `mneme bench run --csv` writes them."""
+        """Returns a header and a line per run, as `mneme bench run --csv` writes them."""
         return _mneme._csv_header() + "".join(map(_mneme._to_csv_line, self.rows))
 
     def __len__(self):
@@ -36,10 +36,10 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
           csv=None, on_row=None, **settings):
     """Plans every problem with every planner and sampler, and checks every path again.
 
-    problems: Problem objects. samplers: default "uniform", with a database "gl" and "uniform".
-    seeds: runs of each, with seeds from `seed` on; all problems with one seed come before the next.
-    csv: file for one line per run, written while it runs; none that problems or database were read from. on_row: called with each BenchmarkRow.
-    settings: those of plan(), such as timeout=4.
+    problems: Problem objects. samplers: default "uniform"; with a database "gl" and "uniform".
+    seeds: runs of each, with seeds from `seed` on; all problems run with one seed before the next.
+    csv: a file that gets a line after each run. It must not be an input file.
+    on_row: called with each BenchmarkRow. settings: as for plan(), such as timeout=4.
     """
     problems = [problems] if isinstance(problems, _mneme.Problem) else list(problems)
     planners = [planners] if isinstance(planners, str) else list(planners)
@@ -48,7 +48,7 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
     samplers = [samplers] if isinstance(samplers, str) else list(samplers)
     for sampler in samplers:
         if database is None and _mneme._needs_memory(sampler):
-            raise TypeError(f"bench: the sampler '{sampler}' needs a database, the memory that it draws from")
+            raise TypeError(f"bench: the sampler '{sampler}' needs a database to sample from")
     if not problems or not planners or not samplers or seeds < 1:
         raise TypeError("bench: expected at least one problem, planner, sampler and seed")
     if csv is not None:

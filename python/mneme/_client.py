@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plans of a service that `mneme serve` runs: the standard library and NumPy alone."""
+"""A client of `mneme serve`. Needs only the standard library and NumPy."""
 import http.client
 import json
 import socket
@@ -14,7 +14,7 @@ from ._solutions import Solutions
 
 
 class Busy(Exception):
-    """The service has too many requests; `retry_after_s` says when to try again."""
+    """The service has too many requests. Try again after `retry_after_s` seconds."""
 
     def __init__(self, message, retry_after_s):
         super().__init__(message)
@@ -37,7 +37,7 @@ class _UnixConnection(http.client.HTTPConnection):
 
 
 class RemotePlan:
-    """What Client.plan() brings: the attributes of a Plan by the same names, as far as they travel."""
+    """The result of Client.plan(), with the names of Plan for the attributes that are sent."""
 
     def __init__(self, answer, client):
         self._answer = answer
@@ -45,7 +45,7 @@ class RemotePlan:
 
     @property
     def answer(self):
-        """All keys of `mneme plan --json`."""
+        """A dict with the keys of `mneme plan --json`."""
         return self._answer
 
     @property
@@ -66,13 +66,13 @@ class RemotePlan:
         return np.array(rows, dtype=float) if rows else np.empty((0, 0))
 
     def to_json(self):
-        """The text that `mneme plan --json` prints."""
+        """Returns the JSON that `mneme plan --json` prints."""
         return json.dumps(self._answer, indent=2)
 
     def to_trace(self):
-        """The plan as geometry, JSON that `mneme view` shows; of a plan with trace=True."""
+        """Returns the plan as geometry: JSON for `mneme view`. Needs plan(..., trace=True)."""
         if "id" not in self._answer:
-            raise ValueError("this plan was not asked for a trace: plan(..., trace=True)")
+            raise ValueError("this plan has no trace: use plan(..., trace=True)")
         return json.dumps(self._client.ask("GET", f"/v1/plans/{self._answer['id']}/trace"))
 
     def __repr__(self):
@@ -90,18 +90,18 @@ _SCENE_KEYS = ("circles", "obstacles", "allow")
 
 
 def _scene_keys(scene):
-    """A Scene as the keys of a request."""
+    """Returns a Scene as keys of a request."""
     compact = json.loads(scene.to_compact_json())["problems"][0]
     return {key: compact[key] for key in _SCENE_KEYS if key in compact}
 
 
 def _configuration(q):
-    """As JSON: values of all joints, by name, or the name of a state."""
+    """Returns JSON: values of all joints, a dict by name, or the name of a state."""
     return q if isinstance(q, (str, dict)) else np.asarray(q, dtype=float).tolist()
 
 
 def _goals(goals):
-    """As a list for JSON: configurations and PoseGoals, one or several."""
+    """Returns a list for JSON of one or more configurations and PoseGoals."""
     if isinstance(goals, (PoseGoal, str, dict)):
         goals = [goals]
     if not any(isinstance(goal, (PoseGoal, str, dict)) for goal in goals):
@@ -110,7 +110,7 @@ def _goals(goals):
 
 
 def _settings(settings):
-    """By the names that they have in requests."""
+    """Returns settings by their names in requests."""
     return {name.rstrip("_").replace("_", "-"): _plain(value) for name, value in settings.items() if value is not None}
 
 
@@ -125,11 +125,10 @@ def _constraint(constraint):
 
 
 class Client:
-    """Asks a service at `url`, such as "http://127.0.0.1:7890" or "unix:/run/mneme.sock".
+    """A client of the service at `url`, such as "http://127.0.0.1:7890" or "unix:/run/mneme.sock".
 
-    It keeps one connection, so that a plan costs a tenth of a millisecond more than in-process: one client per
-    thread. What the service refuses is a mneme.Error; a full queue is waited for `patience_s` seconds and is a
-    mneme.Busy then.
+    Keeps one connection, so that a plan takes about 0.1 ms longer than in-process. Use one client per thread. Refused
+    requests raise mneme.Error. If the queue is full, waits up to `patience_s` seconds and raises mneme.Busy then.
     """
 
     def __init__(self, url="http://127.0.0.1:7890", token=None, timeout_s=120.0, patience_s=30.0):
@@ -160,9 +159,9 @@ class Client:
              trace=False, clearance=False, remember=True, **settings):
         """Plans a Problem, or from `start` to one of `goals` in `scene`, a Scene or the id of an uploaded one.
 
-        goals: configurations and PoseGoals. attached: a list of what the robot carries, as problem files spell it
-        in JSON; that of a problem is its robot's. constraints: OrientationConstraints, instead of the problem's.
-        settings: those of mneme.plan(), by the same names.
+        goals: configurations and PoseGoals. attached: a list of attached objects, as in compact files; default: those
+        of the problem's robot. constraints: OrientationConstraints that replace the problem's. settings: as for
+        mneme.plan().
         """
         if problem is None and (start is None or goals is None):
             raise TypeError("plan() takes a problem, or start and goals")
@@ -185,9 +184,9 @@ class Client:
         return RemotePlan(self.ask("POST", "/v1/plan", body), self)
 
     def inverse_kinematics(self, goals, *, near=None, scene=None, margin=0.0, **settings):
-        """Free configurations that reach any of the PoseGoals, nearest to `near` (zeros) first.
+        """Returns free configurations that reach any of the PoseGoals, nearest to `near` (default: zeros) first.
 
-        Solutions, of shape (k, joint_count); none if k is 0, and then `message` says why. settings: `seed` and those of
+        The result is Solutions, shape (k, joint_count). If k is 0, `message` says why. settings: as for
         mneme.inverse_kinematics().
         """
         body = {"goals": _goals(goals), "margin": float(margin), "settings": _settings(settings),
@@ -201,20 +200,20 @@ class Client:
         return solutions
 
     def check(self, configurations, scene=None, margin=0.0):
-        """A dict per configuration: "valid", and if it is not, "contacts" or a "message"."""
+        """Returns a dict per configuration: "valid", and for invalid ones "contacts" or "message"."""
         body = {"configurations": np.atleast_2d(np.asarray(configurations, dtype=float)).tolist(),
                 "margin": float(margin), **self._place(scene)}
         return self.ask("POST", "/v1/check", body)["states"]
 
     def put_scene(self, id, scene, frame=None):
-        """Uploads a Scene (or a dict of the keys of a compact file); returns the names of its obstacles."""
+        """Uploads a Scene, or a dict with keys of compact files. Returns the names of its obstacles."""
         body = dict(scene) if isinstance(scene, dict) else _scene_keys(scene)
         if frame is not None:
             body["frame"] = frame
         return self.ask("PUT", self._scene_path(id), body)["obstacles"]
 
     def edit_scene(self, id, remove=(), scene=None):
-        """Removes obstacles by name, then adds those of `scene`, in the place of others of the same names."""
+        """Removes obstacles by name, then adds those of `scene`, which replace others of the same names."""
         body = {"remove": list(remove)}
         if scene is not None:
             body.update(dict(scene) if isinstance(scene, dict) else _scene_keys(scene))
@@ -224,7 +223,7 @@ class Client:
         self.ask("DELETE", self._scene_path(id))
 
     def health(self):
-        """A dict with "status", "robot", "joints" and "memory"."""
+        """Returns a dict with "status", "robot", "joints" and "memory"."""
         return self.ask("GET", "/healthz")
 
     @staticmethod
@@ -238,7 +237,7 @@ class Client:
         return {"scene": scene} if isinstance(scene, str) else _scene_keys(scene)
 
     def ask(self, method, path, body=None):
-        """The answer, parsed, to any request that docs/schema/service.openapi.json describes."""
+        """Sends a request of docs/schema/service.openapi.json and returns its parsed answer."""
         deadline = time.monotonic() + self._patience_s
         while True:
             response, answer = self._exchange(method, path, body)
@@ -261,11 +260,11 @@ class Client:
             except (http.client.RemoteDisconnected, BrokenPipeError):
                 if not is_kept:
                     raise
-            # The service closes connections that were idle for long: this one was, before it took the request.
+            # The service has closed this connection, which was idle for too long, before it took the request.
             self._connection.close()
             return self._send(method, path, data)
         except BaseException:
-            # An answer that comes after all must not be taken for that of the next request.
+            # A late answer must not be taken for the answer of the next request.
             self._connection.close()
             raise
 
@@ -273,7 +272,7 @@ class Client:
         try:
             self._connection.connect()
         except OSError as failure:
-            raise _error({"code": "io", "message": f"{self._url}: no service can be reached: {failure}"}) from failure
+            raise _error({"code": "io", "message": f"{self._url}: cannot reach the service: {failure}"}) from failure
 
     def _send(self, method, path, data):
         try:
@@ -281,7 +280,7 @@ class Client:
                 self._connect()
             self._connection.request(method, path, data, self._headers)
         except (BrokenPipeError, ConnectionResetError):
-            pass  # A body that is too long is refused before all of it is sent: the answer is there to be read.
+            pass  # The service refused the body before it was sent completely: read its answer.
         response = self._connection.getresponse()
         return response, json.loads(response.read())
 

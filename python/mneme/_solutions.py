@@ -1,15 +1,15 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""What inverse kinematics brings."""
+"""The result of inverse kinematics."""
 import numpy as np
 
 
 class Solutions(np.ndarray):
-    """Configurations, an array of shape (k, joint_count). `message` says why there are none; empty if there are."""
+    """Configurations, shape (k, joint_count). If k is 0, `message` says why; otherwise it is empty."""
 
     message = ""
 
     def __array_finalize__(self, source):
-        # Copies and views of none are none, too.
+        # Copies and views of an empty array keep its message.
         if self.size == 0:
             self.message = getattr(source, "message", "")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Plans as pages: for a browser and for a notebook."""
+"""Pages that show plans, for browsers and notebooks."""
 import html
 import os
 
@@ -10,13 +10,13 @@ from . import _mneme
 def _repr_html(plan):
     if plan.status in ("invalid_start", "invalid_goal"):
         return f"<pre>{html.escape(plan.problem.name)}: {html.escape(plan.message)}</pre>"
-    # A frame of its own: the page has styles and scripts.
+    # A frame, because the page has styles and scripts.
     page = html.escape(plan.to_page(), quote=True)
     return f'<iframe srcdoc="{page}" style="width:100%;height:600px;border:0"></iframe>'
 
 
 def _write_in_one(path, text):
-    """Readers see the old file or the whole new one; pipes and devices are written to, links followed."""
+    """Replaces a file as one step. Follows links, and writes pipes and devices directly."""
     target = os.path.realpath(path)
     if os.path.exists(target) and not os.path.isfile(target):
         with open(target, "w", encoding="utf-8") as file:
@@ -34,10 +34,10 @@ def _write_in_one(path, text):
 
 
 def view(plan, path):
-    """Writes a page that shows `plan` to the file `path`; it needs no network. Returns the path.
+    """Writes a page that shows `plan` to the file `path` and returns the path. The page needs no network.
 
-    With plan(..., record=True) it also shows samples and trees. A mneme.Error if the plan's problem, robot, scene or
-    memory was read from that file, or it is another memory.
+    With plan(..., record=True) it also shows samples and trees. Raises mneme.Error if `path` is an input file of the
+    plan or any memory.
     """
     file = os.fsdecode(path)
     plan._check_output(file)

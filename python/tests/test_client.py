@@ -234,7 +234,7 @@ class Scripted:
 def test_a_service_that_is_not_there_is_named(url):
     with mneme.Client(url) as client:
         code, message = raised(client.health)
-    assert code == "io" and message.startswith(f"{url}: no service can be reached: ")
+    assert code == "io" and message.startswith(f"{url}: cannot reach the service: ")
 
 
 def test_a_client_goes_on_after_a_timeout():

@@ -129,7 +129,7 @@ def test_a_problem_is_written_and_read_back(problem, tmp_path):
     shared = mneme.Problem.load(path, robot=problem.robot)
     np.testing.assert_array_equal(shared.start, problem.start)
     assert shared.robot.hash == problem.robot.hash
-    assert "expected none beside it" in raised(mneme.Problem.load, path, robot=problem.robot, group="arm")[1]
+    assert "pass only the Robot" in raised(mneme.Problem.load, path, robot=problem.robot, group="arm")[1]
     with pytest.raises(TypeError, match="robot: expected a name, a path or a Robot, got 3"):
         mneme.Problem.load(path, robot=3)
     assert raised(mneme.Problem.load, path, robot="nobody")[0] == "io"
