@@ -15,9 +15,9 @@
 namespace mneme::internal {
 namespace {
 
-/// Radians: what turns less and is not proven to stay inside is taken to leave the cone.
+/// A stretch that turns less, in radians, and is not proven inside counts as outside.
 constexpr double kFinestTurn = 1e-3;
-/// Projections lead to this share of the cone's angle, so that motions between them have room.
+/// Projections aim at this share of the cone's angle, so that motions between them have room.
 constexpr double kDepth = 0.8;
 constexpr int kMostSteps = 20;
 constexpr double kMostStep = 0.5;  ///< radians
@@ -188,7 +188,7 @@ std::optional<std::string> describe_fault(const Robot& robot,
            internal::find_drive(robot, joint);
   };
   if (std::ranges::none_of(internal::joints_to(robot, *link), is_turned)) {
-    return fmt::format("no joint that is planned for turns link \"{}\"", constraint.link);
+    return fmt::format("no joint of the planning group turns link \"{}\"", constraint.link);
   }
   for (const Vec3& direction : {constraint.axis, constraint.up}) {
     if (std::abs(direction.norm() - 1) <= kUnitTolerance) continue;

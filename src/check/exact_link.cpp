@@ -31,7 +31,7 @@ double ExactLink::distance_to(const Shape& shape) const {
 }
 
 double ExactLink::distance_to(const ExactLink& other, const Transform& X_LO, double enough) const {
-  // Not to be taken for a distance that is not small enough, what touches has to be looked for.
+  // The limit must be positive, so that a contact is found, not cut off.
   constexpr double kSome = 1e-3;
   double least = std::numeric_limits<double>::infinity();
   for (const Capsule& shape : other.shapes_) {

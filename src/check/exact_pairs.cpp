@@ -10,12 +10,12 @@
 namespace mneme::internal {
 namespace {
 
-/// Metres: where there is less room, a motion is taken to touch.
+/// A motion with less room, in metres, counts as in contact.
 constexpr double kLeastRoom = 1e-4;
-/// Metres: where spheres have this much room, exact geometry is not checked.
+/// Exact geometry is not checked where spheres have this much room, in metres.
 constexpr double kSphereRoom = 0.003;
 
-/// A part of a motion, between two shares of it, on which a pair is not known to be apart.
+/// A stretch of a motion, between two fractions of it, on which a pair is not yet proven apart.
 struct Stretch {
   std::size_t pair = 0;
   double first = 0, last = 1;
@@ -49,7 +49,8 @@ double ExactPairs::between(const PosedLinks& posed, const Pair& pair, double eno
                     : links_.between(posed, pair.links, enough);
 }
 
-/// Metres that a pair may come closer at least, or more than `most`.
+/// Metres that a pair may approach before it touches. Exact up to `most`, otherwise any larger
+/// value.
 double ExactPairs::room(const PosedLinks& posed, const Pair& pair, double margin,
                         double most) const {
   const double enough = margin + most;
@@ -81,7 +82,7 @@ bool ExactPairs::stay_apart(std::span<const float> from, std::span<const float> 
     bounds.push_back(displacement_bound(pairs_[i], begin, at(1)));
     open.push_back({i});
   }
-  // Long stretches of all pairs come before short ones of any: so contact is found early.
+  // Breadth first: long stretches of all pairs find a contact early.
   for (std::size_t next = 0; next < open.size(); ++next) {
     const auto [i, first, last] = open[next];
     const double middle = 0.5 * (first + last), half = 0.5 * (last - first) * bounds[i];
@@ -96,14 +97,14 @@ bool ExactPairs::stay_apart(std::span<const float> from, std::span<const float> 
   return true;
 }
 
-/// Metres that a pair comes closer at most on the straight motion.
+/// Bound on the approach of a pair on the straight motion, metres.
 double ExactPairs::displacement_bound(const Pair& pair, const Configuration& from,
                                       const Configuration& to) const {
   const std::vector<double> first = joint_values(robot_.joints(), robot_.group(), from);
   const std::vector<double> last = joint_values(robot_.joints(), robot_.group(), to);
   std::vector<int> own = joints_to(robot_, pair.link);
   if (pair.shape) return displacement_bound(pair.link, own, first, last);
-  // Joints that carry both links do not matter.
+  // Joints that carry both links do not change their distance.
   std::vector<int> others = joints_to(robot_, pair.links.second);
   while (!own.empty() && !others.empty() && own.back() == others.back()) {
     own.pop_back();
@@ -113,9 +114,8 @@ double ExactPairs::displacement_bound(const Pair& pair, const Configuration& fro
          displacement_bound(pair.links.second, others, first, last);
 }
 
-/// Metres that a point of the link moves at most by these joints, which carry it one after the
-/// other. One that turns moves it along an arc about its axis, which is no farther away than what
-/// is between is long.
+/// Displacement bound of the link's points, metres, by the joints that carry it, from the link to
+/// the root. The radius of a turn is at most the length of the chain between joint and point.
 double ExactPairs::displacement_bound(int link, std::span<const int> joints,
                                       const std::vector<double>& from,
                                       const std::vector<double>& to) const {

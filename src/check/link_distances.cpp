@@ -27,7 +27,7 @@ Vec3 center_of(const Capsule& posed) {
   return posed.a == posed.b ? posed.a : Vec3(0.5 * (posed.a + posed.b));
 }
 
-/// `exact`, or, if that is 0, `gap`, which the spheres have, or a negative distance.
+/// Returns `exact`, or, if that is 0, the `gap` between the spheres, made negative.
 double unless_touching(double exact, double gap) {
   return exact > 0 ? exact : std::min(gap, -std::numeric_limits<double>::min());
 }
@@ -36,9 +36,8 @@ bool contains(const std::vector<int>& links, int link) {
   return std::ranges::find(links, link) != links.end();
 }
 
-/// Error: "`what` 'name', but the robot has no link of this name".
-Result<int> find_link(const Robot& robot, const std::string& name, const std::string& what) {
-  if (const auto link = robot.find_link(name)) return *link;
+Result<void> check_link(const Robot& robot, const std::string& name, const std::string& what) {
+  if (robot.find_link(name)) return {};
   return fail(ErrorCode::invalid,
               fmt::format("{} '{}', but robot '{}' has no link and no attached object of this name",
                           what, name, robot.name()));
@@ -46,28 +45,35 @@ Result<int> find_link(const Robot& robot, const std::string& name, const std::st
 
 }  // namespace
 
-Result<NamedLinks> find_named_links(const Robot& robot, const Obstacle& obstacle) {
+NamedLinks find_named_links(const Robot& robot, const Obstacle& obstacle) {
   NamedLinks links;
   for (const std::string& name : obstacle.may_touch) {
-    const int link = MNEME_TRY(
-        find_link(robot, name, fmt::format("obstacle '{}' may be touched by", obstacle.name)));
-    links.may_touch.push_back(link);
+    if (const auto link = robot.find_link(name)) links.may_touch.push_back(*link);
   }
   for (const std::string& name : obstacle.exact_links) {
-    const int link = MNEME_TRY(
-        find_link(robot, name,
-                  fmt::format("obstacle '{}' is checked by the exact geometry of", obstacle.name)));
-    if (robot.links()[as_index(link)].approximation) links.exact_links.push_back(link);
+    const auto link = robot.find_link(name);
+    if (link && robot.links()[as_index(*link)].approximation) links.exact_links.push_back(*link);
   }
   return links;
 }
 
 Result<void> check_named_links(const Robot& robot, const Scene& scene) {
-  const std::string what =
-      fmt::format("scene '{}' has a pair checked by exact geometry of", scene.name);
+  for (const Obstacle& obstacle : scene.obstacles) {
+    for (const std::string& name : obstacle.may_touch) {
+      MNEME_TRY(
+          check_link(robot, name, fmt::format("obstacle '{}' may be touched by", obstacle.name)));
+    }
+    for (const std::string& name : obstacle.exact_links) {
+      MNEME_TRY(check_link(
+          robot, name,
+          fmt::format("obstacle '{}' is checked by the exact geometry of", obstacle.name)));
+    }
+  }
   for (const auto& [first, second] : scene.exact_pairs) {
     for (const std::string& name : {first, second}) {
-      static_cast<void>(MNEME_TRY(find_link(robot, name, what)));
+      MNEME_TRY(check_link(
+          robot, name,
+          fmt::format("scene '{}' has a pair checked by exact geometry of", scene.name)));
     }
   }
   return {};
@@ -98,21 +104,9 @@ std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scen
   std::vector<ObstacleShape> shapes;
   for (std::size_t i = 0; i < scene.obstacles.size(); ++i) {
     const Obstacle& obstacle = scene.obstacles[i];
-    const auto find_known = [&](const std::vector<std::string>& names) {
-      std::vector<int> links;
-      for (const std::string& name : names) {
-        if (const auto link = robot.find_link(name)) links.push_back(*link);
-      }
-      return links;
-    };
-    ObstacleShape any{static_cast<int>(i),
-                      nullptr,
-                      {},
-                      find_known(obstacle.may_touch),
-                      find_known(obstacle.exact_links)};
-    std::erase_if(any.exact_links, [&](int link) {
-      return !robot.links()[as_index(link)].approximation.has_value();
-    });
+    NamedLinks named = find_named_links(robot, obstacle);
+    const ObstacleShape any{
+        static_cast<int>(i), nullptr, {}, std::move(named.may_touch), std::move(named.exact_links)};
     for (const Shape& shape : obstacle.shapes) {
       ObstacleShape& added = shapes.emplace_back(any);
       added.shape = &shape;
@@ -128,7 +122,7 @@ LinkDistances::LinkDistances(const Robot& robot, const LinkDistances& bare) : li
   add_links(robot);
 }
 
-/// Adds the links that are not there yet.
+/// Adds the links that are new, such as attached objects.
 void LinkDistances::add_links(const Robot& robot) {
   const std::vector<bool> is_moving = find_moving_links(robot);
   for (std::size_t i = links_.size(); i < robot.links().size(); ++i) {
@@ -177,7 +171,7 @@ double LinkDistances::between_spheres(const PosedLinks& posed, int link, const O
     return kInfinity;
   }
   const bool is_one = body.shapes.size() == 1;
-  // The sphere around a large obstacle, such as a table, says little.
+  // The sphere around a large obstacle, such as a table, is a poor bound.
   if (!std::holds_alternative<Sphere>(*other.shape) &&
       distance(posed.centers[i], *other.shape) - radius > enough) {
     return kInfinity;
@@ -246,7 +240,7 @@ bool is_free(const LinkDistances& links, const PosedLinks& posed,
 
 namespace {
 
-/// Links that the group moves, or does not move, with obstacles.
+/// Contacts with obstacles, of links that the group moves or of the others.
 std::vector<Contact> find_scene_contacts(const Robot& robot, const LinkDistances& links,
                                          const PosedLinks& posed, const Scene& scene, double margin,
                                          bool of_moving) {

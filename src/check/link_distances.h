@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Distances between links and obstacles, and of links from each other, in double precision. Shares
-/// no code with the kernels.
+/// Distances between links and obstacles, and between links, in double precision. The kernels share
+/// none of this code.
 #pragma once
 
 #include "mneme/check.h"
@@ -24,11 +24,11 @@ struct ObstacleShape {
   int obstacle = 0;  ///< index into the scene
   const Shape* shape = nullptr;
   Sphere bound;
-  std::vector<int> may_touch = {};    ///< links that nothing checks against it
+  std::vector<int> may_touch = {};    ///< links that may touch it
   std::vector<int> exact_links = {};  ///< links that are checked by exact geometry
 };
-/// All shapes of the scene, which must outlive them, in its order. Names of links that the robot
-/// lacks are left aside.
+/// Returns all shapes of the scene, in its order; the scene must outlive them. Ignores names of
+/// links that the robot lacks.
 [[nodiscard]] std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scene);
 
 /// Two links that are checked against each other.
@@ -36,35 +36,33 @@ struct LinkPair {
   int first = 0, second = 0;
   bool is_exact = false;  ///< (Scene::exact_pairs)
 };
-/// The checked pairs of the robot, in its order. Names of links that it lacks are left aside.
+/// Returns the checked pairs of the robot, in its order. Ignores names of links that it lacks.
 [[nodiscard]] std::vector<LinkPair> link_pairs(const Robot& robot, const Scene& scene);
 
-/// Indices of the links that an obstacle names: that may touch it, and that are approximated and
-/// checked by exact geometry. Error: a name that the robot lacks.
+/// Indices of the links that an obstacle names. `exact_links` have a sphere approximation.
 struct NamedLinks {
   std::vector<int> may_touch, exact_links;
 };
-[[nodiscard]] Result<NamedLinks> find_named_links(const Robot& robot, const Obstacle& obstacle);
-/// Error: Scene::exact_pairs has a name that the robot lacks.
+/// Ignores names of links that the robot lacks.
+[[nodiscard]] NamedLinks find_named_links(const Robot& robot, const Obstacle& obstacle);
+/// Error: an obstacle or Scene::exact_pairs names a link that the robot lacks.
 [[nodiscard]] Result<void> check_named_links(const Robot& robot, const Scene& scene);
 
-/// Where links stand at one configuration.
+/// The poses of links at one configuration.
 struct PosedLinks {
   std::vector<Transform> poses;
   std::vector<Vec3> centers;  ///< of the links' bounds
 };
 
-/// The shapes of a link that are exact, and the surface that its sphere approximation holds, in the
-/// link's frame.
+/// The exact geometry of a link in its frame: its own shapes, and the surface that its sphere
+/// approximation encloses.
 class ExactLink {
  public:
   explicit ExactLink(const Link& link);
 
-  /// Metres from a shape in the link's frame, by distance_to_solid(): 0
-  /// if they meet.
+  /// Metres from a shape in the link's frame, by distance_to_solid(); 0 if they touch.
   [[nodiscard]] double distance_to(const Shape& shape) const;
-  /// The same from a link that stands at X_LO, exact if that is at most `enough`, and otherwise
-  /// anything above it.
+  /// Metres from a link at the pose X_LO. Exact up to `enough`, otherwise any larger value.
   [[nodiscard]] double distance_to(const ExactLink& other, const Transform& X_LO,
                                    double enough) const;
 
@@ -73,15 +71,15 @@ class ExactLink {
   std::vector<Mesh> surfaces_;  ///< one, or none without an approximation
 };
 
-/// Bounding spheres first, exact distances then. It knows the shapes of a robot's links, not where
-/// they are. Const and parallel-safe.
+/// Distances of a robot's links: bounding spheres first, then exact distances. Poses are arguments.
+/// Const and parallel-safe.
 class LinkDistances {
  public:
   explicit LinkDistances(const Robot& robot);
-  /// For a robot that carries objects, from the distances of the bare one.
+  /// For a robot with attached objects, from the distances of the bare robot.
   LinkDistances(const Robot& robot, const LinkDistances& bare);
 
-  /// `poses` are those of all links.
+  /// `poses`: one per link.
   [[nodiscard]] PosedLinks posed(std::vector<Transform> poses) const;
 
   [[nodiscard]] int link_count() const { return static_cast<int>(links_.size()); }
@@ -90,28 +88,27 @@ class LinkDistances {
   /// True if a joint of the group moves the link.
   [[nodiscard]] bool is_moving(int link) const { return at(link).is_moving; }
 
-  /// Metres from the link's origin that none of its shapes goes beyond.
+  /// Radius about the link's origin, metres, that encloses its shapes.
   [[nodiscard]] double reach(int link) const {
     return at(link).bound.center.norm() + at(link).bound.radius;
   }
 
-  /// Metres between the surfaces of a link and an obstacle, exact if that is at most `enough`, and
-  /// otherwise anything above it. In contact negative, by at most the radius of the link's shape.
-  /// Infinite for a link that may touch it. What is checked by exact geometry is in contact if the
-  /// exact geometry is.
+  /// Metres between the surfaces of a link and an obstacle. Exact up to `enough`, otherwise any
+  /// larger value. Negative in contact, by at most the radius of the link's shape. Infinite for a
+  /// link that may touch the obstacle. Takes the exact geometry of pairs that are checked by it.
   [[nodiscard]] double between(const PosedLinks& posed, int link, const ObstacleShape& other,
                                double enough) const;
-  /// The same of two links; in contact negative by at most the sum of the radii.
+  /// The same between two links; negative in contact, by at most the sum of the radii.
   [[nodiscard]] double between(const PosedLinks& posed, const LinkPair& pair, double enough) const;
 
-  /// The same of spheres and capsules, whatever is checked by exact geometry.
+  /// The same between spheres and capsules, also for pairs that are checked by exact geometry.
   [[nodiscard]] double between_spheres(const PosedLinks& posed, int link,
                                        const ObstacleShape& other, double enough) const;
   [[nodiscard]] double between_spheres(const PosedLinks& posed, int first, int second,
                                        double enough) const;
 
  private:
-  /// Shapes and spheres around them, in the link's frame.
+  /// Shapes and their bounding spheres, in the link's frame.
   struct Body {
     std::vector<Capsule> shapes;
     std::vector<Sphere> bounds;
@@ -119,7 +116,7 @@ class LinkDistances {
     bool is_moving = false;
     ExactLink exact;
   };
-  /// In the robot's frame, with the sphere around it.
+  /// A shape in the robot's frame, with its bounding sphere.
   struct PosedShape {
     Capsule capsule;
     Vec3 middle;
@@ -127,23 +124,23 @@ class LinkDistances {
   };
   [[nodiscard]] const Body& at(int link) const { return links_[as_index(link)]; }
   void add_links(const Robot& robot);
-  /// Shapes of the link that may be within `enough` of the ball.
+  /// Returns the shapes of the link that may be within `enough` of the ball.
   [[nodiscard]] std::vector<PosedShape> near_shapes(const PosedLinks& posed, int link,
                                                     const Sphere& ball, double enough) const;
   std::vector<Body> links_;
 };
 
-/// True if nothing touches that the group can move.
+/// True if no moving link touches an obstacle and no pair of links touches.
 [[nodiscard]] bool is_free(const LinkDistances& links, const PosedLinks& posed,
                            std::span<const ObstacleShape> obstacles,
                            std::span<const LinkPair> pairs);
 
-/// All pairs in contact at `q`: links that the group moves with obstacles, inflated by `margin`,
-/// then links with links.
+/// Returns all pairs in contact at `q`: moving links, inflated by `margin`, with obstacles, then
+/// links with links.
 [[nodiscard]] std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& links,
                                                  const Scene& scene, std::span<const double> q,
                                                  double margin);
-/// Pairs in contact of links that the group does not move with obstacles.
+/// Returns the contacts of obstacles with links that the group does not move.
 [[nodiscard]] std::vector<Contact> find_fixed_contacts(const Robot& robot,
                                                        const LinkDistances& links,
                                                        const Scene& scene);
@@ -153,26 +150,26 @@ struct Clearance {
   int link = -1;        ///< index into the robot's links
   int obstacle = -1;    ///< index into the scene
 };
-/// The nearest pair of an obstacle and a link that the group moves, if it is closer than
-/// `within` metres: otherwise that distance and no pair.
+/// Finds the nearest pair of an obstacle and a link that the group moves. Returns `within` and no
+/// pair if none is closer than `within` metres.
 [[nodiscard]] Clearance find_clearance(const LinkDistances& links, const PosedLinks& posed,
                                        std::span<const ObstacleShape> obstacles,
                                        double within = std::numeric_limits<double>::infinity());
 
 /// All pairs of a scene that are checked by exact geometry (Obstacle::exact_links,
-/// Scene::exact_pairs), in double precision. Spheres come first, so that exact distances are found
-/// only where these are close. Const and parallel-safe.
+/// Scene::exact_pairs), in double precision. Exact distances are found only where spheres are
+/// close. Const and parallel-safe.
 class ExactPairs {
  public:
-  /// Refers to `links`, which are those of the robot. Obstacles are inflated by `margin` metres.
+  /// Keeps a reference to the robot's `links`. Obstacles are inflated by `margin` metres.
   ExactPairs(const Robot& robot, const LinkDistances& links, const Scene& scene, double margin);
 
   [[nodiscard]] bool empty() const { return pairs_.empty(); }
-  /// True if at `q` no pair touches.
+  /// True if no pair touches at `q`.
   [[nodiscard]] bool are_apart(std::span<const float> q) const;
-  /// True if no pair comes closer than `extra` metres on the whole motion from `from` by `delta`,
-  /// nor than 1e-4 m more at the states that are checked: around each of them the motion is free
-  /// where the links have moved by no more than they had room.
+  /// True if no pair comes closer than `extra` metres on the motion from `from` by `delta`. Checks
+  /// states one by one; each proves the stretch on which the displacement bound is smaller than the
+  /// pair's distance. States closer than `extra` + 1e-4 m fail.
   [[nodiscard]] bool stay_apart(std::span<const float> from, std::span<const float> delta,
                                 double extra) const;
 

@@ -17,8 +17,8 @@ namespace {
 
 using internal::as_index;
 
-/// Calls `visit` for states of the path, `resolution` or less apart, until it returns false;
-/// returns whether it never did.
+/// Calls `visit` for states of the path, at most `resolution` apart, until it returns false.
+/// Returns true if it never did.
 template <class Visit>
 bool visit_states(const Robot& robot, const std::vector<Configuration>& path, double resolution,
                   const Visit& visit) {

@@ -133,7 +133,7 @@ TEST_SUITE("unit") {
     parts.joints[1].mimic = Mimic{0, 0, 0.5};
     const Robot robot = make_robot(parts).value();
     const OrientationConstraint upright{"l2", Vec3::UnitX(), Vec3::UnitX(), 0.1};
-    CHECK(describe_fault(robot, upright) == "no joint that is planned for turns link \"l2\"");
+    CHECK(describe_fault(robot, upright) == "no joint of the planning group turns link \"l2\"");
     const float q = 0.3f;
     CHECK(Cone(robot, upright).cosine(&q) ==
           doctest::Approx(std::cos(tilt(robot, upright, Configuration{q}))));
@@ -148,7 +148,7 @@ TEST_SUITE("unit") {
     CHECK(fault({kHand, z, z, 0.1}).empty());
     CHECK(fault({"nose", z, z, 0.1}) == "expected a link of robot panda, got \"nose\"");
     CHECK(fault({"panda_link0", z, z, 0.1}) ==
-          "no joint that is planned for turns link \"panda_link0\"");
+          "no joint of the planning group turns link \"panda_link0\"");
     CHECK(fault({kHand, 2 * z, z, 0.1}) == "expected directions of unit length, got one of 2");
     CHECK(fault({kHand, z, z, 0}) == "expected an angle of 0.001 rad or more, got 0");
     CHECK(fault({kHand, z, z, std::nan("")}) == "expected an angle of 0.001 rad or more, got nan");
