@@ -9,16 +9,16 @@
 namespace mneme::internal {
 namespace {
 
-/// More than single precision loses.
+/// Larger than the rounding errors of single precision.
 constexpr float kRounding = 1 + 1e-5f;
 
-/// The bounds of one motion.
+/// Displacement bounds on one motion.
 class Reach {
  public:
   Reach(const RobotTables& tables, std::span<const float> from, std::span<const float> to)
       : tables_(tables), from_(from), to_(to) {}
 
-  /// Adds those of the joints that carry a body in the frame `ancestor` to `row`.
+  /// Adds the bounds for each joint between a body and the frame `ancestor` to `row`.
   void add(const BodyRow& body, int ancestor, float* row) const {
     const float* center = body.ball.center;
     // The farthest of the body's points from the frame's axis, and from its origin.
@@ -37,7 +37,7 @@ class Reach {
   }
 
  private:
-  /// The farthest that a slide takes its frame.
+  /// The largest offset of a prismatic frame, metres.
   [[nodiscard]] float travel_of(const FrameRow& row) const {
     if (!row.is_prismatic) return 0;
     const auto value = [&](std::span<const float> q) {

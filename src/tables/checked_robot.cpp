@@ -10,7 +10,7 @@
 namespace mneme::internal {
 namespace {
 
-/// Robots by their identity, which copies share.
+/// Checked robots by robot identity, which copies share.
 class Registry {
  public:
   std::shared_ptr<const CheckedRobot> find(const Robot& robot) {

@@ -19,18 +19,18 @@ namespace {
 
 constexpr std::size_t kMostJoints = 2;
 constexpr int kMostBoxes = 256;
-/// Metres; covers what the kernels' single precision loses.
+/// Metres; larger than the rounding errors of the kernels.
 constexpr double kSafety = 1e-3;
 
 using Crossing = Linkage::Crossing;
 using MovingJoint = Linkage::MovingJoint;
 
-/// Values of the joints between the spheres: a box in their space.
+/// A box in the space of the joints between the spheres.
 struct JointBox {
   std::array<double, kMostJoints> middle = {}, half = {};
 };
 
-/// The pose of the child's frame in the parent's, with the joints at the middle of the box.
+/// Pose of the child's frame in its parent, with the joints at the middle of the box.
 Transform pose_of(const Crossing& crossing, const JointBox& box) {
   const double value = crossing.multiplier * box.middle[crossing.joint] + crossing.offset;
   if (crossing.is_prismatic)
@@ -38,7 +38,7 @@ Transform pose_of(const Crossing& crossing, const JointBox& box) {
   return crossing.mount * Transform{rotation_about(Vec3::UnitZ(), value), Vec3::Zero()};
 }
 
-/// All values that the joints may have.
+/// The box of the joint limits.
 JointBox all_values_of(std::span<const MovingJoint> joints) {
   JointBox box;
   for (std::size_t i = 0; i < joints.size(); ++i) {
@@ -49,8 +49,8 @@ JointBox all_values_of(std::span<const MovingJoint> joints) {
   return box;
 }
 
-/// Metres per unit of each crossing's joint that spheres move at most against what lies beyond it:
-/// by their distance from its axis, which is exact for the first and bounded for the others.
+/// Displacement bound of the spheres, seen from beyond each crossing, in metres per unit of its
+/// joint. The distance from the joint's axis is exact for the first crossing, a bound for others.
 std::vector<double> find_speeds(std::span<const Crossing> path, std::span<const Sphere> spheres) {
   std::vector<double> speeds;
   double radius = 0;
@@ -74,20 +74,20 @@ std::vector<double> find_speeds(std::span<const Crossing> path, std::span<const 
   return speeds;
 }
 
-/// Two sets of spheres that joints move against each other.
+/// Two sets of spheres on the two frames.
 class MovingSpheres {
  public:
   MovingSpheres(std::span<const Sphere> a, std::span<const Sphere> b,
                 std::span<const Crossing> there, std::span<const Crossing> back)
       : a_(a), b_(b), there_(there) {
-    // Either set may be thought at rest, so that the slower motion bounds both.
+    // Either set may be considered at rest, so the slower motion is a bound.
     const std::vector<double> of_a = find_speeds(there, a), of_b = find_speeds(back, b);
     for (std::size_t i = 0; i < there.size(); ++i) {
       speeds_[there[i].joint] += std::min(of_a[i], of_b[there.size() - 1 - i]);
     }
   }
 
-  /// Between the surfaces of the nearest two, with the joints at the middle of the box.
+  /// Distance between the nearest two surfaces, with the joints at the middle of the box.
   [[nodiscard]] double gap(const JointBox& box) const {
     Transform X_AB;
     for (const Crossing& crossing : there_) {
@@ -104,7 +104,7 @@ class MovingSpheres {
     return least;
   }
 
-  /// How much the gap can change within the box by joint `i`.
+  /// Bound on the change of the gap within the box by joint `i`.
   [[nodiscard]] double change(const JointBox& box, std::size_t i) const {
     return box.half[i] * speeds_[i];
   }
@@ -112,7 +112,7 @@ class MovingSpheres {
  private:
   std::span<const Sphere> a_, b_;
   std::span<const Crossing> there_;
-  std::array<double, kMostJoints> speeds_ = {};  ///< metres per unit of each joint, at most
+  std::array<double, kMostJoints> speeds_ = {};  ///< bounds, metres per unit of each joint
 };
 
 std::pair<double, double> limits_of(const Joint& joint) {
@@ -162,8 +162,8 @@ bool Linkage::can_meet(std::span<const Sphere> a, std::span<const Sphere> b) con
   if (joints_.size() > kMostJoints) return true;
   const MovingSpheres spheres(a, b, there_, back_);
   std::vector<JointBox> boxes = {all_values_of(joints_)};
-  for (int looked_at = 0; !boxes.empty(); ++looked_at) {
-    if (looked_at == kMostBoxes) return true;
+  for (int visited = 0; !boxes.empty(); ++visited) {
+    if (visited == kMostBoxes) return true;
     JointBox box = boxes.back();
     boxes.pop_back();
     const double gap = spheres.gap(box) - kSafety;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Spheres that joint limits keep apart in every configuration.
+/// Proves that joint limits keep spheres apart in every configuration.
 #pragma once
 
 #include "mneme/geometry.h"
@@ -16,29 +16,29 @@
 
 namespace mneme::internal {
 
-/// The joints between two frames: 0 is the robot's root, i + 1 is frame row i.
+/// The joints between two frames. Frame 0 is the robot's root, i + 1 is frame row i.
 class Linkage {
  public:
   /// `tables` needs its frames only.
   Linkage(const Robot& robot, const RobotTables& tables, int frame_a, int frame_b);
 
-  /// False if no configuration within the limits brings one of `a`, which the first frame carries,
-  /// closer than a millimetre to one of `b`, which the second one does; true if one does, or if
-  /// that could not be ruled out with bounded effort: at most two joints are considered.
+  /// False if it is proven that no configuration within the limits brings a sphere of `a`, on the
+  /// first frame, within a millimetre of a sphere of `b`, on the second. The effort is bounded.
+  /// With more than two joints between the frames it is always true.
   [[nodiscard]] bool can_meet(std::span<const Sphere> a, std::span<const Sphere> b) const;
 
-  /// A frame row on the way from one frame to the other.
+  /// A frame row on the path from one frame to the other.
   struct Crossing {
     Transform mount;  ///< of the joint in the parent's frame
     bool is_prismatic = false;
     double multiplier = 1, offset = 0;
-    std::size_t joint = 0;   ///< of those between the frames
-    double slide = 0;        ///< metres that a prismatic joint moves at most
+    std::size_t joint = 0;   ///< index into the joints between the frames
+    double slide = 0;        ///< largest offset of a prismatic joint, metres
     bool is_upward = false;  ///< from child to parent
   };
   /// A joint of the robot's group between the frames.
   struct MovingJoint {
-    int index = 0;  ///< in the group
+    int index = 0;  ///< into the group
     std::pair<double, double> limits;
   };
 

@@ -20,7 +20,7 @@
 
 namespace mneme::internal {
 
-/// In the order of rows.
+/// Writes the entries in row-major order.
 template <class Matrix>
 void store(const Matrix& m, float* out) {
   for (Eigen::Index row = 0; row < m.rows(); ++row) {
@@ -30,41 +30,41 @@ void store(const Matrix& m, float* out) {
   }
 }
 
-/// Error: more joints than the kernels can hold.
+/// Error: more moving joints than kMaxFrames.
 [[nodiscard]] Result<RobotTables> make_robot_tables(const Robot& robot);
 
-/// The same for a robot that carries objects, from the tables of the bare one.
+/// The same for a robot with attached objects, from the tables of the bare robot.
 [[nodiscard]] Result<RobotTables> add_attached(const Robot& robot, const RobotTables& bare);
 
-/// Without checks of some pairs of links, each the lower index first.
+/// Returns the tables without checks of these pairs of links, each with its lower index first.
 [[nodiscard]] RobotTables without_pairs(RobotTables tables,
                                         const std::set<std::pair<int, int>>& pairs);
 
-/// Errors: an obstacle without shapes, with one that has a flaw (find_flaw()), or too far away. Of
-/// compound shapes only what is within `reach` metres of the root's origin is of interest
-/// (reach_of()).
+/// Parts of compound shapes farther than `reach` metres from the root's origin are ignored
+/// (reach_of()). Errors: an obstacle without shapes, with a flawed shape (find_flaw()), or too far
+/// away.
 [[nodiscard]] Result<SceneTables> make_scene_tables(
     const Scene& scene, double reach = std::numeric_limits<double>::infinity());
 
-/// The groups that may touch each obstacle (SceneTables::may_touch), also those that are checked by
-/// solid among them if `allows_exact` says so. Error: an obstacle names a link that the robot
-/// lacks.
-[[nodiscard]] Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
-                                                                       const RobotTables& tables,
-                                                                       const Scene& scene,
-                                                                       bool allows_exact);
+/// Finds the groups that may touch each obstacle (SceneTables::may_touch). With `allows_exact`,
+/// this includes links that are checked by exact geometry. Error: an obstacle names a link that the
+/// robot lacks.
+[[nodiscard]] std::vector<std::uint16_t> find_allowed_contacts(const Robot& robot,
+                                                               const RobotTables& tables,
+                                                               const Scene& scene,
+                                                               bool allows_exact);
 
-/// On the straight motion between two configurations. A turning joint moves a point along an arc
-/// about its axis, which is no farther from it than the links and slides between them are long.
+/// Finds the displacement bounds on the straight motion between two configurations. The radius of a
+/// turn is at most the length of the links and slides between joint and point.
 [[nodiscard]] Reaches find_reaches(const RobotTables& tables, std::span<const float> from,
                                    std::span<const float> to);
 
-/// Fills `reaches` and `has_far_slides` of tables that have all else.
+/// Fills `reaches` and `has_far_slides` of tables that are otherwise complete.
 void add_reaches(RobotTables& tables);
 
-/// Metres that are spared for margins beyond those of the checker.
+/// Metres kept in reserve for margins beyond the checker's own.
 inline constexpr double kSpareReach = 0.25;
-/// farthest_reach(), and what is spared.
+/// farthest_reach() plus kSpareReach, metres.
 [[nodiscard]] double reach_of(const Robot& robot);
 
 struct CheckedRobot {
@@ -73,9 +73,9 @@ struct CheckedRobot {
   double reach = 0;  ///< reach_of() the robot
 };
 
-/// Made at the first call for a robot or any copy of it, which takes milliseconds, for one that
-/// carries objects microseconds. When one is made, those are let go whose robots are gone with all
-/// copies. Thread-safe. Error: as make_robot_tables.
+/// Returns the tables that all copies of a robot share, made at the first call. Cost of making:
+/// milliseconds, for attached objects microseconds. Tables of robots that no longer exist are
+/// released then. Thread-safe. Error: as make_robot_tables.
 [[nodiscard]] Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& robot);
 
 }  // namespace mneme::internal

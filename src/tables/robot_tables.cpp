@@ -17,12 +17,12 @@
 namespace mneme::internal {
 namespace {
 
-/// Metres that a body's ball sweeps through, roughly, from one side to the other of the states that
-/// are checked together: what it meets on its way depends on the ball's radius and on this.
+/// Typical travel of a body's ball, metres, over the states that are checked together. The number
+/// of obstacles that it meets depends on the ball's radius and on this.
 constexpr double kSweep = 0.15;
-/// Two bodies are merged if their common ball sweeps at most this many times what their own do.
+/// Two bodies are merged if their common ball sweeps at most this multiple of their own volumes.
 constexpr double kMergeRatio = 1.0;
-/// Metres; more than kernels lose in single precision where a body's frame is turned into another.
+/// Metres; larger than the kernels' rounding where they turn a body's frame into another.
 constexpr double kBoxRounding = 2e-5;
 
 Ball to_ball(const Sphere& sphere) {
@@ -41,8 +41,8 @@ std::vector<Sphere> to_spheres(std::span<const Ball> balls) {
   return spheres;
 }
 
-/// A rotation that takes the z axis to the unit vector `axis`, or to its opposite if `is_reversed`
-/// says so. For the axes of coordinates it permutes them without any change of sign.
+/// Returns a rotation of the z axis to the unit vector `axis`, or to its opposite, which sets
+/// `is_reversed`. For coordinate axes it is a permutation without change of sign.
 Eigen::Matrix3d rotation_to_axis(const Vec3& axis, bool& is_reversed) {
   constexpr double kLeastLean = 1e-9;
   is_reversed = false;
@@ -98,7 +98,7 @@ class RobotTablesBuilder {
     return std::move(tables_);
   }
 
-  /// Frames and limbs are those of the bare robot.
+  /// Adds attached objects to the tables of the bare robot.
   RobotTables build_on(const RobotTables& bare) {
     place_links();
     tables_ = bare;
@@ -112,7 +112,7 @@ class RobotTablesBuilder {
       add_body({placements_[i].frame, {}, {link}});
       if (placements_[i].frame > 0) move_last_body_to_front();
     }
-    // To find out which of them never meet would take longer than all else.
+    // Finding out which groups never meet would take longer than all the rest.
     add_pairs(robot_.self_pairs().subspan(bare_pairs),
               [](int, int) { return [](int, int) { return true; }; });
     add_reaches(tables_);
@@ -120,7 +120,7 @@ class RobotTablesBuilder {
   }
 
  private:
-  /// Where a link's coordinates are expressed: a frame, and the link's pose in it.
+  /// The frame that carries a link, and the link's pose in it.
   struct Placement {
     int frame = 0;
     Transform X_frame_link;
@@ -141,7 +141,7 @@ class RobotTablesBuilder {
     }
   }
 
-  /// Restores the groups and bodies of links from their tables.
+  /// Reads the groups and bodies of links from the tables.
   void find_bare_links() {
     for (std::size_t i = 0; i < tables_.bodies.size(); ++i) {
       const BodyRow& body = tables_.bodies[i];
@@ -155,7 +155,7 @@ class RobotTablesBuilder {
     }
   }
 
-  /// Carried objects stand with the tips, before bodies that do not move.
+  /// Attached objects come first, like tips.
   void move_last_body_to_front() {
     std::rotate(tables_.bodies.begin(), tables_.bodies.end() - 1, tables_.bodies.end());
     const int last = static_cast<int>(tables_.bodies.size()) - 1;
@@ -202,7 +202,7 @@ class RobotTablesBuilder {
     }
   }
 
-  /// The shapes of a link in the coordinates of its frame.
+  /// The shapes of a link in its frame.
   [[nodiscard]] std::vector<Capsule> shapes_of(int link_index) const {
     return internal::shapes_of(robot_.links()[as_index(link_index)],
                                placements_[as_index(link_index)].X_frame_link);
@@ -222,7 +222,7 @@ class RobotTablesBuilder {
     for (const Body& body : bodies) add_body(body);
   }
 
-  /// Merges the two bodies that lose least by it, if that is little enough or `must_merge`.
+  /// Merges the two bodies whose volume grows least, if it grows little or `must_merge`.
   static bool merge_closest(std::vector<Body>& bodies, bool must_merge) {
     const auto volume = [](const Sphere& ball) { return std::pow(ball.radius + kSweep, 3); };
     std::size_t first = 0, second = 0;
@@ -286,7 +286,7 @@ class RobotTablesBuilder {
     store(Vec3(0.5 * (box.high - box.low)), row.box_half_extents);
   }
 
-  /// Sorts `shapes` into neighbours, at most `most` together.
+  /// Sorts `shapes` into groups of at most `most` neighbours.
   template <class Add>
   static void for_each_part(std::span<Capsule> shapes, int most, const Add& add) {
     std::size_t begin = 0;
@@ -296,14 +296,14 @@ class RobotTablesBuilder {
     }
   }
 
-  /// Adds a cluster of the groups since the last one, which hold `shapes`.
+  /// Adds a cluster of the groups since the previous cluster; they hold `shapes`.
   void close_cluster(std::span<const Capsule> shapes) {
     const int begin = tables_.clusters.empty() ? 0 : tables_.clusters.back().end;
     const int end = static_cast<int>(tables_.groups.size());
     tables_.clusters.push_back({to_ball(enclosing_ball(shapes)), begin, end});
   }
 
-  /// Also a capsule so short that floats cannot tell its direction.
+  /// Includes capsules so short that floats cannot represent their direction.
   static bool is_sphere(const Capsule& shape) { return (shape.b - shape.a).norm() < 1e-9; }
 
   void add_spheres(std::span<const Capsule> spheres) {
@@ -329,7 +329,7 @@ class RobotTablesBuilder {
     row.radius = static_cast<float>(capsule.radius);
   }
 
-  /// Between two links, `between` says which groups may meet.
+  /// `between(a, b)` returns a test of which groups of two links may meet.
   template <class Between>
   void add_pairs(std::span<const std::pair<int, int>> self_pairs, const Between& between) {
     std::map<std::pair<int, int>, std::vector<GroupPairRow>> pairs;
@@ -374,7 +374,7 @@ class RobotTablesBuilder {
     Limb limb;
     limb.points.push_back(tip_of(frame));
     using RowMajor = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
-    // The last point in the coordinates of `frame`.
+    // The last point, in `frame`.
     Eigen::Vector3f place = Eigen::Map<const Eigen::Vector3f>(limb.points[0].point);
     for (; frame > 0; frame = tables_.frames[as_index(frame - 1)].parent) {
       const FrameRow& row = tables_.frames[as_index(frame - 1)];
@@ -391,7 +391,7 @@ class RobotTablesBuilder {
     if (limb.length > 0) tables_.limbs.push_back(std::move(limb));
   }
 
-  /// The farthest point of what a frame carries, from its origin.
+  /// The point carried by a frame that is farthest from its origin.
   [[nodiscard]] LimbPoint tip_of(int frame) const {
     LimbPoint tip{frame, {}};
     float farthest = 0;
@@ -446,7 +446,7 @@ Result<RobotTables> add_attached(const Robot& robot, const RobotTables& bare) {
 }
 
 RobotTables without_pairs(RobotTables tables, const std::set<std::pair<int, int>>& pairs) {
-  const auto is_left_out = [&](int first, int second) {
+  const auto is_excluded = [&](int first, int second) {
     const auto& link = tables.link_of_group;
     return pairs.contains(std::minmax(link[as_index(first)], link[as_index(second)]));
   };
@@ -456,10 +456,10 @@ RobotTables without_pairs(RobotTables tables, const std::set<std::pair<int, int>
     for (int i = bodies.begin; i < bodies.end; ++i) {
       const GroupPairRow& row = tables.group_pairs[as_index(i)];
       for (int k = row.second_begin; k < row.second_end; ++k) {
-        if (is_left_out(row.first, k)) continue;
-        const bool goes_on =
+        if (is_excluded(row.first, k)) continue;
+        const bool is_next =
             kept.size() > begin && kept.back().first == row.first && kept.back().second_end == k;
-        if (!goes_on) kept.push_back({row.first, k, k});
+        if (!is_next) kept.push_back({row.first, k, k});
         ++kept.back().second_end;
       }
     }

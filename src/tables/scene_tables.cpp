@@ -16,15 +16,15 @@
 namespace mneme::internal {
 namespace {
 
-/// Metres from the origin of their own frame that parts may lie: up to here doubles hold them to
-/// 2e-9 m. Points are floats: up to kFarthestShape these hold them to a millimetre.
+/// Largest distance of parts from the origin of their frame, metres: doubles resolve 2e-9 m there.
+/// Points are floats, which resolve a millimetre at kFarthestShape.
 constexpr double kFarthestPart = 1e7;
-/// Largest entry of a rotation that counts as 0: it moves points by less than floats resolve.
+/// Largest entry of a rotation that counts as 0: below the resolution of floats.
 constexpr double kAligned = 1e-7;
-/// Boxes whose axes are tried as those of the scene.
+/// Number of boxes whose axes are tried for the scene's frame.
 constexpr int kMaxTrials = 16;
 
-/// Describes what of a shape is too far away; empty if nothing is.
+/// Says what of a shape is too far away; empty if nothing is.
 std::string_view find_far(const Shape& shape) {
   const Sphere bound = bounding_sphere(shape);
   if (!(bound.center.norm() + bound.radius <= kFarthestShape)) return "extends beyond 10 km";
@@ -55,12 +55,12 @@ Result<void> check(const Obstacle& obstacle) {
   return {};
 }
 
-/// True if each axis of `rotation` is an axis of its reference or the opposite of one.
+/// True if each axis of `rotation` is a coordinate axis or the opposite of one.
 bool is_permutation(const Eigen::Matrix3d& rotation) {
   return ((rotation.array().abs() < kAligned) || (rotation.array().abs() > 1 - kAligned)).all();
 }
 
-/// From the root to a frame with the axes of most boxes.
+/// Rotation from the root to a frame with the axes of most boxes.
 Eigen::Matrix3d choose_axes(const Scene& scene) {
   std::vector<Eigen::Matrix3d> boxes;
   for (const Obstacle& obstacle : scene.obstacles) {
@@ -86,8 +86,8 @@ Eigen::Matrix3d choose_axes(const Scene& scene) {
   return best.transpose();
 }
 
-/// The box, in the frame of the parts, of all that may touch something within `reach` of the
-/// scene's origin.
+/// Returns the box, in the frame of the parts, around all parts that can touch something within
+/// `reach` of the scene's origin.
 template <class Part>
 AxisBox region_of_interest(const CompoundShape<Part>& compound, double reach) {
   const AxisBox all = PartsAccess::bounds(*compound.parts);
@@ -100,8 +100,7 @@ AxisBox region_of_interest(const CompoundShape<Part>& compound, double reach) {
 void set_grid(const PointGrid& grid, CompoundRow& row) { row.points = &grid; }
 void set_grid(const PartTree& tree, CompoundRow& row) { row.tree = &tree; }
 
-/// `compound` stands in the scene's frame. What takes long is kept with the parts and found there
-/// again.
+/// `compound` is in the scene's frame. Its grid is cached with the parts.
 template <class Part>
 CompoundRow make_compound_row(const CompoundShape<Part>& compound, double reach) {
   const auto grid = share_grid(*compound.parts, region_of_interest(compound, reach));
@@ -115,7 +114,7 @@ CompoundRow make_compound_row(const CompoundShape<Part>& compound, double reach)
   return row;
 }
 
-/// A shape's row, and the box around it by its centre and half of its extents.
+/// A shape's row, and its bounding box by centre and half extents.
 struct Placed {
   ObstacleRow row;
   Vec3 center = Vec3::Zero();
@@ -223,16 +222,15 @@ Result<SceneTables> make_scene_tables(const Scene& scene, double reach) {
   return tables;
 }
 
-Result<std::vector<std::uint16_t>> find_allowed_contacts(const Robot& robot,
-                                                         const RobotTables& tables,
-                                                         const Scene& scene, bool allows_exact) {
+std::vector<std::uint16_t> find_allowed_contacts(const Robot& robot, const RobotTables& tables,
+                                                 const Scene& scene, bool allows_exact) {
   std::vector<std::uint16_t> bits;
   std::size_t shape_count = 0;
   for (const Obstacle& obstacle : scene.obstacles) shape_count += obstacle.shapes.size();
   const std::size_t words = (shape_count + kObstacleBlock - 1) / kObstacleBlock;
   std::size_t first = 0;
   for (const Obstacle& obstacle : scene.obstacles) {
-    NamedLinks named = MNEME_TRY(find_named_links(robot, obstacle));
+    NamedLinks named = find_named_links(robot, obstacle);
     std::vector<int>& links = named.may_touch;
     if (allows_exact) links.insert(links.end(), named.exact_links.begin(), named.exact_links.end());
     if (!links.empty()) bits.resize(words * tables.groups.size());

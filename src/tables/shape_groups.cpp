@@ -10,7 +10,7 @@
 namespace mneme::internal {
 namespace {
 
-/// The distance from `center` to the farthest point of a capsule, and the end that it belongs to.
+/// Distance from `center` to the farthest point of a capsule; sets the `end` nearest to that point.
 double reach_of(const Capsule& shape, const Vec3& center, Vec3& end) {
   const double a2 = (shape.a - center).squaredNorm(), b2 = (shape.b - center).squaredNorm();
   end = a2 > b2 ? shape.a : shape.b;
@@ -30,7 +30,7 @@ double farthest(std::span<const Capsule> shapes, const Vec3& center, Vec3& end) 
   return reach;
 }
 
-/// The middle of the box around all shapes.
+/// The middle of the shapes' bounding box.
 Vec3 middle(std::span<const Capsule> shapes) {
   AxisBox box;
   for (const Capsule& shape : shapes) box.include(box_of(shape));
@@ -52,7 +52,7 @@ void cut(std::span<Capsule> shapes, std::size_t begin, std::size_t most,
   std::stable_sort(shapes.begin(), shapes.end(), [axis](const Capsule& a, const Capsule& b) {
     return a.a[axis] + a.b[axis] < b.a[axis] + b.b[axis];
   });
-  // Whole groups to the left, so that only the last one is not full.
+  // Full groups to the left, so that only the last one is not full.
   const std::size_t groups = (shapes.size() + most - 1) / most;
   const std::size_t half = shapes.size() * (groups / 2) / groups;
   cut(shapes.first(half), begin, most, ends);
@@ -66,7 +66,7 @@ Sphere enclosing_ball(std::span<const Capsule> shapes) {
   Vec3 end = best.center;
   best.radius = farthest(shapes, best.center, end);
   if (shapes.size() == 1) return best;
-  // Steps towards what is farthest, ever shorter: Badoiu and Clarkson's method.
+  // Badoiu and Clarkson's method: ever shorter steps towards the farthest point.
   Vec3 center = best.center;
   for (int step = 2; step < 18; ++step) {
     center += (end - center) / (2.0 * step);

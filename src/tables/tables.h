@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Robot and scene as the kernels read them: flat arrays of floats, nothing of Eigen.
+/// Robot and scene as the kernels read them: flat arrays of floats, without Eigen.
 #pragma once
 
 #include "geometry/compound_grids.h"
@@ -14,22 +14,22 @@
 
 namespace mneme::internal {
 
-/// Frames that joints move, and the root; more do not fit the kernels' stack frames.
+/// Largest number of moving frames: more do not fit the kernels' stack.
 inline constexpr int kMaxFrames = 64;
-/// Bodies of the robot; links that move together share one if there are more.
+/// Largest number of bodies: with more, links that move together share one.
 inline constexpr int kMaxBodies = 128;
-/// Joints of a robot whose steps are computed: a matrix of them has to fit the stack.
+/// Largest number of joints for which walk() works: their matrix has to fit the stack.
 inline constexpr int kMostWalkingJoints = 32;
 inline constexpr int kMostLimbPoints = kMaxFrames + 1;
-/// Spheres of a group: so few that posing them in vain costs little, and always the same number,
-/// which lets loops unroll.
+/// Spheres in a group: a constant, so that loops unroll, and small, so that posing them in vain
+/// costs little.
 inline constexpr int kGroupSize = 4;
-/// Groups of a cluster, at most.
+/// Largest number of groups in a cluster.
 inline constexpr int kClusterSize = 4;
 /// The number of obstacles in SceneTables is a multiple of this: the lanes of the widest vector.
 inline constexpr int kObstacleBlock = 16;
 
-/// How a frame is turned in its parent at joint value 0.
+/// Rotation of a frame in its parent at joint value 0.
 enum class Turn {
   none,
   permutation,  ///< each of its axes is one of the parent's, or its opposite
@@ -44,15 +44,15 @@ struct FrameRow {
   bool is_prismatic = false;
   Turn turn = Turn::none;
   float rotation[9] = {};     ///< row-major, in the parent frame, at joint value 0
-  int source[3] = {0, 1, 2};  ///< of a permutation: the parent's axis for each axis
-  float sign[3] = {};         ///< of a permutation: -0 where that axis is reversed, otherwise 0
+  int source[3] = {0, 1, 2};  ///< for a permutation: the parent's axis for each axis
+  float sign[3] = {};         ///< for a permutation: -0 where that axis is reversed, otherwise 0
   float translation[3] = {};
 };
 
-/// Where a link is.
+/// The place of a link.
 struct LinkPlace {
   int frame = 0;           ///< 0 is the robot's root, i + 1 is frame row i
-  float rotation[9] = {};  ///< row-major, of the link in that frame
+  float rotation[9] = {};  ///< row-major, from the link to that frame
   float translation[3] = {};
 };
 
@@ -61,37 +61,37 @@ struct Ball {
   float radius = 0;
 };
 
-/// Neighbouring spheres of one link, or one of its capsules.
+/// Neighbouring spheres of one link, or one capsule.
 struct GroupRow {
-  Ball ball;  ///< around them
+  Ball ball;  ///< the bounding ball
   bool is_capsule = false;
-  int begin = 0;    ///< of kGroupSize spheres, the last of which may repeat; or the capsule's index
-  int cluster = 0;  ///< that it belongs to
+  int begin = 0;    ///< first of kGroupSize spheres, the last of which may repeat; or the capsule
+  int cluster = 0;  ///< index of its cluster
 };
 
-/// Neighbouring groups of spheres of one link, or one of its capsules.
+/// Neighbouring groups of spheres of one link, or one capsule.
 struct ClusterRow {
-  Ball ball;  ///< around them
+  Ball ball;  ///< the bounding ball
   int begin = 0, end = 0;
 };
 
 /// Links that move together and lie close to each other.
 struct BodyRow {
   int frame = 0;   ///< 0 is the robot's root, i + 1 is frame row i
-  Ball ball = {};  ///< around all groups
-  /// The box around them, along the frame's axes.
+  Ball ball = {};  ///< the bounding ball
+  /// The bounding box, along the frame's axes.
   float box_center[3] = {}, box_half_extents[3] = {};
   int group_begin = 0, group_end = 0, cluster_begin = 0, cluster_end = 0;
 };
 
 struct CapsuleRow {
   float a[3] = {};
-  float along[3] = {};  ///< to the other end
+  float along[3] = {};  ///< from `a` to the other end
   float inverse_length2 = 0;
   float radius = 0;
 };
 
-/// The group `first` of one body is checked against some groups of another.
+/// Group `first` of one body, and the groups of another that it is checked against.
 struct GroupPairRow {
   int first = 0;
   int second_begin = 0, second_end = 0;
@@ -101,7 +101,7 @@ struct BodyPairRow {
   int first = 0, second = 0;
   float reach2 = 0;        ///< squared sum of the balls' radii
   int begin = 0, end = 0;  ///< into group_pairs
-  int ancestor = 0;        ///< the frame nearest to both that carries them
+  int ancestor = 0;        ///< the nearest frame that carries both
 };
 
 /// A point that moves with a frame.
@@ -110,26 +110,24 @@ struct LimbPoint {
   float point[3] = {};
 };
 
-/// From a tip down to the first joint that turns: the tip, then joints' origins.
+/// The chain from a tip down to the first revolute joint: the tip, then joints' origins.
 struct Limb {
   std::vector<LimbPoint> points;
   float length = 0;  ///< metres through the points
 };
 
-/// How far joints move bodies. A row of joint_count values each.
+/// Displacement bounds per joint: rows of joint_count values, metres per unit of the joint.
 struct Reaches {
-  /// Metres that a point of each moving body goes at most while a joint moves by 1.
-  std::vector<float> bodies;
-  /// Metres by which each pair of bodies comes closer at most.
-  std::vector<float> pairs;
+  std::vector<float> bodies;  ///< for the points of each moving body
+  std::vector<float> pairs;   ///< for the approach of each pair of bodies
 };
 
 struct RobotTables {
   int joint_count = 0;
   std::vector<FrameRow> frames;      ///< parents before children
-  std::vector<LinkPlace> links;      ///< as the robot's
+  std::vector<LinkPlace> links;      ///< in the robot's order
   std::vector<BodyRow> bodies;       ///< tips first, because they hit most often; fixed bodies last
-  int moving_count = 0;              ///< how many of the bodies move
+  int moving_count = 0;              ///< number of bodies that move
   std::vector<GroupRow> groups;      ///< body by body, link by link
   std::vector<ClusterRow> clusters;  ///< in the order of their groups
   std::vector<Ball> spheres;
@@ -138,7 +136,8 @@ struct RobotTables {
   std::vector<GroupPairRow> group_pairs;
   std::vector<Limb> limbs;
   Reaches reaches;
-  /// Slides beyond a turning joint make reaches grow: then `reaches` hold for slides at 0.
+  /// True if a prismatic joint lies beyond a revolute one. Then `reaches` are valid only for slides
+  /// at 0.
   bool has_far_slides = false;
   std::vector<int> link_of_group;  ///< index into the robot's links
 };
@@ -148,37 +147,37 @@ enum class ObstacleKind { sphere, aligned_box, box, upright_cylinder, cylinder, 
 /// An obstacle's shape in the scene's frame.
 struct ObstacleRow {
   ObstacleKind kind = ObstacleKind::sphere;
-  float center[3] = {};       ///< of a capsule: its first end
-  float along[3] = {};        ///< of a capsule: to its other end
-  float inverse_length2 = 0;  ///< of a capsule: 0 if it is as short as a point
-  /// Row-major, from the scene's frame to that of a box or cylinder that is not aligned.
+  float center[3] = {};       ///< a capsule's first end
+  float along[3] = {};        ///< from a capsule's first end to the other
+  float inverse_length2 = 0;  ///< of a capsule; 0 if its length is 0
+  /// Row-major, from the scene's frame to the frame of a box or cylinder that is not aligned.
   float rotation[9] = {};
-  float half_extents[3] = {};  ///< of a box; of a cylinder: radius, radius, half the length
-  float rounding = 0;  ///< the radius of a sphere, capsule or compound shape, around its core
-  int compound = -1;   ///< index into SceneTables::compounds
+  float half_extents[3] = {};  ///< for a cylinder: radius, radius, half the length
+  float rounding = 0;          ///< radius of a sphere, capsule or compound shape around its core
+  int compound = -1;           ///< index into SceneTables::compounds
 };
 
-/// Many small parts in a frame of their own.
+/// Many small parts in their own frame.
 struct CompoundRow {
-  float rotation[9] = {};     ///< row-major, from the scene's frame to that of the parts
-  float translation[3] = {};  ///< the same
+  float rotation[9] = {};     ///< row-major, from the scene's frame to the parts' frame
+  float translation[3] = {};  ///< from the scene's frame to the parts' frame
   const VoxelGrid* voxels = nullptr;
-  const PointGrid* points = nullptr;  ///< either these
-  const PartTree* tree = nullptr;     ///< or this
-  std::shared_ptr<const void> owner;  ///< of all three
+  const PointGrid* points = nullptr;  ///< null for triangles and cubes
+  const PartTree* tree = nullptr;     ///< null for points
+  std::shared_ptr<const void> owner;  ///< keeps all three alive
 };
 
-/// Obstacles in a frame whose axes are those of most boxes: they need no rotation, and the bounds
-/// below are tight. Its origin is the robot's root.
+/// Obstacles in a frame with the axes of most boxes, so that these need no rotation and have tight
+/// bounds. The frame's origin is the robot's root.
 struct SceneTables {
   float rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row-major, from the root to that frame
   std::vector<ObstacleRow> obstacles;
   std::vector<CompoundRow> compounds;
-  /// Per axis, of the box around each obstacle; filled up to a multiple of kObstacleBlock with
-  /// boxes that nothing overlaps.
+  /// The bounding box of each obstacle, by axis. Padded to a multiple of kObstacleBlock with boxes
+  /// that nothing overlaps.
   std::array<std::vector<float>, 3> lower, upper;
-  /// Obstacles that a group of one robot may touch, a bit each: kObstacleBlock of them in a word, a
-  /// group's words one after the other. Empty if nothing may touch.
+  /// Bits of the obstacles that each group may touch: kObstacleBlock bits a word, group by group.
+  /// Empty if no contact is allowed.
   std::vector<std::uint16_t> may_touch;
 
   [[nodiscard]] bool may_group_touch(std::size_t group, std::size_t obstacle) const {
