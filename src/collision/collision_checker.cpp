@@ -20,7 +20,7 @@
 
 namespace mneme::internal {
 
-/// The tables that kernels check.
+/// The tables that the kernels read.
 struct KernelWorld {
   std::shared_ptr<const RobotTables> robot;
   SceneTables scene;
@@ -42,12 +42,12 @@ FloatConfiguration to_float(std::span<const double> q) {
   return result;
 }
 
-/// Radians or metres. Beyond, single precision says too little of a link's place; the kernels'
-/// comparisons with what comes of it, as with a NaN, would find no contact.
+/// Largest joint value, radians or metres. Beyond it single precision cannot place a link, and the
+/// kernels' comparisons would find no contact, as with a NaN.
 constexpr float kFarthest = 1e4f;
 
-/// Bits of positive floats have the order of their values, infinity and NaN above all: this runs
-/// for each motion, where comparing floats one by one could be measured.
+/// Runs for every motion, so it compares bits: those of positive floats have the order of their
+/// values, infinity and NaN above all.
 bool is_within_reach(std::span<const float> q) {
   constexpr std::uint32_t kMagnitude = 0x7fffffff;
   std::uint32_t farthest = 0;
@@ -60,20 +60,19 @@ bool is_within_reach(std::span<const float> q) {
 constexpr double kPlanarResolution = 0.02;
 constexpr double kSpatialResolution = 1.0 / 32;
 constexpr double kLeastResolution = 1e-4;
-/// Relative. A planner's step of exactly n states must not cost another vector of them because its
-/// length is a rounding error larger.
+/// Relative. A step of exactly n states must not cost another vector because its length is a
+/// rounding error larger.
 constexpr double kLengthTolerance = 1e-5;
 constexpr double kMostStates = 1e9;
 
-/// Around a state that is checked first, a link moves by at most this share of the farthest that
-/// one radian could move it.
+/// Half of a first interval moves no link by more than this share of what one radian could.
 constexpr float kFirstSweep = 0.02f, kFirstPlanarSweep = 0.04f;
-/// Metres that a link moves around the last states that are checked, where there is no margin.
+/// Displacement around the last states that are checked, metres, where there is no margin.
 constexpr float kFinestSweep = 5e-6f;
 constexpr float kMostIntervals = 1e6f;
 constexpr float kLeastShare = 1e-6f;
 
-/// How far a motion moves each of what `reaches` has a row for.
+/// Displacement bounds of a motion, one per row of `reaches`.
 std::vector<float> displacements_of(std::span<const float> reaches, std::span<const float> delta) {
   std::vector<float> moved(reaches.size() / delta.size(), 0.0f);
   for (std::size_t i = 0; i < moved.size(); ++i) {
@@ -87,21 +86,18 @@ float largest(std::span<const float> values) {
   return values.empty() ? 0.0f : *std::ranges::max_element(values);
 }
 
-/// Metres.
+/// Displacement bounds of a motion, metres.
 struct Displacements {
-  std::vector<float> bodies;  ///< how far a motion moves each of them at most
-  std::vector<float> pairs;   ///< how much closer it brings those of each pair at most
+  std::vector<float> bodies;  ///< for each moving body
+  std::vector<float> pairs;   ///< for the approach of each pair of bodies
   float longest = 0;
-  float farthest_reach = 0;  ///< that one radian moves a body
+  float farthest_reach = 0;  ///< for one radian of any joint
 };
 
-/// The world of all pairs, or of the pairs that are not checked by exact geometry.
-Result<World> make_world(const std::shared_ptr<const internal::CheckedRobot>& checked,
-                         const Robot& robot, const Scene& scene, internal::SceneTables tables,
-                         bool with_exact) {
-  auto allowed =
-      MNEME_TRY(internal::find_allowed_contacts(robot, checked->tables, scene, !with_exact));
-  tables.may_touch = std::move(allowed);
+/// Returns the tables of all pairs, or without the pairs that are checked by exact geometry.
+World make_world(const std::shared_ptr<const internal::CheckedRobot>& checked, const Robot& robot,
+                 const Scene& scene, internal::SceneTables tables, bool with_exact) {
+  tables.may_touch = internal::find_allowed_contacts(robot, checked->tables, scene, !with_exact);
   World world{{checked, &checked->tables}, std::move(tables)};
   std::set<std::pair<int, int>> exact;
   for (const internal::LinkPair& pair : internal::link_pairs(robot, scene)) {
@@ -125,14 +121,13 @@ struct CollisionChecker::Tables {
   internal::JointSpace space;
   std::shared_ptr<const internal::CheckedRobot> checked_robot;
   World world;
-  World all_spheres;  ///< with what is checked by exact geometry; empty if nothing is
+  World all_spheres;  ///< includes pairs that are checked by exact geometry; empty if none are
   const internal::CollisionKernels* kernels = nullptr;
   internal::WalkKernel walk_kernel = nullptr;
   internal::Cones cones;
   internal::ExactPairs exact_pairs;
 
-  /// Kernels first, exact geometry only where spheres touch: `is_free(world)` calls the kernels,
-  /// `is_exactly_free()` checks the exact geometry.
+  /// Checks by kernels first (`is_free(world)`), by exact geometry only where spheres touch.
   template <class IsFree, class IsExactlyFree>
   [[nodiscard]] bool judge(const IsFree& is_free, const IsExactlyFree& is_exactly_free) const {
     return is_free(world) && (exact_pairs.empty() || is_free(all_spheres) || is_exactly_free());
@@ -140,14 +135,14 @@ struct CollisionChecker::Tables {
 
   [[nodiscard]] std::size_t joints() const { return internal::as_index(space.joint_count()); }
 
-  /// States of a motion. One so long that its states cannot be counted is longer than any joint
-  /// space with finite limits.
+  /// Number of states of a motion, at most kMostStates: no joint space with finite limits needs
+  /// more.
   [[nodiscard]] int count_states(float length, double refinement) const {
     const double wanted = length * refinement / resolution;
     return static_cast<int>(std::min(std::ceil(wanted * (1 - kLengthTolerance)), kMostStates));
   }
 
-  /// Parts that lie farther out than the robot reaches are left out of the tables.
+  /// The tables lack parts of compound shapes beyond the robot's reach plus kSpareReach.
   [[nodiscard]] bool can_keep(double extra_margin) const {
     return world.scene.compounds.empty() || extra_margin <= internal::kSpareReach;
   }
@@ -174,13 +169,13 @@ struct CollisionChecker::Tables {
     for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
     Displacements moved = find_displacements(*of.robot, from, {end.data(), from.size()}, delta);
     if (!(moved.longest > 0)) return true;
-    // Pairs that come no closer are skipped.
+    // The kernel skips pairs that do not approach.
     if (detail.are_links_apart) std::ranges::fill(moved.pairs, 0.0f);
     const auto extra = static_cast<float>(detail.margin);
     const float share = robot.is_planar() ? kFirstPlanarSweep : kFirstSweep;
     const float first = share * moved.farthest_reach;
     const float intervals = std::clamp(0.5f * moved.longest / first, 1.0f, kMostIntervals);
-    // Next to an exempt end there is hardly any margin.
+    // The margin vanishes next to an exempt end.
     const bool keeps_margin = !detail.is_from_start && !detail.is_to_goal;
     const float finest = keeps_margin ? std::max(0.5f * extra, kFinestSweep) : kFinestSweep;
     const internal::SweptMotion motion{from.data(),
@@ -214,16 +209,13 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
                                             std::string(to_string(settings.isa)));
   }
   auto checked = MNEME_TRY(internal::share_checked_robot(robot));
+  MNEME_TRY(internal::check_named_links(robot, scene));
   auto scene_tables =
       MNEME_TRY(internal::make_scene_tables(scene, checked->reach + settings.margin));
-  MNEME_TRY(internal::check_named_links(robot, scene));
   internal::ExactPairs exact_pairs(robot, checked->links, scene, settings.margin);
   World all_spheres;
-  if (!exact_pairs.empty()) {
-    World made = MNEME_TRY(make_world(checked, robot, scene, scene_tables, true));
-    all_spheres = std::move(made);
-  }
-  World world = MNEME_TRY(make_world(checked, robot, scene, std::move(scene_tables), false));
+  if (!exact_pairs.empty()) all_spheres = make_world(checked, robot, scene, scene_tables, true);
+  World world = make_world(checked, robot, scene, std::move(scene_tables), false);
   for (const OrientationConstraint& constraint : settings.constraints) {
     if (const auto fault = describe_fault(robot, constraint)) {
       return fail(ErrorCode::invalid, *fault);
@@ -313,7 +305,7 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
     const auto from = configurations.subspan(i * joints, joints);
     if (!keeps_constraints(from, configurations.subspan((i + 1) * joints, joints))) return false;
   }
-  // The motions that fit the stack at once.
+  // As many motions at once as fit the stack.
   constexpr std::size_t kMost = 16;
   std::array<float, kMost * internal::kMaxFrames> deltas;
   std::array<int, kMost> states;

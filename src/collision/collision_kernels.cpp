@@ -28,9 +28,9 @@ bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const fl
   const EvenMargins margins(margin);
   StateChecker<true> checker(robot, scene, margins);
   V q[kMaxFrames];
-  // The first vector is spread, its last lane at the far end, where a motion is blocked most often.
-  // The rest is checked from one end to the other: lanes that lie close together have small
-  // boxes.
+  // The first vector is spread over the motion, its last lane at the far end, where a motion is
+  // blocked most often. The rest goes from one end to the other: neighbouring states have small
+  // bounding boxes.
   const V lanes = hn::Iota(d, 0.0f);
   const V spacing = splat(static_cast<float>(blocks));
   for (int block = 0; block < blocks; ++block) {
@@ -51,7 +51,7 @@ bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const fl
   return true;
 }
 
-/// Goes along a chain of motions, from state to state.
+/// Enumerates the states of a chain of motions.
 class ChainWalk {
  public:
   HWY_INLINE ChainWalk(const MotionChain& chain, int joint_count)
@@ -71,7 +71,7 @@ class ChainWalk {
   const MotionChain& chain_;
   int joint_count_;
   int motion_ = 0;
-  std::int64_t passed_ = 0;  // of the states, by the motions before
+  std::int64_t passed_ = 0;  // states of earlier motions
 };
 
 bool is_chain_free(const RobotTables& robot, const SceneTables& scene, const MotionChain& chain,
@@ -101,15 +101,13 @@ bool is_chain_free(const RobotTables& robot, const SceneTables& scene, const Mot
   return true;
 }
 
-/// Intervals of a motion that are yet to be checked. Halves of one come before what waited
-/// already, so that few wait.
+/// Intervals of a motion that are still to be checked, depth first.
 class IntervalStack {
  public:
-  /// Cuts a motion into `blocks` times the lanes.
+  /// Cuts a motion into `blocks` * kLanes intervals.
   HWY_INLINE explicit IntervalStack(int blocks) : blocks_(blocks) {}
 
-  /// Writes up to kLanes intervals, repeats the last in lanes beyond, and returns how many there
-  /// are.
+  /// Writes up to kLanes intervals and returns their number. Further lanes repeat the last.
   HWY_INLINE int pop(float* middles, float* halves) {
     if (size_ < kLanes && block_ < blocks_) push_block();
     const int count = std::min(size_, kLanes);
@@ -183,7 +181,7 @@ bool is_sweep_free(const RobotTables& robot, const SceneTables& scene, const Swe
       }
     }
     if (is_decided) continue;
-    // Intervals that move bodies so little are decided by the state in their middle.
+    // The shortest intervals are decided by the state in their middle.
     find_hits(middle, hn::Zero(d));
     for (int lane = 0; lane < count; ++lane) {
       if (hits[lane] != 0 && halves[lane] <= motion.least_half) return false;

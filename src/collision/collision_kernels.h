@@ -12,8 +12,8 @@
 
 namespace mneme::internal {
 
-/// Motions from row to row of `points`, whose displacements are the rows of `deltas`: `count` of
-/// them, of `states[i]` states each, at least one.
+/// `count` motions from row to row of `points`. Motion i moves by row i of `deltas` in `states[i]`
+/// states, at least 1.
 struct MotionChain {
   const float* points = nullptr;
   const float* deltas = nullptr;
@@ -21,21 +21,23 @@ struct MotionChain {
   int count = 0;
 };
 
-/// A motion that is checked continuously: its states with all that lies between them.
+/// A motion that is checked continuously, also between its states.
 struct SweptMotion {
   const float* from = nullptr;
   const float* delta = nullptr;
-  /// Displacement bounds, metres: of the points of each moving body along the motion, and by how
-  /// much each pair of bodies comes closer. What does not move is not checked.
+  /// Displacement bounds of the motion, metres, for each moving body and for the approach of each
+  /// pair of bodies. Those with a bound of 0 are not checked.
   const float* body_displacements = nullptr;
   const float* pair_displacements = nullptr;
   float obstacle_margin = 0;  ///< metres to obstacles
-  float margin = 0;           ///< metres to obstacles, too, and between bodies
-  /// There, `margin` is 0; a body's grows by this share of its arc length.
+  float margin = 0;           ///< metres between bodies, and added to `obstacle_margin`
+  /// At the ends that are set, `margin` is 0 and grows by this share of a body's arc length.
   bool is_from_start = false, is_to_goal = false;
   static constexpr float kMarginGrowth = 0.002f;
-  int intervals = 1;     ///< equal ones, checked first; at least 1
-  float least_half = 0;  ///< of an interval; 1 is the motion. At least 2^-31 of half a first one
+  int intervals = 1;  ///< number of equal intervals that are checked first, at least 1
+  /// Half of the shortest interval, as a fraction of the motion; at least 2^-31 of half a first
+  /// one.
+  float least_half = 0;
 };
 
 struct CollisionKernels {
@@ -46,45 +48,46 @@ struct CollisionKernels {
   bool (*is_motion_free)(const RobotTables& robot, const SceneTables& scene, const float* from,
                          const float* delta, int states, float margin,
                          std::uint64_t& states_checked) = nullptr;
-  /// The same of all motions of a chain, which share vectors: motion i is checked in its
-  /// `states[i]` states, no more.
+  /// The same for all motions of a chain, which share vectors: motion i has exactly `states[i]`
+  /// states.
   bool (*is_chain_free)(const RobotTables& robot, const SceneTables& scene,
                         const MotionChain& chain, float margin,
                         std::uint64_t& states_checked) = nullptr;
-  /// True if bodies inflated by their margin and by what they move around them touch nothing in
-  /// states whose intervals cover the motion. Intervals are halved until they pass; the least pass,
-  /// too, if the state in their middle is free with the margin alone.
+  /// True if intervals that cover the motion are free: the state in the middle of each, with bodies
+  /// inflated by their margin and their displacement within the interval. Intervals that fail are
+  /// halved. The shortest also pass if their middle is free with the margin alone.
   bool (*is_sweep_free)(const RobotTables& robot, const SceneTables& scene,
                         const SweptMotion& motion, std::uint64_t& states_checked) = nullptr;
-  /// `is_free[i]` tells of row i of `states`, which has `count` rows of joint_count values.
+  /// Writes 1 to `is_free[i]` if row i of `states` is free. `states`: `count` rows of joint_count
+  /// values.
   void (*check_states)(const RobotTables& robot, const SceneTables& scene, const float* states,
                        int count, float margin, std::uint8_t* is_free) = nullptr;
 };
 
-/// The kernels of an instruction set that this machine has.
+/// Returns the kernels of an instruction set that this machine has.
 [[nodiscard]] const CollisionKernels& collision_kernels(Isa isa);
 
-/// WalkStep of mneme/collision.h as the kernel reads it. Arrays per joint, but `from`, which may
-/// have a row per candidate, and `jitter`: three values a candidate.
+/// WalkStep of mneme/collision.h as the kernel reads it. Arrays have a value per joint, except
+/// `jitter` (three per candidate) and `from` (one row, or one per candidate).
 struct WalkRequest {
   const Limb* limb = nullptr;
   int pulled_points = 1;
   float length = 0;
   float clearance = 0;
   const float* from = nullptr;
-  int from_stride = 0;  ///< to where the next candidate begins; 0: all begin at one
+  int from_stride = 0;  ///< joint_count, or 0 if `from` is one row
   const float* drift = nullptr;
-  const float* lower = nullptr;  ///< candidates stay within
+  const float* lower = nullptr;  ///< limits of candidates
   const float* upper = nullptr;
   const float* jitter = nullptr;
-  int count = 0;  ///< of candidates
+  int count = 0;  ///< number of candidates
 };
 
-/// Writes rows of joint_count values, a candidate each.
+/// Writes one row of joint_count values per candidate.
 using WalkKernel = void (*)(const RobotTables& robot, const SceneTables& scene,
                             const WalkRequest& request, float* candidates);
 
-/// The kernel of an instruction set that this machine has.
+/// Returns the kernel of an instruction set that this machine has.
 [[nodiscard]] WalkKernel walk_kernel(Isa isa);
 
 }  // namespace mneme::internal

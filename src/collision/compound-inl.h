@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Whether balls and capsules, one per lane, touch one of many small parts.
+// Contacts of balls and capsules, one per lane, with the many small parts of compound shapes.
 //
-// Configurations of a motion lie far apart, and so do their balls: each lane has a path of its own
-// through any tree. So a grid answers first, for all lanes at once, by the clearance that each
-// voxel knows to the nearest part; only lanes that this leaves open check parts, a vector of them
-// at a time.
+// The configurations of a vector are far apart, so each lane would take its own path through a
+// tree. Therefore a grid comes first, for all lanes at once: each voxel has the clearance to the
+// nearest part. Only the lanes that it does not decide check parts, a vector of parts at a time.
 #if defined(MNEME_COLLISION_COMPOUND_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_COMPOUND_INL_H_
 #undef MNEME_COLLISION_COMPOUND_INL_H_
@@ -27,7 +26,7 @@ HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
 
-/// Metres; more than rounding can make a clearance too wide.
+/// Metres; larger than the rounding error of a clearance.
 HWY_INLINE float clearance_tolerance(const VoxelGrid& grid) { return 1e-5f + 2e-4f * grid.edge; }
 
 HWY_INLINE V3 into_compound(const CompoundRow& row, const V3& p) {
@@ -46,9 +45,9 @@ HWY_INLINE Indices gather_bytes(const uint8_t* bytes, Indices indices) {
 #endif
 }
 
-/// A bit for each lane in which a part may be closer to `p` than `reach`: it is no closer to the
-/// point of the grid that is nearest to `p` than the clearance of a voxel, less the distance to its
-/// centre.
+/// Returns a bit for each lane in which a part may be closer to `p` than `reach`. The bound: from
+/// the point of the grid nearest to `p`, parts are at least the voxel's clearance away, less the
+/// distance to the voxel's centre.
 HWY_INLINE unsigned find_near(const VoxelGrid& grid, const V3& p, V reach) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
@@ -88,15 +87,15 @@ HWY_INLINE unsigned find_near(const VoxelGrid& grid, const V3& p, V reach) {
   return bits_of(hn::And(hn::Gt(left2, hn::Zero(d)), hn::Lt(clearance2, sum2)));
 }
 
-/// A ball, or a capsule: what is within `reach` of the segment from `a` along `u`.
+/// A ball or capsule: all points within `reach` of the segment from `a` along `u`.
 struct Probe {
   float a[3], u[3];
-  float inverse_length2;  ///< 0 of a ball
+  float inverse_length2;  ///< 0 for a ball
   float reach;
 };
 
-/// True if nothing is within `reach` of `p`, as a voxel shows that lies farther from all parts: the
-/// larger an empty ball is, the less it matters how far from its centre, and sideways, `p` is.
+/// True if a voxel farther from all parts proves that nothing is within `reach` of `p`: the empty
+/// ball around that voxel contains the ball around `p`.
 HWY_INLINE bool is_clear_beyond(const VoxelGrid& grid, const float* p, float reach) {
   constexpr float kVoxelsAway = 3;
   const ptrdiff_t strides[3] = {1, grid.count[0], ptrdiff_t{grid.count[0]} * grid.count[1]};
@@ -127,7 +126,7 @@ HWY_INLINE bool is_clear_beyond(const VoxelGrid& grid, const float* p, float rea
   return 0.25f * static_cast<float>(grid.clearances[static_cast<size_t>(slot)]) >= wanted * wanted;
 }
 
-/// Some points at once: no wider than a block.
+/// Several points at once, at most a block.
 using PointTag = hn::CappedTag<float, kPointsPerBlock>;
 
 HWY_INLINE bool touches(const Probe& probe, const PointBlock& block) {
@@ -153,7 +152,7 @@ HWY_INLINE bool touches(const Probe& probe, const PointBlock& block) {
   return false;
 }
 
-/// Voxels of an axis that a ball reaches, and how far they are from its centre.
+/// The voxels that a ball reaches along an axis.
 struct VoxelRange {
   int first = 0, last = 0;
   float center = 0;  ///< in voxels
@@ -192,12 +191,12 @@ HWY_INLINE bool touches_around(const PointGrid& grid, const float* center, float
   const VoxelRange xs(voxels, 0, center[0], reach), ys(voxels, 1, center[1], reach),
       zs(voxels, 2, center[2], reach);
   const float reach2 = reach * reach * voxels.per_metre * voxels.per_metre;
-  // From the middle up, then from below: what touches mostly does so in the middle.
+  // From the middle up, then from below: most contacts are in the middle.
   const int layers = zs.last - zs.first + 1;
   for (int k = 0; k < layers; ++k) {
     const int z = zs.first + (k + layers / 2) % layers;
     const float z2 = zs.distance2(z);
-    // As many voxels of a row at once as a word has bytes: hardly any has parts.
+    // Eight voxels of a row at once, one per byte of a word: most have no parts.
     for (int x = xs.first; x <= xs.last; x += 8) {
       const int beyond = 8 * std::max(x + 7 - xs.last, 0);
       for (int y = ys.first; y <= ys.last; ++y) {
@@ -241,10 +240,10 @@ static HWY_NOINLINE bool touches(const PointGrid& grid, const Probe& probe) {
 /// Triangles of a block.
 struct Facets {
   V3 a, to_b, to_c;
-  V3 normal;  ///< to_b x to_c; zero of slivers, for which their edges stand
+  V3 normal;  ///< to_b x to_c; zero for slivers, which are checked by their edges
 };
 
-/// Squared distance; in the triangle's plane, inside of it, that from the plane.
+/// Squared distance from triangles.
 HWY_INLINE V point_triangle(const V3& p, const Facets& t) {
   const V3 from_a = p - t.a, to_c_from_b = t.to_c - t.to_b;
   const V area2 = squared_norm(t.normal);
@@ -267,7 +266,7 @@ HWY_INLINE V point_triangle(const V3& p, const Facets& t) {
   return hn::IfThenElse(is_inside, from_plane, from_edges);
 }
 
-/// Where a segment goes through a triangle, not in its plane.
+/// Lanes in which the segment crosses the triangle from one side to the other.
 HWY_INLINE M crosses_triangle(const Segment& s, const Facets& t) {
   const V zero = hn::Zero(Tag()), one = splat(1.0f);
   const V3 from = t.a - s.a, moment = cross(from, s.u);
@@ -326,7 +325,7 @@ HWY_INLINE bool touches_block(const Probe& probe, const Block& block) {
   return false;
 }
 
-/// Squared distance of the box around the probe's axis from that of a node.
+/// Squared distance between the bounding box of the probe's axis and the box of a node.
 HWY_INLINE float distance2_to_node(const PartNode& node, const float* low, const float* high) {
   float sum = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -344,7 +343,7 @@ static HWY_NOINLINE bool touches(const PartTree& tree, const Probe& probe) {
     high[axis] = std::max(probe.a[axis], probe.a[axis] + probe.u[axis]);
   }
   const float reach2 = probe.reach * probe.reach;
-  // A tree of halves is no deeper than an index has bits.
+  // A tree of halves is at most as deep as an index has bits.
   int open[32];
   int count = 0;
   open[count++] = 0;
@@ -376,7 +375,7 @@ HWY_INLINE bool touches(const CompoundRow& row, const Probe& probe) {
   return row.points != nullptr ? touches(*row.points, probe) : touches(*row.tree, probe);
 }
 
-/// Every lane's point and reach, to be taken one by one.
+/// The lanes' points and reaches, for access one by one.
 struct LanePoints {
   HWY_ALIGN float x[kLanes];
   HWY_ALIGN float y[kLanes];
@@ -391,8 +390,8 @@ struct LanePoints {
   }
 };
 
-/// A bit for each lane of `near` whose probe, made by `make_probe(lane)`, touches a part. With
-/// `kIsMotion` the first one is enough.
+/// Returns a bit for each lane of `near` whose probe, made by `make_probe(lane)`, touches a part.
+/// With `kIsMotion` it stops at the first.
 template <bool kIsMotion, class MakeProbe>
 HWY_INLINE unsigned find_touches(const CompoundRow& row, unsigned near,
                                  const MakeProbe& make_probe) {
@@ -406,7 +405,7 @@ HWY_INLINE unsigned find_touches(const CompoundRow& row, unsigned near,
   return hits;
 }
 
-/// For the lanes of `open`, and balls of radius `reach` about `p`, in the frame of the parts.
+/// find_touches for balls of radius `reach` about `p`, in the frame of the parts.
 template <bool kIsMotion>
 HWY_INLINE unsigned find_ball_touches(const CompoundRow& row, const V3& p, V reach, unsigned open) {
   const unsigned near = open & find_near(*row.voxels, p, reach);

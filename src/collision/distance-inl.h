@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Squared distances between a robot's points and segments (one per lane) and an obstacle, 0 inside.
+// Squared distances from points and segments of the robot, one per lane, to an obstacle; 0 inside.
 #if defined(MNEME_COLLISION_DISTANCE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_DISTANCE_INL_H_
 #undef MNEME_COLLISION_DISTANCE_INL_H_
@@ -15,8 +15,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
-
-// From boxes and cylinders around the origin.
 
 /// A segment per lane: a + t u, t in [0, 1].
 struct Segment {
@@ -34,9 +32,8 @@ HWY_INLINE V point_segment(const V3& p, const Segment& s) {
   return squared_norm(mul_add(hn::Neg(t), s.u, w));
 }
 
-/// Follows Ericson, section 5.1.9. The determinant and the numerator of s are taken from the cross
-/// product n of the directions: |n|^2 does not cancel for nearly parallel segments as a e - b^2
-/// does.
+/// Follows Ericson, section 5.1.9, but takes the determinant from the cross product n of the
+/// directions: for nearly parallel segments |n|^2 does not cancel, as a e - b^2 does.
 HWY_INLINE V segment_segment(const Segment& p, const Segment& q) {
   const V3 w = q.a - p.a;
   const V3 n = cross(p.u, q.u);
@@ -59,14 +56,15 @@ HWY_INLINE V3 excess(const V3& x, const V3& h) {
   return {excess(x.x, h.x), excess(x.y, h.y), excess(x.z, h.z)};
 }
 
-/// For points and segments in the coordinates of a box around the origin.
+/// Distance to a box about the origin.
 HWY_INLINE V point_box(const V3& p, const V3& half_extents) {
   return squared_norm(excess(p, half_extents));
 }
 
-/// The squared distance along the segment is convex and piecewise quadratic, so that its derivative
-/// is monotone and linear between the six parameters where a coordinate crosses a face. The two of
-/// them (or ends) that bracket the sign change give the minimum exactly.
+/// Distance to a box about the origin. Along the segment the squared distance is convex and
+/// piecewise quadratic: its slope is monotone, and linear between the six parameters where a
+/// coordinate crosses a face. The two parameters (or ends) that bracket the sign change give the
+/// minimum exactly.
 HWY_INLINE V segment_box(const V3& a, const V3& u, const V3& h) {
   const V zero = hn::Zero(Tag());
   V t_low = zero, t_high = splat(1.0f);
@@ -95,7 +93,7 @@ HWY_INLINE V segment_box(const V3& a, const V3& u, const V3& h) {
   return squared_norm(excess(mul_add(t, u, a), h));
 }
 
-/// From a cylinder around the origin, along z, to a point: zero inside.
+/// A cylinder about the origin, along z. `excess_of` leads from it to a point; zero inside.
 struct CylinderSize {
   V radius, half_length;
 
@@ -114,8 +112,8 @@ HWY_INLINE V point_cylinder(const V3& p, V radius, V half_length) {
   return hn::MulAdd(side, side, hn::Mul(end, end));
 }
 
-/// The squared distance from a convex solid is convex along a segment: halves the stretch in which
-/// its slope changes sign down to 1e-6 of the segment.
+/// The squared distance from a convex solid is convex along a segment: bisects the sign change of
+/// its slope down to 1e-6 of the segment.
 HWY_INLINE V segment_cylinder(const V3& a, const V3& u, const CylinderSize& cylinder) {
   const V zero = hn::Zero(Tag());
   V low = zero, width = splat(1.0f);
@@ -131,16 +129,16 @@ HWY_INLINE V segment_cylinder(const V3& a, const V3& u, const CylinderSize& cyli
                          squared_norm(cylinder.excess_of(mul_add(t, u, a)))));
 }
 
-// Signed distances from a solid, negative inside, with the direction that leads away from it.
+// Signed distances from a solid, negative inside, with the direction away from it.
 
-/// From a point; the direction is that of `apart`, which leads from there.
+/// From a point; `apart` leads from there, and `normal` is its direction.
 HWY_INLINE V clearance_of_core(const V3& apart, V3& normal) {
   const V distance = hn::Sqrt(hn::Max(squared_norm(apart), splat(1e-18f)));
   normal = hn::Div(splat(1.0f), distance) * apart;
   return distance;
 }
 
-/// In the coordinates of a box around the origin.
+/// From a box about the origin.
 HWY_INLINE V clearance_of_box(const V3& p, const V3& h, V3& normal) {
   const V3 beyond = excess(p, h);
   const V x = hn::Sub(hn::Abs(p.x), h.x), y = hn::Sub(hn::Abs(p.y), h.y),
@@ -160,7 +158,7 @@ HWY_INLINE V clearance_of_box(const V3& p, const V3& h, V3& normal) {
   return hn::IfThenElse(is_inside, inside, outside);
 }
 
-/// In the coordinates of a cylinder around the origin, along z.
+/// From a cylinder about the origin, along z.
 HWY_INLINE V clearance_of_cylinder(const V3& p, V radius, V half_length, V3& normal) {
   const V zero = hn::Zero(Tag());
   const V r = hn::Sqrt(hn::Max(hn::MulAdd(p.x, p.x, hn::Mul(p.y, p.y)), splat(1e-18f)));
@@ -185,13 +183,11 @@ HWY_INLINE V3 rotate_back(const float* r, const V3& v) {
           hn::MulAdd(splat(r[2]), v.x, hn::MulAdd(splat(r[5]), v.y, hn::Mul(splat(r[8]), v.z)))};
 }
 
-// From obstacles.
-
 HWY_INLINE V3 into_frame(const ObstacleRow& row, const V3& p) {
   return rotate(row.rotation, p - splat(row.center));
 }
 
-// One class per kind of obstacle: squared distances to its core.
+// Squared distances to an obstacle's core: one class per kind of obstacle.
 
 struct ToSphere {
   const ObstacleRow& row;
@@ -199,7 +195,7 @@ struct ToSphere {
   HWY_INLINE V operator()(const Segment& s) const { return point_segment(splat(row.center), s); }
 };
 
-/// Into the frame of a box or cylinder, whose axes may be those of the scene.
+/// Into the frame of a box or cylinder; aligned if it has the axes of the scene.
 template <bool kIsAligned>
 struct ToFrame {
   const ObstacleRow& row;
@@ -241,7 +237,7 @@ struct ToCapsule {
   HWY_INLINE V operator()(const Segment& s) const { return segment_segment(s, axis); }
 };
 
-/// Calls `visit` with the distance to the obstacle's core.
+/// Calls `visit` with the distance function of the obstacle's core.
 template <class Visit>
 HWY_INLINE auto with_distance(const ObstacleRow& row, const Visit& visit) {
   switch (row.kind) {
@@ -256,14 +252,14 @@ HWY_INLINE auto with_distance(const ObstacleRow& row, const Visit& visit) {
     case ObstacleKind::capsule:
       return visit(ToCapsule(row));
     case ObstacleKind::sphere:
-    case ObstacleKind::compound:  // has no distance of this kind: compound-inl.h
+    case ObstacleKind::compound:  // handled by compound-inl.h
       break;
   }
   return visit(ToSphere{row});
 }
 
-/// Distance of `p` from the obstacle's surface, negative inside; `normal` leads away from it: a
-/// unit vector, but 0 at the centre of a sphere and on the axis of a capsule or cylinder.
+/// Distance of `p` from the obstacle's surface, negative inside. `normal` is the unit vector away
+/// from it, or 0 at the centre of a sphere and on the axis of a capsule or cylinder.
 HWY_INLINE V clearance_of(const ObstacleRow& row, const V3& p, V3& normal) {
   const V3 half_extents = splat(row.half_extents);
   switch (row.kind) {
@@ -292,9 +288,9 @@ HWY_INLINE V clearance_of(const ObstacleRow& row, const V3& p, V3& normal) {
   return hn::Sub(clearance_of_core(mul_add(hn::Neg(t), along, to_p), normal), splat(row.rounding));
 }
 
-// The boxes around obstacles: what of a scene a body may touch.
+// Bounding boxes of obstacles.
 
-/// Where a body is in any lane: three coordinates, in arrays that hold a whole vector.
+/// The box around a point in all lanes: three coordinates, in arrays that hold a whole vector.
 struct Extent {
   static constexpr int kSize = kLanes < 4 ? 4 : kLanes;
   HWY_ALIGN float lower[kSize];
@@ -309,7 +305,7 @@ HWY_INLINE bool is_any_below(V distance2, float reach2) {
   return !hn::AllFalse(Tag(), is_below(distance2, reach2));
 }
 
-/// One bit for each of the kLanes obstacles from `begin` whose box comes within `reach` of
+/// Returns a bit for each of the kLanes obstacles from `begin` on whose box is within `reach` of
 /// `extent`.
 HWY_INLINE unsigned find_overlaps(const SceneTables& scene, const Extent& extent, float reach,
                                   size_t begin) {
@@ -326,7 +322,7 @@ HWY_INLINE unsigned find_overlaps(const SceneTables& scene, const Extent& extent
   return bits_of(overlap);
 }
 
-/// Squared distance from the box around an obstacle; of a segment, from the box around it.
+/// Squared distance to the bounding box of an obstacle; for a segment, from its bounding box.
 HWY_INLINE V distance2_to_bounds(const SceneTables& scene, const V3& p, size_t obstacle) {
   const auto beyond = [&](V x, int axis) {
     const V below = hn::Sub(splat(scene.lower[axis][obstacle]), x);

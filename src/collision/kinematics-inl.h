@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Poses of a robot's frames, a configuration per lane, and steps of damped least squares.
+// Poses of a robot's frames and damped least squares, one configuration per lane.
 #if defined(MNEME_COLLISION_KINEMATICS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_KINEMATICS_INL_H_
 #undef MNEME_COLLISION_KINEMATICS_INL_H_
@@ -30,8 +30,8 @@ HWY_INLINE V3 transform_point(const Pose& pose, const float* point) {
       mul_add(splat(point[1]), pose.axes[1], mul_add(splat(point[2]), pose.axes[2], pose.origin)));
 }
 
-/// `to` and a vector, most of whose coordinates are 0, as those of frames and capsules are: the
-/// branches are the same for all states.
+/// Adds a vector to `to`. Branches on coordinates that are 0, as most of frames and capsules are:
+/// they are the same for all states, and so are predicted.
 HWY_INLINE V3 add_sparse(const Pose& pose, const float* offset, V3 to) {
   for (int i = 0; i < 3; ++i) {
     if (offset[i] != 0) to = mul_add(splat(offset[i]), pose.axes[i], to);
@@ -39,7 +39,7 @@ HWY_INLINE V3 add_sparse(const Pose& pose, const float* offset, V3 to) {
   return to;
 }
 
-/// A pose without an offset, turned by a row-major rotation.
+/// The pose at the origin with a row-major rotation.
 HWY_INLINE Pose splat_rotation(const float* r) {
   const V zero = hn::Zero(Tag());
   return {{{splat(r[0]), splat(r[3]), splat(r[6])},
@@ -75,7 +75,7 @@ HWY_INLINE void turn_about_z(Pose& pose, V sine, V cosine) {
   pose.axes[1] = mul_sub(cosine, y, sine * x);
 }
 
-/// Poses 1, 2, ... of the frames for the joint values `q`; pose 0, of the root, is given.
+/// Writes poses 1, 2, ... of the frames at the joint values `q`. Pose 0, of the root, is given.
 HWY_INLINE void pose_frames(const RobotTables& robot, const V* HWY_RESTRICT q,
                             Pose* HWY_RESTRICT poses) {
   for (size_t i = 0; i < robot.frames.size(); ++i) {
@@ -96,10 +96,8 @@ HWY_INLINE void pose_frames(const RobotTables& robot, const V* HWY_RESTRICT q,
   }
 }
 
-// Damped least squares in the joints: how points move with them, and the system to be solved.
-
-/// How a point of `frame` moves with the joints that carry it, and how the frame turns if `turns`
-/// is not null; their number.
+/// Writes the derivatives of a point of `frame` by the joints that carry it, and, unless `turns` is
+/// null, the frame's angular velocities. Returns the number of these joints.
 HWY_INLINE int find_slopes(const RobotTables& robot, const Pose* poses, int frame, const V3& point,
                            int* joint, V3* slopes, V3* turns = nullptr) {
   const V zero = hn::Zero(Tag());
@@ -113,7 +111,7 @@ HWY_INLINE int find_slopes(const RobotTables& robot, const Pose* poses, int fram
     const V3 turn = row.is_prismatic ? V3{zero, zero, zero} : axis;
     int place = 0;
     while (place < count && joint[place] != row.joint) ++place;
-    // A joint that others mimic moves several frames.
+    // A joint with mimics moves several frames.
     const bool is_known = place < count;
     slopes[place] = is_known ? slopes[place] + slope : slope;
     if (turns != nullptr) turns[place] = is_known ? turns[place] + turn : turn;
@@ -123,7 +121,7 @@ HWY_INLINE int find_slopes(const RobotTables& robot, const Pose* poses, int fram
   return count;
 }
 
-/// The normal equations of least squares in the joints, one system per lane.
+/// Normal equations of damped least squares in the joints, one system per lane.
 class NormalEquations {
  public:
   /// Damped towards `wish`.
@@ -136,7 +134,7 @@ class NormalEquations {
     }
   }
 
-  /// Adds the squares of `slopes` x = `error`: of `count` joints, a row or three of them per point.
+  /// Adds the squares of `slopes` x - `error` for `count` joints: one row, or three for a V3.
   template <class Slope, class Error>
   HWY_INLINE void add(const int* joint, const Slope* slopes, int count, const Error& error) {
     for (int a = 0; a < count; ++a) {
@@ -155,7 +153,7 @@ class NormalEquations {
       for (int k = 0; k <= i; ++k) {
         V sum = at(i, k);
         for (int j = 0; j < k; ++j) sum = hn::NegMulAdd(at(i, j), at(k, j), sum);
-        // The inverse of the diagonal stands in its place.
+        // The diagonal holds its inverse.
         at(i, k) = i == k ? hn::Div(splat(1.0f), hn::Sqrt(hn::Max(sum, splat(1e-9f))))
                           : hn::Mul(sum, at(k, k));
       }

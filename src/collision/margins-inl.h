@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// By how much bodies are inflated: all alike at a state, or by how far each may move around it.
-// A margin is one float for all lanes, or one per lane.
+// Margins of bodies: equal at a state, or, for a sweep, as large as each body's displacement around
+// it. A margin is one float for all lanes, or one per lane.
 #if defined(MNEME_COLLISION_MARGINS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_MARGINS_INL_H_
 #undef MNEME_COLLISION_MARGINS_INL_H_
@@ -28,7 +28,7 @@ HWY_INLINE V squared(V x) { return hn::Mul(x, x); }
 HWY_INLINE V lanes_of(float x) { return splat(x); }
 HWY_INLINE V lanes_of(V x) { return x; }
 
-/// The same for all bodies.
+/// One margin for all bodies.
 class EvenMargins {
  public:
   HWY_INLINE explicit EvenMargins(float margin) : margin_(margin) {
@@ -42,18 +42,18 @@ class EvenMargins {
   [[nodiscard]] HWY_INLINE float of_body(int, const V3&) const { return margin_; }
   [[nodiscard]] HWY_INLINE float widest_of_body(int) const { return margin_; }
   [[nodiscard]] HWY_INLINE float of_pair(int, const V3*) const { return 0; }
-  /// Squared, between the centres of a pair's balls.
+  /// Squared distance of a pair's centres below which its balls touch.
   [[nodiscard]] HWY_INLINE float reach2(const BodyPairRow& pair, int) const { return pair.reach2; }
 
  private:
   float margin_;
 };
 
-/// Margins for all that a motion of constant joint speeds sweeps around its states. Within half an
-/// interval h, no point of a body moves farther than h times the bound of its displacement, nor
-/// than h v + h^2 a/2 with its speed v at the state and its acceleration. That is the sum of |q_i'
-/// q_j'| |z_i x (z_j x r_j)| over pairs of joints, i the nearer to the root: no more than a = 2
-/// bound times all turns.
+/// Margins that contain the sweep of a motion of constant joint speeds around its states. Within
+/// half an interval h, a point moves at most h times the body's displacement bound. It also moves
+/// at most h v + h^2 a/2, with its speed v at the state and its acceleration a. The acceleration is
+/// the sum of |q_i' q_j'| |z_i x (z_j x r_j)| over pairs of joints, i nearer to the root. It is at
+/// most 2 * bound * (sum of all turns).
 class SweptMargins {
  public:
   HWY_INLINE SweptMargins(const RobotTables& robot, const SweptMotion& motion)
@@ -80,7 +80,7 @@ class SweptMargins {
   [[nodiscard]] HWY_INLINE bool moves_pair(int i) const {
     return motion_.pair_displacements[i] > 0;
   }
-  /// Moves frames with the poses of the state. The margins below need this.
+  /// Computes the frames' speeds at the poses of a state. Call before the margins below.
   HWY_INLINE void follow(const Pose* poses) const {
     poses_ = poses;
     for (size_t i = 0; i < robot_.frames.size(); ++i) {
@@ -116,12 +116,12 @@ class SweptMargins {
   }
 
  private:
-  /// Metres per motion at the state, and radians.
+  /// Speeds at the state, radians and metres per motion.
   struct Twist {
     V3 turn, speed;
   };
 
-  /// The greatest speed of a body's points, as seen from a frame.
+  /// Bound on the speed of a body's points, seen from a frame.
   [[nodiscard]] HWY_INLINE V speed_of(int i, int observer, const V3& center) const {
     const BodyRow& body = robot_.bodies[i];
     const Twist &own = twists_[body.frame], &other = twists_[observer];
@@ -131,7 +131,7 @@ class SweptMargins {
     return hn::MulAdd(turn, splat(body.ball.radius), hn::Sqrt(squared_norm(speed)));
   }
 
-  /// For what moves by at most `bound` along the motion, at the rate `speed` at the state.
+  /// The margin of a body with this displacement bound and this speed at the state.
   [[nodiscard]] HWY_INLINE V inflation(float bound, V speed) const {
     const V grown = hn::Mul(splat(SweptMotion::kMarginGrowth * bound), since_end_);
     const V bent = hn::MulAdd(half_, splat(turns_ * bound), splat(kRounding * bound));
@@ -139,14 +139,14 @@ class SweptMargins {
     return hn::MulAdd(half_, rate, hn::Min(splat(motion_.margin), grown));
   }
 
-  /// More than single precision loses, relative to the bound.
+  /// Relative to the bound; larger than the rounding errors of single precision.
   static constexpr float kRounding = 1e-5f;
 
   const RobotTables& robot_;
   const SweptMotion& motion_;
   V half_, since_end_;
   float widest_ = 0;
-  float turns_ = 0;  // radians, of all joints together
+  float turns_ = 0;  // sum over all joints, radians
   mutable const Pose* poses_ = nullptr;
   mutable Twist twists_[kMaxFrames + 1];
 };

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Groups of the robot's shapes, one pose per lane: what they hit, and whether two bodies touch.
+// Contacts of groups of the robot's shapes, and of two bodies, one pose per lane.
 #if defined(MNEME_COLLISION_PAIR_CHECKER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_PAIR_CHECKER_INL_H_
 #undef MNEME_COLLISION_PAIR_CHECKER_INL_H_
@@ -24,8 +24,8 @@ namespace HWY_NAMESPACE {
 
 HWY_INLINE M no_hit() { return hn::MaskFromVec(hn::Zero(Tag())); }
 
-/// The lanes that are hit so far. With `kIsMotion`, one hit in any lane settles the question;
-/// otherwise all lanes must be hit before the rest can be skipped.
+/// The lanes that are hit so far. With `kIsMotion` a hit in any lane is final; otherwise all lanes
+/// must be hit before the rest can be skipped.
 template <bool kIsMotion>
 struct Verdict {
   // A default member initialiser would be compiled for the baseline instruction set.
@@ -33,8 +33,8 @@ struct Verdict {
 
   M hit;
 
-  /// 1 if `mask` holds in a lane that is not hit yet, otherwise 0: to be counted, because a branch
-  /// would not be predicted. Obstacles near only to lanes already in collision are skipped.
+  /// Returns 1 if `mask` holds in a lane that is not hit yet, otherwise 0. An int, because callers
+  /// add it to a count instead of branching unpredictably.
   [[nodiscard]] HWY_INLINE int is_any_open(M mask) const {
     return !hn::AllFalse(Tag(), kIsMotion ? mask : hn::AndNot(hit, mask));
   }
@@ -63,7 +63,7 @@ HWY_INLINE Segment posed(const CapsuleRow& capsule, const Pose& pose) {
           add_sparse(pose, capsule.along, {zero, zero, zero}), splat(capsule.inverse_length2)};
 }
 
-/// Where a sphere of the group comes closer than `extra` to something, given squared distances.
+/// Lanes in which a sphere of the group comes closer than `extra`, given squared distances.
 template <class Margin, class Distance2>
 HWY_INLINE M find_hits(const RobotTables& robot, const GroupRow& group, const PosedSpheres& spheres,
                        Margin extra, const Distance2& distance2) {
@@ -75,12 +75,14 @@ HWY_INLINE M find_hits(const RobotTables& robot, const GroupRow& group, const Po
   return hit;
 }
 
-/// Clusters of a body that are checked against those of another together.
+/// Number of clusters of a body that are checked together against the clusters of another.
 constexpr int kMostRuns = 32;
 
-/// In the frame of the second body, where that stands still, whatever the lane. Each one's ball is
-/// checked against the other's box, because long bodies fill little of their balls; then clusters
-/// of the first against that box; then cluster against cluster, and group against group.
+/// Checks two bodies in the frame of the second, which then is the same in all lanes. Order of
+/// tests:
+/// 1. each body's ball against the other's box, because long bodies fill little of their balls;
+/// 2. clusters of the first against the second's box;
+/// 3. cluster against cluster, then group against group.
 template <bool kIsMotion, class Margin>
 class PairChecker {
  public:
@@ -93,7 +95,7 @@ class PairChecker {
         margin_(margin),
         verdict_(verdict) {}
 
-  /// True as soon as the verdict is settled.
+  /// Returns true as soon as the verdict is final.
   HWY_INLINE bool check() const {
     const BodyRow& first = robot_.bodies[pair_.first];
     if (!reaches_box(second_, first.ball.radius, transform_point(pose_, first.ball.center)) ||
@@ -120,8 +122,8 @@ class PairChecker {
   }
 
  private:
-  /// Pairs of groups, the first of which are of one cluster, and which clusters of the second body
-  /// come near that: a bit each (bit_of).
+  /// Pairs of groups whose first groups are of one cluster. `near` has a bit for each cluster of
+  /// the second body that is near that cluster (bit_of).
   struct Run {
     int begin, end;
     V3 center;
@@ -141,23 +143,23 @@ class PairChecker {
   static HWY_INLINE Segment axis_of(const CapsuleRow& capsule) {
     return {splat(capsule.a), splat(capsule.along), splat(capsule.inverse_length2)};
   }
-  /// True if a squared distance is less than that of `radius` and the margin in a lane that counts.
+  /// True if in an open lane a squared distance is less than `radius` plus the margin, squared.
   [[nodiscard]] HWY_INLINE bool is_any_open(V distance2, float radius) const {
     return verdict_.is_any_open(is_below(distance2, squared(sum(radius, margin_))));
   }
-  /// The last of many clusters share a bit.
+  /// Clusters from the 64th on share a bit.
   [[nodiscard]] HWY_INLINE std::uint64_t bit_of(int cluster) const {
     return std::uint64_t{1} << std::min(cluster - second_.cluster_begin, 63);
   }
 
-  /// True if a ball comes near a body's box in any lane; its centre is in the body's frame.
+  /// True if a ball, with its centre in the body's frame, comes near the body's box in any lane.
   [[nodiscard]] HWY_INLINE bool reaches_box(const BodyRow& body, float radius,
                                             const V3& center) const {
     const V distance2 = point_box(center - splat(body.box_center), splat(body.box_half_extents));
     return is_any_open(distance2, radius);
   }
 
-  /// False if it is far from the second body.
+  /// Returns false if the run is far from the second body.
   HWY_INLINE bool start_run(int begin, Run& run) const {
     const int cluster = robot_.groups[robot_.group_pairs[begin].first].cluster;
     run.begin = begin;
@@ -172,7 +174,7 @@ class PairChecker {
     return reaches_box(second_, ball.radius, run.center);
   }
 
-  /// Capsules are compared by their axes: the balls around long ones say little.
+  /// Capsules are compared by their axes: balls around long ones are poor bounds.
   HWY_INLINE void find_near_clusters(Run* runs, int count) const {
     for (int i = 0; i < count; ++i) runs[i].near = 0;
     for (int c = second_.cluster_begin; c < second_.cluster_end; ++c) {
@@ -196,7 +198,7 @@ class PairChecker {
     }
   }
 
-  /// A group of the first body against those clusters of the second that are near.
+  /// Checks a group of the first body against the near clusters of the second.
   HWY_INLINE bool hits_groups(const GroupPairRow& row, std::uint64_t near) const {
     const GroupRow& first = robot_.groups[row.first];
     const V3 center = transform_point(pose_, first.ball.center);
@@ -247,7 +249,7 @@ class PairChecker {
     return hit;
   }
 
-  /// The first group is a capsule: its axis says more of the other's ball than its own ball does.
+  /// The first group is a capsule: its axis is a tighter bound than its ball.
   HWY_NOINLINE M find_capsule_hits(const GroupRow& first, const GroupRow& second) const {
     const CapsuleRow& capsule = robot_.capsules[first.begin];
     const Segment axis = posed(capsule, pose_);

@@ -3,11 +3,11 @@
 
 // Contacts of a robot with a scene and itself, one configuration per lane.
 //
-// Bodies that are far apart cost little: they are checked against kLanes obstacles at a time by the
-// box that a body sweeps in all lanes, then by their bounding balls lane by lane, then group by
-// group; only a group whose ball hits has its shapes posed. Bodies are held against each other by
-// their balls first (PairChecker does the rest). What is near in lanes alone that are hit already
-// is not looked at: random configurations are mostly hit, each by something else.
+// Tests against obstacles, from coarse to fine: the box around a body in all lanes against kLanes
+// obstacles at a time, then bounding balls lane by lane, then group by group. Only a group whose
+// ball hits has its shapes posed. Bodies are checked against each other by their balls first; the
+// rest is PairChecker's. Obstacles near only to lanes already in collision are skipped: most random
+// configurations are in collision, each with something else.
 #if defined(MNEME_COLLISION_STATE_CHECKER_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_STATE_CHECKER_INL_H_
 #undef MNEME_COLLISION_STATE_CHECKER_INL_H_
@@ -32,11 +32,12 @@ HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
 
-/// Bodies that go through the coarse tests before the finer ones: more would put off contacts of
-/// the tips, fewer would wait for each other.
+/// Number of bodies that pass the coarse tests before the finer ones. More would delay contacts of
+/// the tips; fewer would leave vector units idle.
 constexpr int kLinkBatch = 4;
-/// Pairs that passed a coarse test are listed before the finer one.
+/// Number of pairs that pass the coarse test before the finer one.
 constexpr int kListSize = 64;
+
 template <bool kIsMotion, class Margins = EvenMargins>
 class StateChecker {
  public:
@@ -51,7 +52,7 @@ class StateChecker {
     }
   }
 
-  /// True as soon as the verdict is settled.
+  /// Returns true as soon as the verdict is final.
   HWY_INLINE bool check(const V* q, Verdict<kIsMotion>& verdict) {
     pose_frames(robot_, q, poses_);
     margins_.follow(poses_);
@@ -116,8 +117,8 @@ class StateChecker {
     return false;
   }
 
-  /// True if balls reach the bounds of an obstacle, or, as far as its grid knows, a part of a
-  /// compound shape.
+  /// True if balls reach the bounds of an obstacle; for a compound shape, if its grid does not
+  /// exclude a contact.
   template <class Reach>
   HWY_INLINE bool is_near(size_t obstacle, const V3& center, Reach reach,
                           const Verdict<kIsMotion>& verdict) const {
@@ -131,7 +132,7 @@ class StateChecker {
             ~bits_of(verdict.hit)) != 0;
   }
 
-  /// The obstacles of `count` that are near a cluster.
+  /// Lists those of `count` obstacles that are near a cluster.
   template <class Margin>
   HWY_INLINE int list_near(int cluster, const Pose& pose, Margin margin,
                            const ObstacleRow* const* from, int count, const ObstacleRow** near,
@@ -147,7 +148,7 @@ class StateChecker {
     return kept;
   }
 
-  /// Lists the obstacles of `count` that a group may not touch.
+  /// Lists those of `count` obstacles that a group may not touch.
   HWY_NOINLINE int list_forbidden(int group, const ObstacleRow* const* near, int count,
                                   const ObstacleRow** forbidden) const {
     int kept = 0;
@@ -193,7 +194,7 @@ class StateChecker {
                                    Verdict<kIsMotion>& verdict) const {
     for (int i = 0; i < count; ++i) {
       const auto index = static_cast<size_t>(near[i] - scene_.obstacles.data());
-      // Bounds hold the rounding, too.
+      // Bounds include the rounding.
       const auto thickness2 = squared(sum(capsule.radius, margin));
       const V from_bounds2 = distance2_to_bounds(scene_, axis, index);
       if (!verdict.is_any_open(is_below(from_bounds2, thickness2))) continue;
@@ -211,8 +212,8 @@ class StateChecker {
     return false;
   }
 
-  /// Where a sphere of the group comes closer than `extra` to a part of the compound shape, but for
-  /// lanes that are hit already.
+  /// Lanes, not `known` to be hit, in which a sphere of the group comes closer than `extra` to a
+  /// part of the compound shape.
   template <class Margin>
   HWY_NOINLINE M find_compound_hits(const ObstacleRow& row, const GroupRow& group, const Pose& pose,
                                     Margin extra, M known) const {

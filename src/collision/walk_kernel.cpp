@@ -4,8 +4,8 @@
 // Compiled once per instruction set. A vector holds one candidate per lane.
 //
 // Damped least squares (Wampler, DOI 10.1109/TSMC.1986.289285; Nakamura and Hanafusa, DOI
-// 10.1115/1.3143764) over two kinds of rows: points of a limb that are pulled to where they should
-// be, and balls of the robot that are too close to an obstacle, along its normal.
+// 10.1115/1.3143764). Its rows are points of a limb that are pulled to a target, and balls of the
+// robot that are pushed from an obstacle along its normal.
 #include "collision/collision_kernels.h"
 
 #include <cassert>
@@ -24,9 +24,9 @@ namespace mneme::internal {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// Rounds of damped least squares per step: one leaves what was pushed in contact.
+/// Rounds of damped least squares per step: after one, pushed bodies are still in contact.
 constexpr int kRounds = 3;
-/// Per square radian, in squares of the limb's length.
+/// Damping per square radian, in squares of the limb's length.
 constexpr float kDamping = 3e-5f;
 
 HWY_INLINE float squared(float x) { return x * x; }
@@ -43,7 +43,7 @@ class Walker {
     V wish[kMostWalkingJoints], change[kMostWalkingJoints];
     for (int round = 0; round < kRounds; ++round) {
       pose_frames(robot_, q, poses_);
-      // Only once: later rounds keep what the first one pushed away.
+      // Only once: later rounds only push.
       if (round == 0) set_targets(jitter);
       for (int j = 0; j < joints; ++j) {
         wish[j] = splat(round == 0 ? request_.drift[j] * request_.length : 0.0f);
@@ -65,7 +65,7 @@ class Walker {
     return transform_point(poses_[point.frame], point.point);
   }
 
-  /// Pulled points go towards where the next one of their limb is now.
+  /// Sets the target of each pulled point on the line to the next point of the limb.
   HWY_INLINE void set_targets(const V3& jitter) {
     V3 point = limb_point(0);
     for (int i = 0; i < request_.pulled_points; ++i) {
@@ -95,7 +95,7 @@ class Walker {
     equations_.add(joint, slopes, count, error);
   }
 
-  /// The point moves along `direction`, which is 0 in lanes that do not count, by `error`.
+  /// Asks the point to move by `error` along `direction`, which is 0 in unaffected lanes.
   HWY_INLINE void add_row(int frame, const V3& point, const V3& direction, V error) {
     int joint[kMaxFrames];
     V3 slopes[kMaxFrames];
@@ -116,7 +116,7 @@ class Walker {
         unsigned bits = find_overlaps(scene_, extent, reach, begin);
         for (; bits != 0; bits &= bits - 1) {
           const size_t obstacle = begin + static_cast<size_t>(__builtin_ctz(bits));
-          // Compound shapes push nothing: what a step leaves in contact with one is found to be so.
+          // Compound shapes push nothing: checks reject candidates in contact with them.
           if (scene_.obstacles[obstacle].kind != ObstacleKind::compound &&
               is_any_below(distance2_to_bounds(scene_, center, obstacle), reach * reach)) {
             push(body, obstacle);
@@ -157,7 +157,7 @@ class Walker {
       const float reach = group.ball.radius + request_.clearance;
       if (!is_any_below(distance2_to_bounds(scene_, center, obstacle), reach * reach)) continue;
       if (group.is_capsule) {
-        look_at_capsule(pose, robot_.capsules[group.begin], row, deepest);
+        update_capsule(pose, robot_.capsules[group.begin], row, deepest);
         continue;
       }
       for (int i = 0; i < kGroupSize; ++i) {
@@ -170,10 +170,10 @@ class Walker {
     add_row(body.frame, deepest.center, deepest.normal, depth);
   }
 
-  /// Its ends, its middle, and what is closest to the middle of the obstacle: a link as thin as a
-  /// line may still touch what is long, elsewhere.
-  HWY_INLINE void look_at_capsule(const Pose& pose, const CapsuleRow& capsule,
-                                  const ObstacleRow& row, Deepest& deepest) const {
+  /// Tries the ends of a capsule, its middle, and the point closest to the middle of the obstacle.
+  /// A thin link may touch a long obstacle between them.
+  HWY_INLINE void update_capsule(const Pose& pose, const CapsuleRow& capsule,
+                                 const ObstacleRow& row, Deepest& deepest) const {
     const V3 a = transform_point(pose, capsule.a);
     const V zero = hn::Zero(Tag());
     const V3 along = add_sparse(pose, capsule.along, {zero, zero, zero});
