@@ -54,11 +54,11 @@ TEST_SUITE("flow") {
       return reply.body["error"]["message"].get<std::string>();
     };
     CHECK(refusal(settings, {{"circles", circles}, {"configurations", zeros}}) ==
-          "there are more than 100000 contacts: ask for fewer configurations at a time");
+          "there are more than 100000 contacts: send fewer configurations per request");
     settings.longest_plan_s = 0.001;
     zeros.resize(100000, Configuration(8, 0.0));
     CHECK(refusal(settings, {{"configurations", zeros}}) ==
-          "it takes more than 0.001 s: ask for fewer configurations at a time");
+          "the check takes more than 0.001 s: send fewer configurations per request");
   }
 
   TEST_CASE("inverse kinematics has an end, too") {

@@ -47,7 +47,7 @@ TEST_SUITE("flow") {
     refused(with("settings", {{"improve", 1e5}}), "timeout and improve of at most 60 together");
     refused(with("settings", {{"timeout", 40}, {"improve", 21}}), "at most 60 together");
     refused(with("settings", {{"starts-per-link", 2}}), "unknown key");
-    refused(with("settings", {{"threads", 64}}), "all threads of this service");
+    refused(with("settings", {{"threads", 64}}), "the threads of this service");
     refused(with("goal", {{"link", "moon"}, {"position", {1, 0, 0}}}), "expected either goal or");
     refused(with("attached", {{{"name", "a"}, {"link", "moon"}}}), "expected a link of robot");
     refused(with("settings", {{"remember-after", 1}}), "unknown key");
@@ -96,7 +96,7 @@ TEST_SUITE("flow") {
   TEST_CASE("ids of scenes that are none are refused with what ids are") {
     const RunningService running;
     const auto client = running.client();
-    const std::string ids = "ids of scenes are 1 to 64 letters, digits, '_', '.' and '-'";
+    const std::string ids = "a scene id has 1 to 64 letters, digits, '_', '.' and '-'";
     for (const std::string& id : {std::string("a%20b"), std::string("a%2Fb"), std::string("%C3%A4"),
                                   std::string(), std::string(65, 'a')}) {
       INFO(id);
@@ -146,7 +146,7 @@ TEST_SUITE("flow") {
     }
     check_refused(reply_of(running.client()->Post("/v1/plan", {{"Content-Encoding", "gzip"}}, "x",
                                                   "application/json")),
-                  415, "not compressed");
+                  415, "uncompressed");
   }
 
   TEST_CASE("with a token only those who know it are answered, but for the health") {
