@@ -1,16 +1,18 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
 """A client of `mneme serve`. Needs only the standard library and NumPy."""
-import http.client
 import json
-import socket
+import math
 import time
 import urllib.parse
 
 import numpy as np
 
-from ._mneme import Error, PoseGoal
+from ._connections import Connections, make_error
+from ._mneme import PoseGoal
 from ._solutions import Solutions
+
+_GRACE_S = 0.4  # for the answer to a plan with a time limit
 
 
 class Busy(Exception):
@@ -23,17 +25,6 @@ class Busy(Exception):
     @property
     def retry_after_s(self):
         return self._retry_after_s
-
-
-class _UnixConnection(http.client.HTTPConnection):
-    def __init__(self, path, timeout):
-        super().__init__("localhost", timeout=timeout)
-        self._path = path
-
-    def connect(self):
-        self.sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        self.sock.settimeout(self.timeout)
-        self.sock.connect(self._path)
 
 
 class RemotePlan:
@@ -127,27 +118,22 @@ def _constraint(constraint):
 class Client:
     """A client of the service at `url`, such as "http://127.0.0.1:7890" or "unix:/run/mneme.sock".
 
-    Keeps one connection, so that a plan takes about 0.1 ms longer than in-process. Use one client per thread. Refused
-    requests raise mneme.Error. If the queue is full, waits up to `patience_s` seconds and raises mneme.Busy then.
+    Keeps its connections open, so that a plan takes about 0.1 ms longer than in-process. Threads may share a client, and
+    forked processes may inherit one. Refused requests raise mneme.Error. If the queue of the service is full, waits up
+    to `patience_s` seconds and raises mneme.Busy then. A request without an answer after `timeout_s` seconds raises
+    TimeoutError.
     """
 
     def __init__(self, url="http://127.0.0.1:7890", token=None, timeout_s=120.0, patience_s=30.0):
         self._headers = {"Content-Type": "application/json"}
         if token is not None:
             self._headers["Authorization"] = f"Bearer {token}"
-        self._url = url
+        self._timeout_s = timeout_s
         self._patience_s = patience_s
-        if url.startswith("unix:"):
-            self._connection = _UnixConnection(url[len("unix:"):], timeout_s)
-        else:
-            parts = urllib.parse.urlsplit(url)
-            if parts.scheme not in ("http", "https") or not parts.hostname:
-                raise ValueError(f"'{url}': expected http://HOST:PORT or unix:PATH")
-            kind = http.client.HTTPSConnection if parts.scheme == "https" else http.client.HTTPConnection
-            self._connection = kind(parts.hostname, parts.port, timeout=timeout_s)
+        self._connections = Connections(url)
 
     def close(self):
-        self._connection.close()
+        self._connections.close()
 
     def __enter__(self):
         return self
@@ -161,7 +147,8 @@ class Client:
 
         goals: configurations and PoseGoals. attached: a list of attached objects, as in compact files; default: those
         of the problem's robot. constraints: OrientationConstraints that replace the problem's. settings: as for
-        mneme.plan().
+        mneme.plan(). With `timeout`, the call ends within that and half a second, whatever the service does: a late
+        answer is a TimeoutError.
         """
         if problem is None and (start is None or goals is None):
             raise TypeError("plan() takes a problem, or start and goals")
@@ -181,7 +168,8 @@ class Client:
         if constraints is not None:
             body["constraints"] = [_constraint(each) for each in constraints]
         body.update(settings=_settings(settings), trace=trace, clearance=clearance, remember=remember)
-        return RemotePlan(self.ask("POST", "/v1/plan", body), self)
+        limit_s = None if settings.get("timeout") is None else settings["timeout"] + (settings.get("improve") or 0) + _GRACE_S
+        return RemotePlan(self.ask("POST", "/v1/plan", body, timeout_s=limit_s), self)
 
     def inverse_kinematics(self, goals, *, near=None, scene=None, margin=0.0, **settings):
         """Returns free configurations that reach any of the PoseGoals, nearest to `near` (default: zeros) first.
@@ -236,56 +224,24 @@ class Client:
             return {}
         return {"scene": scene} if isinstance(scene, str) else _scene_keys(scene)
 
-    def ask(self, method, path, body=None):
-        """Sends a request of docs/schema/service.openapi.json and returns its parsed answer."""
-        deadline = time.monotonic() + self._patience_s
+    def ask(self, method, path, body=None, *, timeout_s=None):
+        """Sends a request of docs/schema/service.openapi.json and returns its parsed answer.
+
+        timeout_s: seconds for all attempts. Default: the client's for each attempt.
+        """
+        data = None if body is None else json.dumps(body)
+        begin = time.monotonic()
+        end = math.inf if timeout_s is None else begin + timeout_s
         while True:
-            response, answer = self._exchange(method, path, body)
+            deadline = min(end, time.monotonic() + self._timeout_s)
+            response, text = self._connections.exchange(method, path, data, self._headers, deadline)
+            answer = json.loads(text)
             if response.status < 400:
                 return answer
             error = answer["error"]
             retry_after = response.getheader("Retry-After")
             if retry_after is None:
-                raise _error(error)
-            if time.monotonic() + float(retry_after) > deadline:
+                raise make_error(error["code"], error["message"])
+            if time.monotonic() + float(retry_after) > min(end, begin + self._patience_s):
                 raise Busy(error["message"], float(retry_after))
             time.sleep(float(retry_after))
-
-    def _exchange(self, method, path, body):
-        data = None if body is None else json.dumps(body)
-        is_kept = self._connection.sock is not None
-        try:
-            try:
-                return self._send(method, path, data)
-            except (http.client.RemoteDisconnected, BrokenPipeError):
-                if not is_kept:
-                    raise
-            # The service has closed this connection, which was idle for too long, before it took the request.
-            self._connection.close()
-            return self._send(method, path, data)
-        except BaseException:
-            # A late answer must not be taken for the answer of the next request.
-            self._connection.close()
-            raise
-
-    def _connect(self):
-        try:
-            self._connection.connect()
-        except OSError as failure:
-            raise _error({"code": "io", "message": f"{self._url}: cannot reach the service: {failure}"}) from failure
-
-    def _send(self, method, path, data):
-        try:
-            if self._connection.sock is None:
-                self._connect()
-            self._connection.request(method, path, data, self._headers)
-        except (BrokenPipeError, ConnectionResetError):
-            pass  # The service refused the body before it was sent completely: read its answer.
-        response = self._connection.getresponse()
-        return response, json.loads(response.read())
-
-
-def _error(error):
-    failure = Error(error["message"])
-    failure.code = error["code"]
-    return failure

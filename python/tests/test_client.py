@@ -9,6 +9,7 @@ import socket
 import struct
 import subprocess
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -209,6 +210,17 @@ class Scripted:
         self.hear(connection)
         connection.recv(1)
 
+    def never_answer(self, connection):
+        while connection.recv(4096):
+            pass
+
+    def answer_slowly(self, connection):
+        self.hear(connection)
+        with contextlib.suppress(OSError):
+            for byte in b"HTTP/1.1 200 OK\r\nContent-Length: 100\r\n\r\n" + b" " * 100:
+                connection.sendall(bytes([byte]))
+                time.sleep(0.05)
+
     def answer_once_and_close(self, connection):
         self.answer(connection)
 
@@ -238,11 +250,49 @@ def test_a_service_that_is_not_there_is_named(url):
 
 
 def test_a_client_goes_on_after_a_timeout():
-    with Scripted(Scripted.say_nothing, Scripted.answer) as service, mneme.Client(service.url, timeout_s=0.2) as client:
+    with Scripted(Scripted.say_nothing, Scripted.answer) as service, mneme.Client(service.url, timeout_s=2) as client:
         with pytest.raises(TimeoutError):
             client.health()
-        client._connection.timeout = 60
         assert client.health() == {"status": "ok"}
+
+
+@pytest.mark.parametrize("serve", [Scripted.never_answer, Scripted.answer_slowly])
+def test_a_plan_with_a_time_limit_ends_whatever_the_service_does(serve, problem):
+    with Scripted(serve) as service, mneme.Client(service.url) as client:
+        begin = time.monotonic()
+        with pytest.raises(TimeoutError):
+            client.plan(problem, timeout=0.3)
+        assert time.monotonic() - begin < 0.8
+
+
+def test_threads_that_share_a_client_get_their_own_answers(client, problem):
+    def check_plans(turn, wrong):
+        for seed in range(1, 21):
+            goal = np.array(problem.goals[0])
+            goal[7] = turn
+            plan = client.plan(problem.with_goal(goal), seed=seed)
+            if not plan.is_solved or plan.path[-1][7] != turn:
+                wrong.append((turn, seed))
+
+    wrong = []
+    threads = [threading.Thread(target=check_plans, args=(0.1 * k, wrong)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert wrong == []
+
+
+def test_a_forked_process_does_not_use_the_connections_of_its_parent(client):
+    def count_answers(count):
+        return [len(client.check([[0.0] * 8] * count)) for _ in range(50)]
+
+    assert count_answers(1) == [1] * 50
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if count_answers(3) == [3] * 50 else 1)
+    assert count_answers(2) == [2] * 50
+    assert os.waitpid(child, 0)[1] == 0
 
 
 def test_a_connection_that_was_idle_for_too_long_is_made_anew():
