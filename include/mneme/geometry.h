@@ -4,8 +4,7 @@
 /// Rigid transforms, shapes and exact distances in double precision. Metres; `X_AB` is the pose of
 /// B in A.
 ///
-/// To add a shape: a struct and a `Shape` alternative here; the compiler names the other places, as
-/// CONTRIBUTING.md does.
+/// To add a shape: a struct and a `Shape` alternative here; CONTRIBUTING.md lists the other places.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,8 +20,7 @@
 
 namespace mneme {
 
-/// A point or a direction. Neither this nor Matrix3d is over-aligned, so both may stand in any
-/// struct.
+/// A point or a direction. Neither Vec3 nor Matrix3d needs more than the default alignment.
 using Vec3 = Eigen::Vector3d;
 
 /// A rigid motion: X_AB takes coordinates in frame B to coordinates in frame A.
@@ -82,7 +80,7 @@ struct Cylinder {
 /// A point as sensors give it. Metres.
 using CloudPoint = std::array<float, 3>;
 
-/// Its surface, seen from either side. Metres.
+/// A flat surface with two sides. Metres.
 struct Triangle {
   Vec3 a = Vec3::Zero();
   Vec3 b = Vec3::Zero();
@@ -92,7 +90,7 @@ struct Triangle {
   [[nodiscard]] Vec3 centroid() const { return (a + b + c) / 3.0; }
 };
 
-/// A box along the axes of its frame, of equal sides.
+/// An axis-aligned cube.
 struct Cube {
   Vec3 center = Vec3::Zero();
   double half_extent = 0;  ///< at least 0
@@ -102,13 +100,13 @@ namespace internal {
 struct PartsAccess;
 }
 
-/// The many small parts of one obstacle, in a frame of its own: shared by all scenes and checkers
-/// that hold it. Trees and grids for fast distances are built at first use and kept.
-/// Const is parallel-safe.
+/// The small parts of one compound shape, in the shape's frame. All scenes and checkers with this
+/// shape share them. Trees and grids for fast distances are built at first use and kept.
+/// Const functions are parallel-safe.
 template <class Part>
 class Parts {
  public:
-  /// There is one at least, and all coordinates are finite.
+  /// `list` must not be empty, and all coordinates must be finite.
   explicit Parts(std::vector<Part> list) : list_(std::move(list)) {}
 
   [[nodiscard]] const std::vector<Part>& list() const { return list_; }
@@ -117,22 +115,22 @@ class Parts {
   friend struct internal::PartsAccess;
   std::vector<Part> list_;
   mutable std::mutex mutex_;
-  mutable std::shared_ptr<void> bounds_, tree_, grid_, corners_;  ///< made by those who need them
+  mutable std::shared_ptr<void> bounds_, tree_, grid_, corners_;  ///< built at first use
 };
 
 /// All points within `radius` of many parts.
 template <class Part>
 struct CompoundShape {
-  Transform pose;                            ///< of the frame of the parts
-  std::shared_ptr<const Parts<Part>> parts;  ///< never null, or it is no shape
+  Transform pose;                            ///< of the parts' frame
+  std::shared_ptr<const Parts<Part>> parts;  ///< must not be null
   double radius = 0;                         ///< metres; above 0 for points, otherwise at least 0
 
-  /// The very same parts, not just equal ones.
+  /// True for the same parts object; equal copies differ.
   bool operator==(const CompoundShape&) const = default;
 };
 
 using PointCloud = CompoundShape<CloudPoint>;
-/// A surface: what lies wholly inside of it is not in contact with it.
+/// A surface: bodies wholly inside do not touch it.
 using Mesh = CompoundShape<Triangle>;
 /// The occupied leaves of an octree.
 using Octree = CompoundShape<Cube>;
@@ -143,21 +141,20 @@ using Shape = std::variant<Sphere, Box, Cylinder, Capsule, PointCloud, Mesh, Oct
 [[nodiscard]] std::string_view shape_name(const Shape& shape);
 /// `shape`, given in frame B, expressed in frame A.
 [[nodiscard]] Shape transformed(const Transform& X_AB, const Shape& shape);
-/// A sphere that contains `shape`: of a solid the smallest one.
+/// A sphere that contains `shape`; the smallest one for shapes that are not compound.
 [[nodiscard]] Sphere bounding_sphere(const Shape& shape);
 
-/// Distance from a point to a solid: 0 inside; of a mesh to its surface.
+/// Distance from a point to a shape: 0 inside. A mesh counts as its surface.
 [[nodiscard]] double distance(const Vec3& point, const Shape& shape);
-/// Distance between two solids: 0 if they meet. Found by iteration, at most a few 1e-5 m too large
-/// unless nearly parallel faces end close to each other: then up to a millimetre. Of points, meshes
-/// and octrees, which are not convex, it may be any distance between parts of them.
+/// Distance between two convex solids: 0 if they meet. Iterative: too large by a few 1e-5 m at
+/// most, or up to a millimetre where nearly parallel faces end close to each other. With compound
+/// shapes the result is only the distance between some of their parts.
 [[nodiscard]] double distance(const Shape& a, const Shape& b);
-/// Distance between the segment ab and a solid: 0 if they meet. A segment may be a point.
-/// Exact for spheres, boxes and capsules; for cylinders found numerically to within 1e-9 m.
+/// Distance between the segment ab, which may be a point, and a shape: 0 if they meet. Exact, for
+/// cylinders to within 1e-9 m.
 [[nodiscard]] double distance_to_segment(const Vec3& a, const Vec3& b, const Shape& shape);
-/// Distance between the segments ab and cd, also when they are parallel or points.
-/// Follows Ericson, Real-Time Collision Detection, section 5.1.9, with the determinant as a cross
-/// product.
+/// Distance between the segments ab and cd, which may be parallel or points. Ericson, Real-Time
+/// Collision Detection, section 5.1.9, with the determinant as a cross product.
 [[nodiscard]] double segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 }  // namespace mneme

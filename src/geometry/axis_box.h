@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Boxes along the axes of a frame.
+/// Axis-aligned boxes.
 #pragma once
 
 #include "mneme/geometry.h"
@@ -11,7 +11,7 @@
 
 namespace mneme::internal {
 
-/// Least and greatest coordinates; of nothing, until it includes something.
+/// Least and greatest coordinates. Empty by default.
 struct AxisBox {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = -low;
@@ -66,7 +66,8 @@ template <class Part>
   return boxes;
 }
 
-/// Empty if the box of a part is, as that of a cube of negative size.
+/// The box around all parts. Empty if the box of any part is empty, such as a cube of negative
+/// size.
 template <class Part>
 [[nodiscard]] AxisBox box_around(const std::vector<Part>& parts) {
   AxisBox box;

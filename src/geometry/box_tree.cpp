@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kBitsPerAxis = 10;
 
-/// Puts two zeros between its ten bits.
+/// Inserts two zero bits after each of ten bits.
 std::uint32_t spread(std::uint32_t x) {
   x = (x | x << 16) & 0x030000ff;
   x = (x | x << 8) & 0x0300f00f;
@@ -35,7 +35,7 @@ std::vector<std::uint32_t> morton_codes(const std::vector<AxisBox>& boxes) {
   return codes;
 }
 
-/// Positions of `codes` from the least to the greatest; by their digits, the last one first.
+/// Indices of `codes` in ascending order, by radix sort.
 std::vector<int> sorted_by(const std::vector<std::uint32_t>& codes) {
   constexpr std::uint32_t kDigits = 1 << kBitsPerAxis;
   std::vector<int> order(codes.size()), next(codes.size());

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A tree of boxes over many parts, in double precision: which of them is nearest.
+/// A bounding box hierarchy over many parts, in double precision, for nearest parts.
 #pragma once
 
 #include "geometry/axis_box.h"
@@ -13,33 +13,33 @@
 
 namespace mneme::internal {
 
-/// A part by its position in a list, and the distance from it.
+/// The index of a part and the distance to it.
 struct NearestPart {
   int part = -1;
   double distance = std::numeric_limits<double>::infinity();
 };
 
-/// Const and parallel-safe. Of the libraries in Debian nanoflann knows points only, FCL (which the
-/// tests use) neither limits nor counts of crossings, and CGAL is under the GPL.
+/// Parallel-safe once built. Libraries do not fit: nanoflann has points only, FCL neither distance
+/// limits nor counts of crossings, and CGAL is under the GPL.
 class BoxTree {
  public:
   struct Node {
     AxisBox box;
-    int first = 0, count = 0;  ///< of its parts in order(); none if it has children
-    int right = -1;            ///< the left child follows its parent
+    int first = 0, count = 0;  ///< range in order(); empty for inner nodes
+    int right = -1;            ///< right child, -1 for leaves; the left child is the next node
   };
 
-  /// `boxes` are those of the parts, which are halved again and again along a curve through space
-  /// (Morton's): a tree over a million of them takes tens of ms.
+  /// Builds the tree over the boxes of the parts, halving ranges in Morton order. Cost: tens of ms
+  /// for a million parts.
   explicit BoxTree(const std::vector<AxisBox>& boxes, int leaf_size = 8);
 
-  /// The root first.
+  /// All nodes; the root is the first.
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
-  /// Positions of parts in their list.
+  /// Indices of parts, leaf by leaf.
   [[nodiscard]] const std::vector<int>& order() const { return order_; }
 
-  /// The part nearest to something that lies in `around`, if it is closer than `limit`;
-  /// `distance_to(i)` is its distance from part i.
+  /// The part nearest to an object within the box `around`, if closer than `limit`.
+  /// `distance_to(i)` returns the object's distance to part i.
   template <class DistanceTo>
   [[nodiscard]] NearestPart nearest(const AxisBox& around, const DistanceTo& distance_to,
                                     double limit = std::numeric_limits<double>::infinity()) const {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Compiled once per instruction set. A vector holds neighbouring voxels of a row.
+// Compiled once per instruction set. The lanes of a vector are neighbouring voxels of a row.
 #include "geometry/compound_grids.h"
 
 #include <cstring>
@@ -20,14 +20,14 @@ namespace {
 
 using Bytes = hn::ScalableTag<uint8_t>;
 
-/// Rows that are narrowed to one: what lies at the distance d in either of them is d^2 farther.
+/// Rows whose minimum is taken. A row at distance d adds d^2 to its squared clearances.
 class Rows {
  public:
   HWY_INLINE void add(const uint8_t* row, int distance) {
     rows_[count_] = row;
     squared_[count_++] = static_cast<uint8_t>(distance * distance);
   }
-  /// Writes the least of all and of wide clearances.
+  /// Writes the minimum of all rows and kWideClearance.
   HWY_INLINE void narrow_to(uint8_t* to, int width) const {
     constexpr int kNarrow = 16 < kBytes ? 16 : kBytes;
     if (width >= kBytes) {
@@ -42,7 +42,7 @@ class Rows {
  private:
   static constexpr int kBytes = HWY_LANES(uint8_t);
 
-  /// The last vector may overlap another.
+  /// The last vector may overlap the one before.
   template <class D>
   HWY_INLINE void narrow_to(D d, uint8_t* to, int width) const {
     const int lanes = static_cast<int>(hn::Lanes(d));
@@ -64,13 +64,13 @@ class Rows {
   uint8_t squared_[2 * kClearanceReach];
 };
 
-/// Rows of octants, two for each row of voxels; rows without any occupied octant are not read.
+/// Rows of octants, two per row of voxels. Rows without occupied octants are skipped.
 struct OctantRows {
   const uint8_t* data;
   int rows, width;
   const uint8_t* is_used;
 
-  /// Writes the clearances of voxels at the row `i` of voxels, by all rows of octants within reach.
+  /// Writes the clearances of row `i` of voxels from all rows of octants in reach.
   HWY_INLINE void narrow_row(int i, uint8_t* to) const {
     Rows near;
     for (int d = 0; d < kClearanceReach; ++d) {
@@ -83,8 +83,8 @@ struct OctantRows {
   }
 };
 
-/// Clearances of 0 at occupied octants of a layer, otherwise wide ones. Of each row octants with
-/// the lesser x come first, then those with the greater. False if there is none that is occupied.
+/// Expands a layer of octants: 0 where occupied, kWideClearance elsewhere. Each row has the octants
+/// with even x first, then those with odd x. Returns false if no octant is occupied.
 HWY_INLINE bool spread_layer(const VoxelGrid& grid, int z, uint8_t* rows, uint8_t* is_used) {
   const int width = grid.count[0];
   bool is_any = false;
@@ -106,7 +106,7 @@ HWY_INLINE bool spread_layer(const VoxelGrid& grid, int z, uint8_t* rows, uint8_
   return is_any;
 }
 
-/// A row with as many octants before and after it as are read.
+/// A row with padding of kClearanceReach octants on both sides.
 struct PaddedRow {
   uint8_t* data;
 

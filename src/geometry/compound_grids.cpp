@@ -33,7 +33,7 @@ bool contains(const Region& outer, const Region& inner) {
   return outer.contains(inner.low) && outer.contains(inner.high);
 }
 
-/// Points that are replaced may go a little farther; there are voxels for them (kRim).
+/// Room for points that replace others: within the rim of voxels (kRim).
 Region with_rim(Region region) {
   constexpr float kRimMetres = 0.05f;
   for (float& low : region.low) low -= kRimMetres;
@@ -41,7 +41,7 @@ Region with_rim(Region region) {
   return region;
 }
 
-/// Leaves as blocks of parts, the last of which repeats.
+/// The parts of a leaf; the last one is repeated to fill the block.
 template <class Part>
 std::vector<Part> parts_of_leaf(const BoxTree& tree, const BoxTree::Node& leaf,
                                 const std::vector<Part>& list) {
@@ -53,9 +53,9 @@ std::vector<Part> parts_of_leaf(const BoxTree& tree, const BoxTree::Node& leaf,
   return parts;
 }
 
-/// For single precision, which does not tell well what is inside of slivers with an angle of up to
-/// 1e-5: their edges, which stand for them, miss them by no more than 5e-6 of their length, a tenth
-/// of what verification keeps free around one of a metre.
+/// The normal for single precision, zero for slivers with an angle of up to 1e-5. Their edges
+/// replace them, with an error below 5e-6 of their length. For a length of 1 m this is a tenth of
+/// the margin that verification keeps.
 Vec3 single_normal_of(const Triangle& t) { return normal_of(t, 1e-10); }
 
 void add_block(const std::vector<Triangle>& parts, PartTree& tree) {
@@ -114,7 +114,7 @@ bool is_beside(const Triangle& t, const Vec3& center, double half) {
 }
 bool is_beside(const Cube&, const Vec3&, double) { return false; }
 
-/// Calls `visit(index)` for all from `low` to `high`.
+/// Calls `visit(index)` for all indices from `low` to `high`.
 template <class Visit>
 void visit_range(const VoxelGrid::Index& low, const VoxelGrid::Index& high, const Visit& visit) {
   for (int z = low[2]; z <= high[2]; ++z) {
@@ -124,8 +124,8 @@ void visit_range(const VoxelGrid::Index& low, const VoxelGrid::Index& high, cons
   }
 }
 
-/// Marks the octants that a part may run through: of cubes of 2^level octants along each axis those
-/// that it comes near, and of each of these the eighths.
+/// Marks the octants that a part may intersect. Descends from cubes of 2^level octants per axis to
+/// the eighths of those that the part comes near.
 template <class Part>
 class Marker {
  public:
@@ -174,7 +174,7 @@ class Marker {
     visit_range(first, last, [&](const VoxelGrid::Index& eighth) { mark(eighth, level - 1); });
   }
 
-  /// All of it.
+  /// True if all octants of the cube are marked.
   [[nodiscard]] bool is_marked(const VoxelGrid::Index& cube, int level) const {
     if (level > kVoxelLevel) return false;
     if (level == kVoxelLevel) return grid_.octants[grid_.slot(cube)] == 0xff;
@@ -194,7 +194,7 @@ class Marker {
   VoxelGrid& grid_;
   Vec3 origin_;                      ///< of the parts' frame
   VoxelGrid::Index low_{}, high_{};  ///< octants of the part's box
-  bool is_full_ = false;             ///< it runs through all of its box, or nearly so
+  bool is_full_ = false;             ///< the part fills its box, or nearly so
 };
 
 template <class Part>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The parts of a compound shape as the kernels read them: plain floats, nothing of Eigen.
+/// The parts of a compound shape as kernels read them: plain floats, no Eigen types.
 #pragma once
 
 #include "mneme/base.h"
@@ -16,13 +16,13 @@
 
 namespace mneme::internal {
 
-/// The octants of a voxel lie on either side of its middle along each axis. An occupied octant
-/// narrows the clearance of voxels within this number of octants.
+/// An octant is an eighth of a voxel. Clearances account for octants up to this distance, in
+/// octants.
 inline constexpr int kClearanceReach = 15;
-/// The squared clearance of voxels without an occupied octant in reach.
+/// Squared clearance of voxels without an occupied octant in reach.
 inline constexpr std::uint8_t kWideClearance = kClearanceReach * kClearanceReach;
 
-/// A box along the axes of the parts' frame.
+/// An axis-aligned box in the parts' frame.
 struct Region {
   std::array<float, 3> low{}, high{};
 
@@ -32,8 +32,8 @@ struct Region {
   }
 };
 
-/// A point of the parts' frame near them, which may lie far from its origin: coordinates in floats
-/// are relative to it.
+/// A point near the parts, in their frame. Float coordinates are relative to it, because parts may
+/// be far from the frame's origin.
 using Middle = std::array<double, 3>;
 
 [[nodiscard]] inline std::array<float, 3> relative_to(const Middle& middle,
@@ -42,33 +42,32 @@ using Middle = std::array<double, 3>;
           static_cast<float>(p[2] - middle[2])};
 }
 
-/// A region cut into cubes, and how far from the centre of each there is nothing: so many octants,
-/// each half as wide as a voxel, lie between it and the nearest occupied one. Outside of the region
-/// there is nothing.
+/// A grid of cubic voxels over a region, with occupied octants and clearances. Everything outside
+/// of the region is free.
 struct VoxelGrid {
   using Index = std::array<int, 3>;
 
   Middle middle{};
   std::array<float, 3> origin{};  ///< the region's least corner
   float edge = 1;                 ///< edge of a voxel, metres
-  float per_metre = 1;            ///< its inverse
-  Index count{};                  ///< of voxels along each axis, at least 1
-  /// Per voxel, x fastest, a bit for each occupied octant: those with greater x in odd bits. Some
-  /// more follow, so that words may be read.
+  float per_metre = 1;            ///< 1 / edge
+  Index count{};                  ///< voxels along each axis, at least 1
+  /// Per voxel, x fastest: the bits of its occupied octants (see bit_of). Padded, so that words may
+  /// be read.
   std::pmr::vector<std::uint8_t> octants;
-  /// Per voxel the squared distance of its centre from the nearest occupied octant, in octants.
-  /// Some more follow.
+  /// Per voxel: squared distance from its centre to the nearest occupied octant, in octants.
+  /// Padded.
   std::pmr::vector<std::uint8_t> clearances;
 
-  /// The octant that holds a point, on each axis between -1 and twice the count: those are outside.
+  /// The octant at a point. Clamped to -1 .. 2 * count on each axis; these ends are outside.
   [[nodiscard]] Index octant_of(const std::array<float, 3>& p) const;
-  /// Expects an octant of the grid.
+  /// The octant's bit in `octants`.
   [[nodiscard]] static std::uint8_t bit_of(const Index& octant) {
     return static_cast<std::uint8_t>(
         1u << ((octant[2] & 1) << 2 | (octant[1] & 1) << 1 | (octant[0] & 1)));
   }
   [[nodiscard]] bool contains(const Index& octant) const;
-  /// The slot of the voxel that holds an octant of the grid.
+  /// Position of an octant's voxel in `octants` and `clearances`.
   [[nodiscard]] std::size_t slot_of(const Index& octant) const {
     return slot({octant[0] / 2, octant[1] / 2, octant[2] / 2});
   }
@@ -81,72 +80,72 @@ struct VoxelGrid {
   }
 };
 
-/// A grid of empty voxels, in memory of `pages`. `region` is relative to `middle`.
+/// A grid of empty voxels, allocated from `pages`. `region` is relative to `middle`.
 [[nodiscard]] VoxelGrid make_voxel_grid(
     const Region& region, const Middle& middle = {},
     std::pmr::memory_resource* pages = std::pmr::get_default_resource());
-/// Finds all clearances anew.
+/// Computes all clearances.
 void find_clearances(VoxelGrid& grid);
-/// Narrows the clearances around an octant that is occupied from now on.
+/// Marks an octant as occupied and updates the clearances around it.
 void occupy(const VoxelGrid::Index& octant, VoxelGrid& grid);
 
-/// Memory of large pages where the system has them, for what is filled at once and soon done with:
-/// the first touch of each small page interrupts the program.
+/// Memory with large pages where the system has them. For short-lived data: the first access to
+/// each small page would cost a page fault.
 [[nodiscard]] std::pmr::memory_resource* large_pages();
 
-/// Finds the clearances of all voxels, along one axis after the other. `scratch` has
-/// scratch_size() bytes.
+/// Computes the clearances of all voxels, one axis after the other. `scratch`: scratch_size()
+/// bytes.
 using ClearanceKernel = void (*)(VoxelGrid& grid, std::uint8_t* scratch);
 [[nodiscard]] ClearanceKernel clearance_kernel(Isa isa);
 [[nodiscard]] std::size_t scratch_size(const VoxelGrid& grid);
 
-// The points of a cloud sorted into voxels; they may be replaced.
+// Points of a cloud, sorted into voxels.
 
 inline constexpr int kPointsPerBlock = 8;
 
-/// Points of one voxel; where there is none, coordinates are infinite.
+/// Points of one voxel; unused places have infinite coordinates.
 struct PointBlock {
   float x[kPointsPerBlock], y[kPointsPerBlock], z[kPointsPerBlock];
-  int next = -1;  ///< block of the same voxel
+  int next = -1;  ///< next block of the same voxel
 };
 
 struct PointGrid {
-  std::shared_ptr<std::pmr::memory_resource> pages;  ///< of what follows, unless it was copied
+  std::shared_ptr<std::pmr::memory_resource> pages;  ///< memory of the vectors, unless copied
   VoxelGrid voxels;
   std::pmr::vector<int> first_block;  ///< per voxel; -1 if it is empty
   std::pmr::vector<PointBlock> blocks;
-  Region region{};           ///< points outside of it are left out
-  std::size_t size = 0;      ///< points at first
-  std::size_t replaced = 0;  ///< points since
+  Region region{};           ///< points outside are ignored
+  std::size_t size = 0;      ///< number of points at first
+  std::size_t replaced = 0;  ///< number of points replaced since
 };
 
 using PointSpan = std::span<const std::array<float, 3>>;
 
-/// Points outside of `region`, which is relative to `middle`, are left out.
+/// Sorts points into voxels. Points outside of `region`, which is relative to `middle`, are
+/// ignored.
 [[nodiscard]] PointGrid make_point_grid(PointSpan points, const Region& region,
                                         const Middle& middle = {});
 
-/// Takes out what stands at `before`, and puts in `after`. False if the grid must be made anew:
-/// something lies outside of the voxels though within the region, or so much has been replaced that
-/// what is left of it would be slow.
+/// Removes the points `before` and adds `after`. False if the grid must be rebuilt: a point is
+/// within the region but outside of the voxels, or more points were replaced than there are.
 [[nodiscard]] bool replace_points(PointSpan before, PointSpan after, PointGrid& grid);
 
-// Triangles or cubes in a tree of boxes whose leaves are vectors.
+// Triangles or cubes in a bounding box tree whose leaves are vectors.
 
-/// Parts of a leaf: the lanes of the widest vector.
+/// Parts per leaf: lanes of the widest vector.
 inline constexpr int kPartsPerLeaf = 16;
 
 struct PartNode {
   float low[3] = {}, high[3] = {};
-  int leaf = -1;   ///< index of its block; -1 if it has children
-  int right = -1;  ///< the left child follows its parent
+  int leaf = -1;   ///< index of its block; -1 for inner nodes
+  int right = -1;  ///< right child; the left child is the next node
 };
 
-/// The last triangles of a block may repeat.
+/// The last triangle may be repeated to fill the block.
 struct TriangleBlock {
   float a[3][kPartsPerLeaf];
   float to_b[3][kPartsPerLeaf], to_c[3][kPartsPerLeaf];
-  float normal[3][kPartsPerLeaf];  ///< normal_of(), which single precision would turn of thin ones
+  float normal[3][kPartsPerLeaf];  ///< normal_of(); too inexact for thin ones in single precision
 };
 
 struct CubeBlock {
@@ -154,13 +153,13 @@ struct CubeBlock {
   float half_extent[kPartsPerLeaf];
 };
 
-/// Relative to the middle of the voxels.
+/// Coordinates are relative to the middle of the voxels.
 struct PartTree {
   VoxelGrid voxels;
-  Region region;  ///< parts outside of it are left out of the voxels
+  Region region;  ///< parts outside are not in the voxels
   std::vector<PartNode> nodes;
-  std::vector<TriangleBlock> triangles;  ///< either these
-  std::vector<CubeBlock> cubes;          ///< or these
+  std::vector<TriangleBlock> triangles;  ///< empty for cubes
+  std::vector<CubeBlock> cubes;          ///< empty for triangles
 };
 
 }  // namespace mneme::internal

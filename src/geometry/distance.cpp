@@ -16,8 +16,8 @@ Vec3 excess_of_box(const Vec3& p, const Vec3& half_extents) {
   return p - p.cwiseMax(-half_extents).cwiseMin(half_extents);
 }
 
-// Both ends are candidates, so that a segment too short for the parameter of the nearest point to
-// mean anything is treated as well as any other.
+// Both ends are candidates, because on very short segments rounding spoils the parameter of the
+// nearest point.
 Vec3 excess_of_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 along = b - a;
   const double length2 = along.squaredNorm();
@@ -29,9 +29,8 @@ Vec3 excess_of_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return nearest;
 }
 
-// Along a segment the squared distance from a box is convex and, between the parameters where a
-// coordinate passes a face, quadratic: the least of the values there and at each piece's vertex is
-// the minimum.
+// Along a segment the squared distance to a box is convex, and quadratic between the parameters
+// where a coordinate passes a face. So the minimum is at one of these or at a vertex between them.
 double distance_to_box(const Vec3& a, const Vec3& b, const Vec3& half_extents) {
   const Vec3 along = b - a;
   std::array<double, 8> breaks;
@@ -62,7 +61,7 @@ double distance_to_box(const Vec3& a, const Vec3& b, const Vec3& half_extents) {
 
 namespace {
 
-/// From a cylinder around the origin, along z, to `p`: zero inside.
+/// Vector from the nearest point of a cylinder around the z axis to `p`: zero inside.
 Vec3 excess_of_cylinder(const Vec3& p, double radius, double length) {
   const double r = p.head<2>().norm();
   const double beyond_side = r > radius ? (r - radius) / r : 0.0;
@@ -139,9 +138,8 @@ double segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
   if (c == d) return internal::excess_of_segment(c, a, b).norm();
   const Vec3 u = b - a;
   const Vec3 v = d - c;
-  // Wherever rounding puts them, candidates are distances between points of the segments, so that
-  // none is less than the truth. The ends are exact where the segments are parallel, the crossing
-  // where they are not.
+  // Each candidate is the distance between two points of the segments, so rounding cannot make the
+  // result too small. The ends are exact for parallel segments, the crossing for all others.
   double least = std::min(
       {internal::excess_of_segment(a, c, d).norm(), internal::excess_of_segment(b, c, d).norm(),
        internal::excess_of_segment(c, a, b).norm(), internal::excess_of_segment(d, a, b).norm()});
@@ -156,8 +154,8 @@ double segment_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
 
 namespace {
 
-/// The squared distance from a convex solid is convex along a segment: bisects for the zero of its
-/// slope.
+/// Bisects for the zero of the slope: the squared distance to a convex solid is convex along a
+/// segment.
 double distance_to_cylinder(const Vec3& a, const Vec3& b, double radius, double length) {
   const Vec3 along = b - a;
   const auto excess = [&](double t) {
@@ -207,9 +205,9 @@ double distance_to_segment(const Vec3& a, const Vec3& b, const Shape& shape) {
 }
 
 // Alternating projections (Cheney and Goldstein, DOI 10.2307/2033416) are projected gradient steps
-// on half the squared distance; where solids meet at a slant they creep. Momentum mends that (Beck
-// and Teboulle, DOI 10.1137/080716542), restarted when it leads astray (O'Donoghue and Candes,
-// DOI 10.1007/s10208-013-9150-3); only a round without momentum says that no way is left.
+// on half the squared distance. They converge slowly where solids meet at a slant. Momentum helps
+// (Beck and Teboulle, DOI 10.1137/080716542), with restarts (O'Donoghue and Candes,
+// DOI 10.1007/s10208-013-9150-3). Only a round without momentum decides that it has converged.
 double distance(const Shape& a, const Shape& b) {
   constexpr int kMostRounds = 200;
   constexpr double kTolerance = 1e-6;

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/enclosure.h"
-
+#include "geometry/part_distance.h"
 #include "base/as_index.h"
 
 #include <Eigen/Geometry>

@@ -22,7 +22,7 @@ namespace {
 constexpr double kFarthest = 1000;
 constexpr int kDeepestNode = 256;
 
-/// Where a mesh is, and where it stands.
+/// The file of a mesh, and its scale and pose.
 struct MeshPlace {
   const std::string& path;
   Vec3 scale;
@@ -39,7 +39,7 @@ std::string suffix_of(const std::string& path) {
   return suffix;
 }
 
-/// In bytes, of a file that is neither empty nor too large.
+/// The size in bytes of a regular file that is neither empty nor too large.
 Result<std::size_t> find_size(const MeshPlace& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file.path, error);
@@ -65,8 +65,8 @@ Result<std::string> read_bytes(const MeshPlace& file, std::size_t size) {
   return bytes;
 }
 
-/// The fault of an STL file, or nothing. A binary one states the number of its triangles; in text
-/// each is a facet.
+/// The fault of an STL file, or "". Binary files state their number of triangles; in text files
+/// each triangle is a facet.
 std::string find_stl_fault(const std::string& bytes) {
   const std::string truncated = "ends before the triangles that it announces";
   const std::string hollow = "has no triangles, expected a surface";
@@ -84,7 +84,7 @@ std::string find_stl_fault(const std::string& bytes) {
 
 Vec3 to_vector(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 
-/// Collects triangles, and notices what is wrong with them.
+/// Collects triangles and checks them.
 class Collector {
  public:
   Collector(const aiScene& scene, const MeshPlace& file) : scene_(scene), file_(file) {}
@@ -130,7 +130,7 @@ class Collector {
       return Vec3::Zero();
     }
     const Vec3 p = to_vector(pose * mesh.mVertices[index]).cwiseProduct(file_.scale);
-    // Written so that a NaN is wrong.
+    // The comparison is false for NaN.
     if (!(p.cwiseAbs().maxCoeff() <= kFarthest) || !p.allFinite()) {
       wrong_ = fmt::format("vertex {} is at ({}, {}, {}), expected coordinates within {} m", index,
                            p.x(), p.y(), p.z(), kFarthest);

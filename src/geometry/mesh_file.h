@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Meshes in files.
+/// Reading of mesh files.
 #pragma once
 
 #include "mneme/base.h"
@@ -13,15 +13,15 @@
 
 namespace mneme::internal {
 
-/// Largest file and number of triangles that are read.
+/// Limits on the size of a file and on its number of triangles.
 inline constexpr std::size_t kMaxMeshBytes = std::size_t{256} << 20;
 inline constexpr std::size_t kMaxTriangles = 1'000'000;
 
-/// Reads STL, OBJ, DAE or PLY, binary or text, all objects of the file in their places, scaled
-/// along the axes of the mesh and moved to `pose`; the unit that a DAE file states is honoured, its
-/// up axis is not, as robots are modelled with z up. Triangles without area are left out. Errors
-/// name the file: not readable, of another format, malformed, too large, without triangles, with
-/// coordinates that are not finite or beyond 1 km.
+/// Reads the triangles of an STL, OBJ, DAE or PLY file, binary or text, with all objects in place.
+/// They are scaled along the axes of the mesh and then moved to `pose`. Triangles without area are
+/// skipped. The unit of a DAE file is applied; its up axis is ignored, because robots have z up.
+/// Errors name the file and the fault: not readable, unknown format, malformed, too large, no
+/// triangles, or coordinates that are not finite or beyond 1 km.
 [[nodiscard]] Result<std::vector<Triangle>> read_triangles(const std::string& path,
                                                            const Vec3& scale,
                                                            const Transform& pose);

@@ -30,15 +30,15 @@ void each_corner(const Cube& c, const Visit& visit) {
   }
 }
 
-/// Area, or volume, by which a part counts: triangles of one face may be many or few.
+/// Weight of a part by area or volume, so that tessellation does not matter.
 double weight_of(const CloudPoint& /*point*/) { return 1; }
 double weight_of(const Triangle& triangle) { return triangle.area(); }
 double weight_of(const Cube& cube) { return std::pow(cube.half_extent, 3); }
 
-/// The directions in which every `stride`-th part spreads.
+/// Principal axes of every `stride`-th part.
 template <class Part>
 Eigen::Matrix3d principal_axes(const std::vector<Part>& parts, std::size_t stride) {
-  double weight = std::numeric_limits<double>::min();  // of parts without any area
+  double weight = std::numeric_limits<double>::min();  // avoids division by zero
   Vec3 first = Vec3::Zero();
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < parts.size(); i += stride) {
@@ -54,7 +54,7 @@ Eigen::Matrix3d principal_axes(const std::vector<Part>& parts, std::size_t strid
     });
     weight += share;
     first += share / count * sum;
-    // Exact for points and triangles; cubes spread less than they do, but in no direction more.
+    // Exact for points and triangles. Too large for cubes, but equally in all directions.
     second += share / (count * (count + 1)) * (squares + sum * sum.transpose());
   }
   first /= weight;
@@ -62,7 +62,7 @@ Eigen::Matrix3d principal_axes(const std::vector<Part>& parts, std::size_t strid
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors();
 }
 
-/// In the frame `axes`, of every `stride`-th part.
+/// Extent of every `stride`-th part in the frame `axes`.
 template <class Part>
 AxisBox extent(const std::vector<Part>& parts, const Eigen::Matrix3d& axes, std::size_t stride) {
   AxisBox box;
@@ -79,14 +79,14 @@ double surface_of(const AxisBox& box) {
 
 }  // namespace
 
-// A shape as wide as it is deep has no principal axes across: the turn about each axis that makes
-// the box smallest is searched for, on some of the parts.
+// Principal axes are ambiguous for symmetric shapes. So a search over turns about each axis
+// follows, for the smallest box around a sample of the parts.
 template <class Part>
 Box oriented_box(const CompoundShape<Part>& compound) {
-  constexpr std::size_t kLookedAt = 100;
+  constexpr std::size_t kSampleSize = 100;
   constexpr double kCoarse = std::numbers::pi / 16, kFine = 0.01;
   const std::vector<Part>& parts = compound.parts->list();
-  const std::size_t stride = 1 + parts.size() / kLookedAt;
+  const std::size_t stride = 1 + parts.size() / kSampleSize;
   Eigen::Matrix3d axes = principal_axes(parts, stride);
   if (axes.determinant() < 0) axes.col(0) *= -1;
   double least = surface_of(extent(parts, axes, stride));

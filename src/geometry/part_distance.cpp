@@ -11,8 +11,8 @@
 namespace mneme::internal {
 namespace {
 
-/// True if the segment ab goes through the triangle with this normal_of(). By Moller and Trumbore,
-/// DOI 10.1080/10867651.1997.10487468. In its plane it meets an edge.
+/// True if the segment ab crosses the triangle with this normal_of(). By Moller and Trumbore,
+/// DOI 10.1080/10867651.1997.10487468. False within the plane: such segments meet an edge.
 bool crosses(const Vec3& a, const Vec3& b, const Triangle& t, const Vec3& normal) {
   const Vec3 direction = b - a, offset = a - t.a;
   const double determinant = -normal.dot(direction);
@@ -74,11 +74,11 @@ double distance_between(const Vec3& a, const Vec3& b, const Cube& cube) {
 
 namespace {
 
-/// Squared sine of an angle below which double precision does not tell where lines are nearest.
+/// Lines with a smaller squared sine between them count as parallel.
 constexpr double kParallel = 1e-15;
 
-/// Between the segments from `a` along `u` and from `c` along `v`. By Ericson, Real-Time Collision
-/// Detection (2005), 5.1.9; no candidate is less than the truth.
+/// Squared distance between the segments from `a` along `u` and from `c` along `v`. By Ericson,
+/// Real-Time Collision Detection (2005), 5.1.9. Rounding never makes it too small.
 double squared_distance(const Vec3& a, const Vec3& u, const Vec3& c, const Vec3& v) {
   const Vec3 r = a - c;
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
@@ -92,7 +92,7 @@ double squared_distance(const Vec3& a, const Vec3& u, const Vec3& c, const Vec3&
   return (r + along_u * u - along_v * v).squaredNorm();
 }
 
-/// A triangle with what every comparison needs.
+/// A triangle with precomputed edges and normal.
 struct Facet {
   explicit Facet(const Triangle& t)
       : corners{t.a, t.b, t.c},
@@ -108,11 +108,11 @@ struct Facet {
   }
 
   std::array<Vec3, 3> corners, edges;
-  Vec3 normal;  ///< zero of a sliver: nothing is above, below or beyond its plane
+  Vec3 normal;  ///< zero for slivers
   double normal2;
 };
 
-/// Where a facet's corners are seen from the plane of another one, in lengths of its normal.
+/// Heights of a facet's corners over the plane of another one, in multiples of its normal's length.
 struct Heights {
   Heights(const Facet& of, const Facet& over) {
     for (std::size_t i = 0; i < 3; ++i) at[i] = over.normal.dot(of.corners[i] - over.corners[0]);
@@ -120,10 +120,10 @@ struct Heights {
     least = std::max(low, -high);
   }
   std::array<double, 3> at;
-  double least;  ///< at most 0 if they are not all on one side
+  double least;  ///< at most 0 if the plane separates some corners
 };
 
-/// Lessens `least2` where a corner of one is nearest to the inside of the other.
+/// Lowers `least2` to the squared distance of corners above or below the other facet.
 void compare_corners(const Facet& of, const Facet& over, const Heights& heights, double& least2) {
   for (std::size_t i = 0; i < 3; ++i) {
     const double square = heights.at[i] * heights.at[i];
@@ -132,7 +132,7 @@ void compare_corners(const Facet& of, const Facet& over, const Heights& heights,
   }
 }
 
-/// True if the plane across the line between the middles keeps them apart by sqrt(limit2).
+/// True if the projections on the line between the centroids are sqrt(limit2) apart.
 bool are_apart(const Facet& s, const Facet& t, double limit2) {
   const auto sum = [](const Facet& f) -> Vec3 {
     return f.corners[0] + f.corners[1] + f.corners[2];

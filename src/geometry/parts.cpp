@@ -12,7 +12,7 @@ namespace mneme::internal {
 namespace {
 
 std::vector<Vec3> corner_of_each_piece(const std::vector<Triangle>& triangles) {
-  // Pieces grow together where triangles share a corner.
+  // Union-find: triangles that share a corner belong to one piece.
   std::vector<int> piece(triangles.size());
   std::iota(piece.begin(), piece.end(), 0);
   const auto root_of = [&](int i) {
@@ -51,14 +51,14 @@ void PartsAccess::replace(PointCloud& cloud, std::size_t first,
     const std::lock_guard lock(old.mutex_);
     return std::static_pointer_cast<PointGrid>(old.grid_);
   }();
-  // Two hold the grid: the points and this function.
+  // Unshared, the grid has two owners: the points and this function.
   const bool is_mine = cloud.parts.use_count() == 1 && grid.use_count() <= 2;
   if (is_mine) {
-    // Letting go synchronizes with others who let go before, which use_count() does not.
+    // Releasing a reference synchronizes with earlier releases by others; use_count() does not.
     std::shared_ptr(cloud.parts).reset();
     std::shared_ptr(grid).reset();
   }
-  // Made by whoever gave the points, always as an object that is not const.
+  // The const_cast is valid: points are always created as objects that are not const.
   auto parts = is_mine ? std::const_pointer_cast<Parts<CloudPoint>>(cloud.parts)
                        : std::make_shared<Parts<CloudPoint>>(old.list_);
   if (grid && !is_mine) grid = std::make_shared<PointGrid>(*grid);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Data kept with the parts of an obstacle: a tree for exact distances, a grid for the kernels.
+/// Data kept with the parts of a compound shape: a tree for exact distances, a grid for kernels.
 #pragma once
 
 #include "geometry/axis_box.h"
@@ -14,8 +14,8 @@
 namespace mneme::internal {
 
 struct PartsAccess {
-  /// A box around all parts: the smallest one until points are replaced. Empty if that of a part
-  /// is.
+  /// A box around all parts: the smallest one until points are replaced. Empty if the box of any
+  /// part is empty.
   template <class Part>
   static AxisBox bounds(const Parts<Part>& parts) {
     const std::lock_guard lock(parts.mutex_);
@@ -23,7 +23,7 @@ struct PartsAccess {
     return *std::static_pointer_cast<const AxisBox>(parts.bounds_);
   }
 
-  /// Made at the first call.
+  /// The tree over all parts. Built at the first call.
   template <class Part>
   static std::shared_ptr<const BoxTree> tree(const Parts<Part>& parts) {
     const std::lock_guard lock(parts.mutex_);
@@ -31,14 +31,14 @@ struct PartsAccess {
     return std::static_pointer_cast<const BoxTree>(parts.tree_);
   }
 
-  /// A corner of each connected piece of a surface. Found at the first call.
+  /// One corner of each connected piece of a surface. Computed at the first call.
   static std::shared_ptr<const std::vector<Vec3>> corners(const Parts<Triangle>& surface);
 
-  /// Replaces points in place, or in a copy of their own if anyone else holds them.
+  /// Replaces points from index `first` on, in place, or in a copy if the parts are shared.
   static void replace(PointCloud& cloud, std::size_t first, std::span<const CloudPoint> points);
 
-  /// Made by `make()` unless one is kept of which `is_good` is true. All that ask for the grid of
-  /// one kind of parts use one type.
+  /// The kept grid if `is_good(grid)`, otherwise a new one by `make()`, which is kept. Each kind of
+  /// parts must have one type `Grid`.
   template <class Grid, class Part, class IsGood, class Make>
   static std::shared_ptr<const Grid> grid(const Parts<Part>& parts, const IsGood& is_good,
                                           const Make& make) {
@@ -53,11 +53,11 @@ struct PartsAccess {
   }
 };
 
-/// The point, in the parts' frame, that the coordinates in a grid or tree are relative to.
+/// VoxelGrid::middle as a vector.
 [[nodiscard]] Vec3 middle_of(const VoxelGrid& voxels);
 
-/// `box`, in the parts' frame, holds all that will be queried. A grid that was made for a larger
-/// box is reused.
+/// The kernels' grid of the parts. `box`, in the parts' frame, must contain all later queries. A
+/// kept grid of a larger box is reused.
 [[nodiscard]] std::shared_ptr<const PointGrid> share_grid(const Parts<CloudPoint>& parts,
                                                           const AxisBox& box);
 [[nodiscard]] std::shared_ptr<const PartTree> share_grid(const Parts<Triangle>& parts,

@@ -26,8 +26,7 @@ void put(const Point3& p, int place, PointBlock& block) {
   block.z[place] = p[2];
 }
 
-/// Calls `visit(block, place)` for the places of a voxel until it returns true, and says whether it
-/// did.
+/// Calls `visit(block, place)` for the places of a voxel until it returns true. True if it did.
 template <class Visit>
 bool visit_places(PointGrid& grid, std::size_t voxel, const Visit& visit) {
   for (int b = grid.first_block[voxel]; b >= 0; b = grid.blocks[as_index(b)].next) {
@@ -38,7 +37,7 @@ bool visit_places(PointGrid& grid, std::size_t voxel, const Visit& visit) {
   return false;
 }
 
-/// A point within the grid, relative to its middle, and where it belongs.
+/// A point within the grid, relative to its middle, with its octant and voxel.
 struct Placed {
   Point3 p;
   VoxelGrid::Index octant;
@@ -68,9 +67,9 @@ void put_in(const Placed& placed, PointGrid& grid) {
   grid.first_block[placed.voxel] = static_cast<int>(grid.blocks.size()) - 1;
 }
 
-/// Calls `visit(placed)` for the points within the region. False if one of them lies outside of the
-/// voxels, and is not visited. Neighbours in a cloud may be anywhere in memory: `fetch(voxel)` says
-/// early what will be read.
+/// Calls `visit(placed)` for the points within the region. Returns false if some are outside of the
+/// voxels; these are skipped. `fetch(voxel)` prefetches: neighbours in a cloud may be far apart in
+/// memory.
 template <class Fetch, class Visit>
 bool visit_points(PointSpan points, const PointGrid& grid, const Fetch& fetch, const Visit& visit) {
   constexpr std::size_t kAhead = 32;
@@ -103,7 +102,7 @@ void fetch_block(const PointBlock* block) {
   }
 }
 
-/// The box around those within `region`, which is relative to `middle`.
+/// The box around the points within `region`, which is relative to `middle`.
 Region region_around(PointSpan points, const Region& region, const Middle& middle) {
   Region box = {region.high, region.low};
   bool is_empty = true;
@@ -119,14 +118,14 @@ Region region_around(PointSpan points, const Region& region, const Middle& middl
   return is_empty ? Region{region.low, region.low} : box;
 }
 
-/// Turns the number of points of each voxel into the place after its last one.
+/// Allocates blocks. Replaces each voxel's number of points by the place after its last point.
 void lay_out_blocks(PointGrid& grid) {
   const auto blocks_of = [](int points) {
     return (points + kPointsPerBlock - 1) / kPointsPerBlock;
   };
   int total = 0;
   for (const int points : grid.first_block) total += blocks_of(points);
-  // Points that are replaced need some more.
+  // Spare blocks for points that replace others.
   grid.blocks.reserve(as_index(total + total / 4));
   grid.blocks.resize(as_index(total), empty_block());
   int block = 0;
@@ -173,7 +172,7 @@ PointGrid make_point_grid(PointSpan points, const Region& region, const Middle& 
 }
 
 bool replace_points(PointSpan before, PointSpan after, PointGrid& grid) {
-  // Voxels that are empty by now still narrow the clearances around them.
+  // Clearances are not widened where voxels become empty.
   grid.replaced += after.size();
   if (grid.replaced > grid.size) return false;
   const auto fetch = [&](std::size_t voxel) {

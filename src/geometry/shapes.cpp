@@ -86,7 +86,7 @@ struct Resize {
     return Box{s.pose, 0.5 * Vec3(sizes[0], sizes[1], sizes[2])};
   }
   Shape operator()(const Cylinder& s) const { return Cylinder{s.pose, sizes[0], sizes[1]}; }
-  /// It grows at both ends.
+  /// Changes the length at both ends.
   Shape operator()(const Capsule& s) const {
     const Vec3 middle = 0.5 * (s.a + s.b), along = s.b - s.a;
     const Vec3 direction = along.norm() > 0 ? Vec3(along.normalized()) : Vec3(Vec3::UnitZ());
@@ -134,7 +134,7 @@ struct Scale {
 
 struct MomentsOf {
   using Moments = internal::Moments;
-  static constexpr double kThinnest = 1e-9;  ///< metres, half of it
+  static constexpr double kThinnest = 1e-9;  ///< half thickness, metres
   static Moments posed(double volume, const Transform& pose, const Vec3& variances) {
     return {volume, pose.translation,
             pose.rotation * variances.asDiagonal() * pose.rotation.transpose()};
@@ -145,7 +145,7 @@ struct MomentsOf {
                  Vec3::Constant(r * r / 5));
   }
   Moments operator()(const Box& s) const {
-    // A flat box counts by its area: it has a place and two directions.
+    // A flat box keeps its place and two directions.
     const Vec3 half = s.half_extents.cwiseMax(kThinnest);
     return posed(8 * half.prod(), s.pose, half.cwiseAbs2() / 3);
   }
@@ -172,7 +172,7 @@ bool is_rotation(const Eigen::Matrix3d& matrix) {
   return (matrix * matrix.transpose()).isIdentity(1e-6) && matrix.determinant() > 0;
 }
 
-/// Comparisons are written so that a NaN is wrong.
+/// Comparisons are false for NaN, which is a flaw.
 struct FindFlaw {
   static constexpr std::string_view kSize = "has a size that is not positive";
   static constexpr std::string_view kPose = "is posed by a matrix that is no rotation";

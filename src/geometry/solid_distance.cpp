@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/solids.h"
 #include "base/as_index.h"
-#include "geometry/enclosure.h"
 #include "geometry/part_distance.h"
 
 #include <Eigen/Geometry>
@@ -16,7 +15,7 @@
 namespace mneme::internal {
 namespace {
 
-/// A point of a convex solid that is farthest in a direction.
+/// The point of a convex solid farthest in a direction.
 Vec3 support(const Box& s, const Vec3& direction) {
   const Vec3 local = s.pose.rotation.transpose() * direction;
   return s.pose * Vec3(local.array().sign() * s.half_extents.array());
@@ -30,9 +29,9 @@ Vec3 support(const Cylinder& s, const Vec3& direction) {
          Vec3(share * local.x(), share * local.y(), std::copysign(0.5 * s.length, local.z()));
 }
 
-/// Distance from a convex solid. Where no edge of the triangle is nearest, and none meets the
-/// solid, either the solid's support towards the triangle is, or the segment between both supports
-/// crosses it.
+/// Distance to a convex solid. If no edge of the triangle is nearest and none meets the solid, then
+/// the solid's support point towards the triangle is nearest, or the segment between both supports
+/// crosses the triangle.
 template <class Convex>
 double gap(const Triangle& t, const Convex& solid) {
   const Shape shape = solid;
@@ -62,7 +61,7 @@ AxisBox bounds(const Convex& solid) {
   return box;
 }
 
-/// About its centroid.
+/// Radius of the sphere around the centroid.
 double radius_of(const Triangle& t) {
   const Vec3 center = t.centroid();
   return std::sqrt(std::max(
@@ -72,7 +71,7 @@ double radius_of(const Triangle& t) {
 Vec3 point_of(const CloudPoint& p) { return to_vec3(p); }
 Vec3 point_of(const Cube& cube) { return cube.center; }
 
-/// Between the triangles of two surfaces, by both trees at once.
+/// Distance between two surfaces, by simultaneous descent of both trees.
 class SurfaceGap {
  public:
   SurfaceGap(const Mesh& a, const Mesh& b)
@@ -83,7 +82,7 @@ class SurfaceGap {
         X_AB_(a.pose.inverse() * b.pose),
         extent_(X_AB_.rotation.cwiseAbs()) {}
 
-  /// Infinite if it is not less than `limit`, which is above 0.
+  /// The distance if less than `limit` > 0, otherwise infinity.
   double less_than(double limit) {
     least_ = limit;
     if (is_within(reach2(0, 0))) search(0, 0);
@@ -142,7 +141,7 @@ class SurfaceGap {
     return distance2(tree_a_->nodes()[as_index(i)].box, moved(tree_b_->nodes()[as_index(k)].box));
   }
 
-  /// Around a box of b, in a's frame.
+  /// A box around a box of b, in a's frame.
   [[nodiscard]] AxisBox moved(const AxisBox& b) const {
     const Vec3 middle = X_AB_ * Vec3(0.5 * (b.low + b.high));
     const Vec3 half = extent_ * (0.5 * (b.high - b.low));
@@ -153,11 +152,11 @@ class SurfaceGap {
   std::shared_ptr<const BoxTree> tree_a_, tree_b_;
   Transform X_AB_;
   Eigen::Matrix3d extent_;
-  std::vector<Boxed> own_;  ///< those of a leaf that may be near another leaf
+  std::vector<Boxed> own_;  ///< triangles of a leaf that may be near the other leaf
   double least_ = 0;
 };
 
-/// The distance from shapes in the surface's frame.
+/// Distances to shapes in the surface's frame.
 class FromSurface {
  public:
   explicit FromSurface(const Mesh& surface)
@@ -176,8 +175,8 @@ class FromSurface {
     return least > s.radius && !may_enclose(s) ? least - s.radius : 0;
   }
 
-  /// True unless lines show that no piece of another surface, which this one does not meet, is
-  /// inside.
+  /// False if the test of enclosure shows that each piece of another surface is outside. The
+  /// surfaces must not meet.
   bool may_enclose(const Mesh& s) const {
     return std::ranges::any_of(*PartsAccess::corners(*s.parts),
                                [&](const Vec3& corner) { return !is_outside(s.pose * corner); });
@@ -216,13 +215,13 @@ class FromSurface {
     return unless_inside(least, s.pose.translation);
   }
 
-  /// `distance`, or 0 if it is none or `point` may be inside.
+  /// `distance`, or 0 if it is negative or `point` may be inside.
   double unless_inside(double distance, const Vec3& point) const {
     return distance > 0 && is_outside(point) ? distance : 0;
   }
 
-  /// True if the lines say so and one of them leaves the surface without crossing it: solids that
-  /// overlap mislead lines that count.
+  /// True if the crossings are even and one line does not cross the surface at all: overlapping
+  /// solids make counts unreliable.
   bool is_outside(const Vec3& point) const {
     if (distance2(tree_->nodes().front().box, {point, point}) > 0) return true;
     bool leaves = false;

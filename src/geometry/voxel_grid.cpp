@@ -16,13 +16,13 @@
 namespace mneme::internal {
 namespace {
 
-/// Metres: finer voxels than this tell more, but take longer to make.
+/// Metres. Finer voxels take longer to build.
 constexpr double kSmallestVoxel = 0.02;
-/// Voxels of a grid, about: clearances of all of them are to stay in a core's own cache.
+/// Limit on the number of voxels, so that all clearances fit into the L2 cache.
 constexpr double kMostVoxels = 1 << 18;
 /// Voxels around the parts.
 constexpr double kRim = 3;
-/// Clearances of a row that are written at once; words of octants are no longer.
+/// Padding: clearances of a row that are written at once, at least a word of octants.
 constexpr int kSpareVoxels = 16;
 
 using Bytes = std::pmr::vector<std::uint8_t>;
@@ -37,8 +37,8 @@ int distance_along(int i, int octant) {
   return i == voxel ? 0 : i > voxel ? 2 * i - octant : octant - 2 * i - 1;
 }
 
-/// The least of clearances and of others that are farther by `add`. Bytes all along, as vectors
-/// hold them.
+/// Replaces clearances by the minimum of themselves and of `others` plus `add`. Uses bytes only, so
+/// that the compiler vectorizes it.
 void narrow(const std::uint8_t* others, std::uint8_t add, std::uint8_t* clearances) {
   std::uint8_t sum[kSpareVoxels];
   const auto most = static_cast<std::uint8_t>(kWideClearance - add);
@@ -62,7 +62,8 @@ struct Range {
   int low, high;  ///< low > high where there are none
 };
 
-/// The voxels that know of an octant: where its neighbours are no farther, they know of those.
+/// The voxels whose clearance an octant may narrow. Voxels nearer to an occupied neighbour are
+/// excluded.
 Range find_narrowed(const VoxelGrid& grid, const VoxelGrid::Index& octant, std::size_t axis) {
   constexpr int kVoxels = kClearanceReach / 2;
   const int voxel = octant[axis] / 2, is_upper = octant[axis] % 2;
@@ -76,7 +77,7 @@ Range find_narrowed(const VoxelGrid& grid, const VoxelGrid::Index& octant, std::
 }
 
 constexpr std::size_t kPage = std::size_t{1} << 21;
-/// Less than this does not fill enough of a page.
+/// Smaller allocations would waste most of a large page.
 constexpr std::size_t kLeast = kPage / 4;
 
 class LargePages : public std::pmr::memory_resource {
@@ -85,7 +86,7 @@ class LargePages : public std::pmr::memory_resource {
     const std::size_t whole = (bytes + kPage - 1) / kPage * kPage;
     void* const memory = ::operator new (whole, std::align_val_t{kPage});
 #ifdef MADV_HUGEPAGE
-    // Where there are none, the memory is as good but slower to fill.
+    // Failure is harmless: the memory is only slower to fill.
     (void)madvise(memory, whole, MADV_HUGEPAGE);
 #endif
     return memory;
@@ -108,7 +109,7 @@ std::pmr::memory_resource* large_pages() {
 VoxelGrid::Index VoxelGrid::octant_of(const std::array<float, 3>& p) const {
   Index i;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // Clamped, an int holds it; an octant up, it is not negative: then to cut off is to round down.
+    // The clamp keeps it in the range of int; + 1 makes it positive, so that truncation is floor.
     const float x = (p[axis] - origin[axis]) * (2 * per_metre);
     i[axis] =
         static_cast<int>(std::clamp(x + 1, 0.0f, static_cast<float>(2 * count[axis] + 1))) - 1;
@@ -140,7 +141,7 @@ VoxelGrid make_voxel_grid(const Region& region, const Middle& middle,
   const std::size_t size =
       as_index(count[0]) * as_index(count[1]) * as_index(count[2]) + kSpareVoxels;
   const auto edge = static_cast<float>(voxel);
-  // Vectors that are assigned to later would leave the memory that they are given here.
+  // Construct in place: assignment would not keep the vectors' allocator.
   return {middle,
           origin,
           edge,

@@ -3,7 +3,6 @@
 #include "spheres/solid_model.h"
 
 #include "base/as_index.h"
-#include "geometry/enclosure.h"
 #include "geometry/part_distance.h"
 
 #include <algorithm>

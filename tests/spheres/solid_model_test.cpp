@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "geometry/enclosure.h"
 #include "geometry/part_distance.h"
 #include "spheres/solid_model.h"
 #include "spheres/solids.h"
