@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Random scenes and problems: scenes like a given one, to learn for a workcell that is never quite
-/// the same, and problems that are proven to have a path.
+/// Random scenes and problems: variations of a given scene, to learn for a workcell that changes,
+/// and problems with a proof that a path exists.
 #pragma once
 
 #include "mneme/base.h"
@@ -20,126 +20,124 @@
 
 namespace mneme {
 
-/// Random numbers, one per entry: uniform within plus and minus the entry, or normal with the entry
-/// as standard deviation. Without entries nothing varies.
+/// A distribution of numbers around 0, one per entry: uniform within plus and minus the entry, or
+/// normal with the entry as standard deviation. Without entries: no variation.
 struct Spread {
   std::vector<double> values;
   bool is_gaussian = false;
 };
 
-/// What varies about an obstacle, or about the scene as a whole.
+/// Variation of an obstacle, or of the scene as a whole.
 struct Variation {
-  /// The name of the obstacles meant, `*` standing for any characters; not of the whole scene.
-  std::string name;
-  Spread position;  ///< x, y, z, metres
-  Spread rpy;       ///< radians, about fixed axes through the obstacle's middle or `center`
-  Spread scale;     ///< one number, added to the factor 1 of all lengths, about the same point
-  /// Metres, of an obstacle of one shape: full extents of a box; radius and length of a cylinder or
-  /// capsule; radius of a sphere. Not of the whole scene.
+  std::string name;  ///< name of the obstacles, with `*` for any characters; unused for the scene
+  Spread position;   ///< x, y, z, metres
+  Spread rpy;        ///< radians, about fixed axes through the obstacle's middle or `center`
+  Spread scale;      ///< one number, added to the scale factor 1, about the same point
+  /// Added to the sizes, metres: full extents of a box; radius and length of a cylinder or capsule;
+  /// radius of a sphere. Only for obstacles of one shape.
   Spread size;
-  Vec3 center = Vec3::Zero();  ///< of the whole scene only
+  Vec3 center = Vec3::Zero();  ///< only for the whole scene
 };
 struct Variations {
   Variation scene;                   ///< applied last
-  std::vector<Variation> obstacles;  ///< each obstacle may be meant once
+  std::vector<Variation> obstacles;  ///< at most one per obstacle
 };
-/// Reads a file of variations (docs/file_formats.md); strict, errors name file, line and key.
+/// Reads a file of variations (docs/file_formats.md). Errors name file, line and key.
 [[nodiscard]] Result<Variations> load_variations(const std::string& path);
-/// A random scene like `scene`. Sizes are drawn again until they are positive. Errors: a name that
-/// no obstacle has, or one that is meant twice; numbers that the obstacle's shape has no use for; a
-/// spread that leaves no positive size.
+/// A random variation of `scene`. Sizes are sampled again until they are positive. Errors: a name
+/// that no obstacle has; an obstacle with two variations; a wrong number of values for the shape; a
+/// spread without a positive size.
 [[nodiscard]] Result<Scene> vary(const Scene& scene, const Variations& variations, Rng& rng);
 
-/// How little a task differs when a cell repeats it.
+/// Largest differences between a task and its repetition in a workcell.
 struct RepeatSettings {
-  double obstacles = 0.02;  ///< metres that each obstacle is moved at most, whole and any way
-  double goal = 0.03;       ///< metres that the tip of the arm is moved at most, its rotation kept
-  /// Metres that the robot's base stands elsewhere at most, along x and y: seen from it, all
-  /// obstacles and the pose of the tip at the goal are moved together.
+  double obstacles = 0.02;  ///< translation of each obstacle, metres
+  double goal = 0.03;       ///< translation of the tip at the goal, metres
+  /// Translation of the robot's base along x and y, metres. Relative to the base, all obstacles and
+  /// the pose of the tip at the goal move together.
   double base = 0;
-  double turn = 0;  ///< radians that the base is turned at most, about its own z
+  double turn = 0;  ///< rotation of the base about its z axis, radians
 };
-/// A task like that of `problem`, whose first goal counts: obstacles and goal are moved uniformly
-/// within balls, again until start and goal are free, and the new goal is the solution of inverse
-/// kinematics nearest to the old one. Errors: no goal configuration; lengths or a turn below 0; a
-/// robot without a tip; no free repeat in 1000 tries; a scene that cannot be checked.
+/// A repetition of `problem` with its first goal. Obstacles and goal are moved uniformly within
+/// balls, again until start and goal are free. The new goal is the solution of inverse kinematics
+/// nearest to the old one. Errors: no goal configuration; negative settings; a robot without a tip;
+/// no free repetition in 1000 tries; a scene that cannot be checked.
 [[nodiscard]] Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings,
                                      Rng& rng);
 
-/// What `make_threaded_instances` draws from.
+/// Settings of make_threaded_instances().
 struct ThreadedSettings {
-  std::array<double, 2> gap = {0.1, 0.3};  ///< metres between the two circles
-  std::array<int, 2> depth = {3, 5};  ///< links from the first one that crosses the gap to the last
-  /// Pairs of circles. 1: the arm leaves a gap; 2: it has to get into another one, too; 3: a third
-  /// pair is in the arm's reach.
+  std::array<double, 2> gap = {0.1, 0.3};  ///< range of metres between the two circles
+  std::array<int, 2> depth = {3, 5};  ///< range of links from the first that crosses the gap on
+  /// Pairs of circles. 1: the arm leaves a gap. 2: it also enters another one. 3: another pair is
+  /// in the arm's reach.
   int passages = 1;
-  std::uint64_t proof_iterations =
-      2000000;  ///< of the uniform planner that proves an instance feasible
+  std::uint64_t proof_iterations = 2000000;  ///< limit of the planner that proves feasibility
   const std::atomic<bool>* cancel = nullptr;
   std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
 };
 
-/// A planar arm threaded through the gap of a pair of circles, to be brought out of it, and into
-/// the gap of the second pair if there is one.
+/// A problem of a planar arm that starts in the gap of a pair of circles and has to leave it, and
+/// to enter the gap of the second pair, if any.
 struct ThreadedInstance {
   std::vector<std::array<double, 3>> circles;  ///< x, y, radius; pair by pair
-  double gap = 0;                              ///< the first pair's
-  int depth = 0;                               ///< the start's
+  double gap = 0;                              ///< of the first pair, metres
+  int depth = 0;                               ///< of the start
   Configuration start;
   Configuration goal;  ///< no link crosses the first gap
-  Path witness;        ///< a path that proves that there is one
+  Path witness;        ///< a path from start to goal
 };
 
 struct ThreadedInstances {
   std::vector<ThreadedInstance> instances;
-  int dropped = 0;  ///< candidates that the proof did not solve
+  int dropped = 0;  ///< candidates without a proof
 };
 
 /// Changes whenever the same arguments give other instances.
 inline constexpr std::string_view kThreadedVersion = "threaded/1";
 
-/// Random instances whose feasibility is proven by RRT-Connect with uniform samples and an
-/// iteration limit; those that it cannot solve are dropped and counted. Nothing of it looks at
-/// experience, so that what is measured on the instances is not biased towards it. Depends on
-/// robot, settings, seed and instruction set alone. Errors: a robot that is no planar arm; ranges
-/// that are empty or that no instance fits; passages other than 1 to 3.
+/// Random instances with a path by RRT-Connect with uniform samples and an iteration limit.
+/// Unsolved candidates are dropped and counted. Experience is never used, so that measurements are
+/// not biased towards it. Deterministic for equal robot, settings, seed and instruction set.
+/// Errors: a robot that is no planar arm; empty ranges; ranges without any instance; passages other
+/// than 1 to 3.
 [[nodiscard]] Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,
                                                                 const ThreadedSettings& settings,
                                                                 std::uint64_t seed);
 
-/// What `make_enclosed_instances` draws from.
+/// Settings of make_enclosed_instances().
 struct EnclosedSettings {
-  /// Metres that every box leaves to the robot all along the witness, at least; up to 1. The less,
-  /// the harder.
+  /// Least distance between the robot and each box along the witness, metres, up to 1. Smaller is
+  /// harder.
   double clearance = 0.01;
-  int boxes = 600;                           ///< fewer where there is no room for more
-  std::array<double, 2> size = {0.05, 0.5};  ///< metres, full extents of a box; up to 10
-  int through = 2;  ///< random configurations that the witness passes on its way; up to 100
+  int boxes = 600;                           ///< number of boxes; fewer if there is no room
+  std::array<double, 2> size = {0.05, 0.5};  ///< range of the full extents, metres, up to 10
+  int through = 2;  ///< random configurations that the witness passes through, up to 100
   const std::atomic<bool>* cancel = nullptr;
   std::function<void(int made, int dropped)> on_progress;  ///< after each instance
 };
 
-/// A robot whose way from start to goal is enclosed by boxes as near as `clearance` allows.
+/// A problem with boxes around a path from start to goal, as near as `clearance` allows.
 struct EnclosedInstance {
   Scene scene;
   Configuration start;
   Configuration goal;
-  Path witness;  ///< the way that the boxes were put around
+  Path witness;  ///< the path that the boxes surround
 };
 
 struct EnclosedInstances {
   std::vector<EnclosedInstance> instances;
-  int dropped = 0;  ///< without a way even without boxes
+  int dropped = 0;  ///< candidates without a path even in the empty scene
 };
 
 /// Changes whenever the same arguments give other instances.
 inline constexpr std::string_view kEnclosedVersion = "enclosed/1";
 
-/// Random instances, for any robot, that are as hard as wanted and have a path: the path is made
-/// first, through free configurations at random, and boxes at random are kept where they leave it
-/// its clearance. Nothing of it looks at experience, nor at how long any planner takes. Depends on
-/// robot, settings, seed and instruction set alone. Errors: settings out of their ranges; a robot
-/// that finds no way between its configurations.
+/// Random instances of chosen difficulty with a known path, for any robot. The path is planned
+/// first, through random free configurations in the empty scene. Then random boxes are added that
+/// keep the clearance. Neither experience nor planning times are used. Deterministic for equal
+/// robot, settings, seed and instruction set. Errors: settings out of range; no path between random
+/// configurations of the robot.
 [[nodiscard]] Result<EnclosedInstances> make_enclosed_instances(const Robot& robot, int count,
                                                                 const EnclosedSettings& settings,
                                                                 std::uint64_t seed);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Frozen: whoever changes what is drawn here, or the order of it, raises kEnclosedVersion.
+// Frozen: raise kEnclosedVersion with each change of the samples or their order.
 #include "mneme/instances.h"
 #include "mneme/planning.h"
 
@@ -21,15 +21,15 @@ namespace mneme {
 namespace {
 
 constexpr int kMostThrough = 100;
-constexpr int kMostStates = 10000;  ///< drawn for one that is free
-/// A box in the way is tried again at these parts of its size.
+constexpr int kMostStates = 10000;  ///< attempts for a free one
+/// A box that does not fit is tried again at these fractions of its size.
 constexpr std::array kShrunk = {1.0, 0.7, 0.5, 0.35};
-/// So many boxes in a row that did not fit: there is no room for more.
+/// Failed boxes in a row after which there is no room for more.
 constexpr int kNoRoom = 2000;
-constexpr int kMostEnds = 20;  ///< drawn for one with a way to it
+constexpr int kMostEnds = 20;  ///< attempts for a connected one
 constexpr std::uint64_t kWitnessIterations = 3000;
 
-/// Draws one instance.
+/// Samples one instance.
 class Enclosure {
  public:
   Enclosure(const CollisionChecker& empty, const Sampler& sampler, const EnclosedSettings& settings,
@@ -41,15 +41,15 @@ class Enclosure {
         settings_(settings),
         rng_(seed) {}
 
-  /// Nothing if the way is not found even without boxes.
-  Result<std::optional<EnclosedInstance>> draw() {
+  /// Nothing if no path is found even without boxes.
+  Result<std::optional<EnclosedInstance>> sample() {
     EnclosedInstance instance;
-    instance.witness = draw_witness();
+    instance.witness = sample_witness();
     if (instance.witness.empty()) return std::nullopt;
     instance.start = instance.witness.front();
     instance.goal = instance.witness.back();
     for (int barren = 0; barren < kNoRoom && is_wanted(instance.scene);) {
-      auto box = MNEME_TRY(draw_box(instance.witness));
+      auto box = MNEME_TRY(sample_box(instance.witness));
       ++barren;
       if (!box) continue;
       barren = 0;
@@ -64,28 +64,29 @@ class Enclosure {
     return std::ssize(scene.obstacles) < settings_.boxes && !internal::is_set(settings_.cancel);
   }
 
-  /// Through free configurations at random; empty if there are none, or none with a way to them.
-  Path draw_witness() {
-    const std::optional<Configuration> start = draw_state();
+  /// A path through random free configurations; empty if there are none, or none are connected.
+  Path sample_witness() {
+    const std::optional<Configuration> start = sample_state();
     if (!start) return {};
     Path witness = {*start};
     for (int i = 0; i <= settings_.through; ++i) {
-      const Path part = draw_part(witness.back());
+      const Path part = sample_part(witness.back());
       if (part.empty()) return {};
       std::copy(part.begin() + 1, part.end(), std::back_inserter(witness));
     }
     return witness;
   }
 
-  /// Free configurations of some robots fall into parts with no way between them.
-  Path draw_part(const Configuration& from) {
+  /// A path from `from` to a random free configuration. The free space of some robots is not
+  /// connected.
+  Path sample_part(const Configuration& from) {
     PlanSettings plan;
     plan.timeout_s = 1e6;
     plan.max_iterations = kWitnessIterations;
     plan.cancel = settings_.cancel;
     Path part;
     for (int i = 0; i < kMostEnds && part.empty(); ++i) {
-      const std::optional<Configuration> to = draw_state();
+      const std::optional<Configuration> to = sample_state();
       if (!to) break;
       plan.seed = rng_.next();
       part = plan_with(rrt_connect, empty_, {from, {*to}}, sampler_, plan).path;
@@ -93,7 +94,7 @@ class Enclosure {
     return part;
   }
 
-  std::optional<Configuration> draw_state() {
+  std::optional<Configuration> sample_state() {
     std::vector<float> q(static_cast<std::size_t>(robot_.joint_count()));
     for (int i = 0; i < kMostStates; ++i) {
       states_->next(q);
@@ -102,8 +103,8 @@ class Enclosure {
     return std::nullopt;
   }
 
-  /// Near a link somewhere along the witness; shrunk until it leaves the witness its clearance.
-  Result<std::optional<Box>> draw_box(const Path& witness) {
+  /// A box near a link at a waypoint of the witness, shrunk until it keeps the clearance.
+  Result<std::optional<Box>> sample_box(const Path& witness) {
     const auto at = static_cast<std::uint32_t>(witness.size());
     const std::vector<Transform> poses = robot_.link_poses(witness[rng_.index(at)]);
     const Vec3 near = poses[rng_.index(static_cast<std::uint32_t>(poses.size()))].translation;
@@ -113,8 +114,8 @@ class Enclosure {
     const double yaw = rng_.uniform(-std::numbers::pi, std::numbers::pi);
     for (const int axis : {2, 1, 0}) half[axis] = rng_.uniform(settings_.size[0], most) / 2;
     const Eigen::AngleAxisd turn(yaw, Vec3::UnitZ());
-    for (const double part : kShrunk) {
-      const Box box{{turn.toRotationMatrix(), near + off}, part * half};
+    for (const double share : kShrunk) {
+      const Box box{{turn.toRotationMatrix(), near + off}, share * half};
       if (box.half_extents.minCoeff() < settings_.size[0] / 2) break;
       const auto fits = MNEME_TRY(leaves_clearance(box, witness));
       if (fits) return std::optional(box);
@@ -122,7 +123,7 @@ class Enclosure {
     return std::optional<Box>();
   }
 
-  /// To links that no joint moves, too.
+  /// True if the box keeps its clearance to the witness, and to links that no joint moves.
   [[nodiscard]] Result<bool> leaves_clearance(const Box& box, const Path& witness) const {
     CheckerSettings settings;
     settings.margin = settings_.clearance;
@@ -149,7 +150,7 @@ Result<void> check(const EnclosedSettings& settings) {
   }
   if (!(settings.size[0] > 0 && settings.size[0] <= settings.size[1] && settings.size[1] <= 10)) {
     return fail(ErrorCode::invalid,
-                "the range of sizes must be positive, the least first, up to 10 m");
+                "the range of sizes must be positive and ascending, up to 10 m");
   }
   if (settings.boxes < 1 || settings.through < 0 || settings.through > kMostThrough) {
     return fail(ErrorCode::invalid,
@@ -170,12 +171,12 @@ Result<EnclosedInstances> make_enclosed_instances(const Robot& robot, int count,
   const auto sampler = make_uniform_sampler(robot);
   EnclosedInstances made;
   for (std::uint64_t i = 0; std::ssize(made.instances) < count; ++i) {
-    auto instance = MNEME_TRY(Enclosure(empty, *sampler, settings, derive_seed(seed, i)).draw());
+    auto instance = MNEME_TRY(Enclosure(empty, *sampler, settings, derive_seed(seed, i)).sample());
     if (internal::is_set(settings.cancel)) break;
     if (!instance) {
       if (++made.dropped < count + 10) continue;
       return fail(ErrorCode::invalid, "robot '" + robot.name() +
-                                          "' finds no way between random configurations even "
+                                          "' finds no path between random configurations even "
                                           "without obstacles");
     }
     made.instances.push_back(*std::move(instance));

@@ -13,14 +13,13 @@ namespace mneme {
 namespace {
 
 constexpr int kMostRepeatTries = 1000;
-/// Of inverse kinematics: the first is the old goal, others lie around it.
+/// Seeds of inverse kinematics: the old goal and configurations around it.
 constexpr int kSeeds = 16;
-/// Radians that a goal may be away from the old one where the base stays: more is another way to
-/// hold the arm.
+/// Largest distance between the goals of a fixed base, radians: beyond, the arm's posture differs.
 constexpr double kSameArm = 1;
 
-/// Within a ball, or a disc of the x-y plane.
-Vec3 draw_move(bool is_flat, double radius, Rng& rng) {
+/// A random vector in a ball, or in a disc of the x-y plane.
+Vec3 sample_move(bool is_flat, double radius, Rng& rng) {
   for (;;) {
     Vec3 v;
     for (const int axis : {2, 1, 0}) v[axis] = rng.uniform(-1, 1);
@@ -33,24 +32,24 @@ bool has_fixed_base(const RepeatSettings& settings) {
   return settings.base == 0 && settings.turn == 0;
 }
 
-/// Where the world is, seen from the base.
-Transform draw_world(const RepeatSettings& settings, Rng& rng) {
+/// A random pose of the world in the base's frame.
+Transform sample_world(const RepeatSettings& settings, Rng& rng) {
   if (has_fixed_base(settings)) return {};
   const double turn = rng.uniform(-settings.turn, settings.turn);
-  return {rotation_about(Vec3::UnitZ(), turn), draw_move(true, settings.base, rng)};
+  return {rotation_about(Vec3::UnitZ(), turn), sample_move(true, settings.base, rng)};
 }
 
-Scene draw_scene(const Problem& problem, const Transform& world, double radius, Rng& rng) {
+Scene sample_scene(const Problem& problem, const Transform& world, double radius, Rng& rng) {
   Scene moved = problem.scene;
   for (Obstacle& obstacle : moved.obstacles) {
-    const Vec3 move = draw_move(problem.robot.is_planar(), radius, rng);
+    const Vec3 move = sample_move(problem.robot.is_planar(), radius, rng);
     const Transform X = world * Transform{Eigen::Matrix3d::Identity(), move};
     for (Shape& shape : obstacle.shapes) shape = transformed(X, shape);
   }
   return moved;
 }
 
-/// Moves the arm's tip.
+/// Samples goals with a moved tip.
 class GoalMover {
  public:
   static Result<GoalMover> make(const Robot& robot, const Configuration& goal) {
@@ -65,12 +64,12 @@ class GoalMover {
     return GoalMover(robot, goal, std::move(kinematics), {tips.front(), pose});
   }
 
-  std::optional<Configuration> draw(const CollisionChecker& checker, const Transform& world,
-                                    const RepeatSettings& repeat, Rng& rng) const {
+  std::optional<Configuration> sample(const CollisionChecker& checker, const Transform& world,
+                                      const RepeatSettings& repeat, Rng& rng) const {
     const bool is_fixed = has_fixed_base(repeat);
     if (is_fixed && repeat.goal == 0) return goal_;
     PoseGoal moved = tip_;
-    moved.pose.translation += draw_move(robot_.is_planar(), repeat.goal, rng);
+    moved.pose.translation += sample_move(robot_.is_planar(), repeat.goal, rng);
     moved.pose = world * moved.pose;
     IkSettings settings;
     settings.seeds = kSeeds;
@@ -97,7 +96,7 @@ class GoalMover {
 Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings, Rng& rng) {
   if (!(settings.obstacles >= 0 && settings.goal >= 0 && settings.base >= 0 &&
         settings.turn >= 0)) {
-    return fail(ErrorCode::invalid, "a task is repeated within lengths and turns of 0 or more");
+    return fail(ErrorCode::invalid, "the distances and the turn of a repetition must be 0 or more");
   }
   if (problem.goals.empty()) {
     return fail(ErrorCode::unsupported,
@@ -110,17 +109,19 @@ Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings, R
   Problem repeated = problem;
   repeated.pose_goals.clear();
   for (int i = 0; i < kMostRepeatTries; ++i) {
-    const Transform world = draw_world(settings, rng);
-    repeated.scene = draw_scene(problem, world, settings.obstacles, rng);
+    const Transform world = sample_world(settings, rng);
+    repeated.scene = sample_scene(problem, world, settings.obstacles, rng);
     const auto checker = MNEME_TRY(CollisionChecker::make(problem.robot, repeated.scene));
-    const auto goal = mover.draw(checker, world, settings, rng);
+    const auto goal = mover.sample(checker, world, settings, rng);
     if (!goal) continue;
     repeated.goals = {*goal};
     if (!refuse_query(checker, {repeated.start, repeated.goals})) return repeated;
   }
-  return fail(ErrorCode::invalid,
-              fmt::format("problem '{}': its start or goal is in contact in each of {} repeats",
-                          problem.name, kMostRepeatTries));
+  return fail(
+      ErrorCode::invalid,
+      fmt::format("problem '{}': start or goal is in contact in all {} repetitions; try smaller "
+                  "distances",
+                  problem.name, kMostRepeatTries));
 }
 
 }  // namespace mneme

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Frozen: whoever changes what is drawn here, or the order of it, raises kThreadedVersion.
+// Frozen: raise kThreadedVersion with each change of the samples or their order.
 #include "mneme/instances.h"
 #include "mneme/learning.h"
 
@@ -22,7 +22,7 @@ using Circles = std::vector<std::array<double, 3>>;
 
 constexpr int kThreadedAttempts = 200;
 constexpr int kGoalAttempts = 1000;
-/// So many candidates in a row without a threaded start: the ranges fit no instance of this robot.
+/// Candidates in a row without a threaded start after which the ranges count as infeasible.
 constexpr int kHopeless = 2000;
 
 class InstanceMaker {
@@ -39,7 +39,7 @@ class InstanceMaker {
     ThreadedInstances made;
     for (int barren = 0; static_cast<int>(made.instances.size()) < count;) {
       if (internal::is_set(settings_.cancel)) break;
-      auto candidate = MNEME_TRY(draw());
+      auto candidate = MNEME_TRY(sample());
       if (!candidate) {
         if (++barren < kHopeless) continue;
         return fail(ErrorCode::invalid,
@@ -60,23 +60,24 @@ class InstanceMaker {
   }
 
  private:
-  /// Nothing if no arm fits; without a witness if the proof gave up.
-  Result<std::optional<ThreadedInstance>> draw() {
-    const PrimitiveKey key = draw_circles();
-    const int depth = draw_depth();
+  /// Nothing if no arm fits. The witness is empty if the proof reached its limit.
+  Result<std::optional<ThreadedInstance>> sample() {
+    const PrimitiveKey key = sample_circles();
+    const int depth = sample_depth();
     ThreadedInstance instance;
     instance.circles = circles_of(key);
     std::optional<PrimitiveKey> second;
     for (int pair = 1; pair < settings_.passages; ++pair) {
-      const PrimitiveKey further = draw_circles();
+      const PrimitiveKey further = sample_circles();
       std::ranges::copy(circles_of(further), std::back_inserter(instance.circles));
       if (!second) second = further;
     }
     const auto checker =
         MNEME_TRY(CollisionChecker::make(robot_, make_circle_scene("", instance.circles)));
     if (!std::ranges::all_of(instance.circles, is_base_outside)) return std::nullopt;
-    const auto start = draw_threaded(checker, key, depth);
-    const auto goal = second ? draw_second_goal(checker, key, *second) : draw_goal(checker, key);
+    const auto start = sample_threaded(checker, key, depth);
+    const auto goal =
+        second ? sample_second_goal(checker, key, *second) : sample_goal(checker, key);
     if (!start || !goal) return std::nullopt;
     instance.gap = make_primitive(key).gap;
     instance.depth = depth;
@@ -94,27 +95,27 @@ class InstanceMaker {
     return std::hypot(circle[0], circle[1]) > circle[2];
   }
 
-  int draw_depth() {
+  int sample_depth() {
     const int count = settings_.depth[1] - settings_.depth[0] + 1;
     return settings_.depth[0] + static_cast<int>(rng_.index(static_cast<std::uint32_t>(count)));
   }
 
-  std::optional<Configuration> draw_threaded(const CollisionChecker& checker,
-                                             const PrimitiveKey& key, int depth) {
+  std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
+                                               const PrimitiveKey& key, int depth) {
     return internal::sample_threaded(checker, chain_, key, chain_.link_count() - depth,
                                      kThreadedAttempts, rng_);
   }
 
-  /// Threaded through the second gap, and out of the first.
-  std::optional<Configuration> draw_second_goal(const CollisionChecker& checker,
-                                                const PrimitiveKey& first,
-                                                const PrimitiveKey& second) {
-    auto goal = draw_threaded(checker, second, draw_depth());
+  /// A configuration in the second gap and outside of the first.
+  std::optional<Configuration> sample_second_goal(const CollisionChecker& checker,
+                                                  const PrimitiveKey& first,
+                                                  const PrimitiveKey& second) {
+    auto goal = sample_threaded(checker, second, sample_depth());
     if (!goal || internal::first_crossing_link(chain_, first, *goal) >= 0) return std::nullopt;
     return goal;
   }
 
-  PrimitiveKey draw_circles() {
+  PrimitiveKey sample_circles() {
     const double gap = rng_.uniform(settings_.gap[0], settings_.gap[1]);
     const double radius_a = rng_.uniform(1, 2), radius_b = rng_.uniform(1, 2);
     const double distance = rng_.uniform(0, chain_.reach());
@@ -127,7 +128,8 @@ class InstanceMaker {
     return {a.x(), a.y(), radius_a, b.x(), b.y(), radius_b};
   }
 
-  std::optional<Configuration> draw_goal(const CollisionChecker& checker, const PrimitiveKey& key) {
+  std::optional<Configuration> sample_goal(const CollisionChecker& checker,
+                                           const PrimitiveKey& key) {
     for (int i = 0; i < kGoalAttempts; ++i) {
       Configuration q;
       for (int j = 0; j < robot_.joint_count(); ++j) {
@@ -162,12 +164,12 @@ Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,
                                                   std::uint64_t seed) {
   const auto chain = MNEME_TRY(internal::PlanarChain::make(robot));
   if (!(settings.gap[0] > 0 && settings.gap[0] <= settings.gap[1])) {
-    return fail(ErrorCode::invalid, "the range of gaps must be positive, the least first");
+    return fail(ErrorCode::invalid, "the range of gaps must be positive and ascending");
   }
   if (settings.depth[0] < 1 || settings.depth[0] > settings.depth[1] ||
       settings.depth[1] > chain.link_count()) {
-    return fail(ErrorCode::invalid, "the range of depths must lie between 1 and " +
-                                        std::to_string(chain.link_count()) + ", the least first");
+    return fail(ErrorCode::invalid, "the range of depths must be ascending and between 1 and " +
+                                        std::to_string(chain.link_count()));
   }
   if (settings.passages < 1 || settings.passages > 3) {
     return fail(ErrorCode::invalid,

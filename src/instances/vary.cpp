@@ -18,7 +18,7 @@ namespace {
 
 using internal::Input;
 
-/// `{uniform: NUMBERS}` or `{gaussian: NUMBERS}`; a single number may stand for a list of one.
+/// Reads `{uniform: NUMBERS}` or `{gaussian: NUMBERS}`, with a list or a single number.
 Spread read_spread(const Input& input) {
   input.allow_keys({"uniform", "gaussian"});
   const auto uniform = input.find("uniform");
@@ -96,7 +96,7 @@ Result<Variations> load_variations(const std::string& path) {
 
 namespace {
 
-std::vector<double> draw(const Spread& spread, Rng& rng) {
+std::vector<double> sample(const Spread& spread, Rng& rng) {
   std::vector<double> numbers;
   for (const double value : spread.values) {
     numbers.push_back(value * (spread.is_gaussian ? rng.normal() : rng.uniform(-1, 1)));
@@ -104,12 +104,12 @@ std::vector<double> draw(const Spread& spread, Rng& rng) {
   return numbers;
 }
 
-Vec3 draw_vector(const Spread& spread, Rng& rng) {
-  const std::vector<double> numbers = draw(spread, rng);
+Vec3 sample_vector(const Spread& spread, Rng& rng) {
+  const std::vector<double> numbers = sample(spread, rng);
   return numbers.size() == 3 ? Vec3(numbers[0], numbers[1], numbers[2]) : Vec3(Vec3::Zero());
 }
 
-/// `shape` with `numbers` added to its sizes; nothing if one is not positive then.
+/// `shape` with `numbers` added to its sizes; nothing if a size is not positive.
 std::optional<Shape> grown(const Shape& shape, const std::vector<double>& numbers) {
   std::vector<double> sizes = internal::sizes_of(shape);
   for (std::size_t i = 0; i < sizes.size(); ++i) sizes[i] += numbers[i];
@@ -135,26 +135,26 @@ Result<void> check_counts(const Variation& variation) {
   return {};
 }
 
-Result<double> draw_factor(const Variation& variation, Rng& rng) {
+Result<double> sample_factor(const Variation& variation, Rng& rng) {
   if (variation.scale.values.empty()) return 1.0;
   for (int i = 0; i < kMostTries; ++i) {
-    const double factor = 1 + draw(variation.scale, rng).front();
+    const double factor = 1 + sample(variation.scale, rng).front();
     if (factor > 0) return factor;
   }
-  return fail(ErrorCode::invalid, "its scale leaves no positive factor");
+  return fail(ErrorCode::invalid, "its scale leaves no positive factor; expected a smaller spread");
 }
 
-/// Turns, scales and shifts everything about one point.
+/// A random rotation, scaling and translation about one point.
 class Motion {
  public:
-  static Result<Motion> draw(const Variation& variation, const Vec3& center, Rng& rng) {
+  static Result<Motion> sample(const Variation& variation, const Vec3& center, Rng& rng) {
     MNEME_TRY(check_counts(variation));
-    const double factor = MNEME_TRY(draw_factor(variation, rng));
+    const double factor = MNEME_TRY(sample_factor(variation, rng));
     Motion motion;
     motion.center_ = center;
     motion.factor_ = factor;
-    const Eigen::Matrix3d rotation = rotation_from_rpy(draw_vector(variation.rpy, rng));
-    const Vec3 shift = draw_vector(variation.position, rng);
+    const Eigen::Matrix3d rotation = rotation_from_rpy(sample_vector(variation.rpy, rng));
+    const Vec3 shift = sample_vector(variation.position, rng);
     motion.X_ = {rotation, center - rotation * center + shift};
     return motion;
   }
@@ -172,7 +172,7 @@ class Motion {
   Transform X_;
 };
 
-/// The middle of a box around the bounding spheres: that of the shape itself if there is one.
+/// The middle of a box around the bounding spheres of all shapes.
 Vec3 middle(const Obstacle& obstacle) {
   Vec3 least = Vec3::Constant(1e300), most = -least;
   for (const Shape& shape : obstacle.shapes) {
@@ -198,55 +198,56 @@ Result<void> vary_size(const Variation& variation, Rng& rng, Obstacle& obstacle)
                             variation.size.values.size(), count, shape_name(nominal)));
   }
   for (int i = 0; i < kMostTries; ++i) {
-    if (const auto shape = grown(nominal, draw(variation.size, rng))) {
+    if (const auto shape = grown(nominal, sample(variation.size, rng))) {
       obstacle.shapes.front() = *shape;
       return {};
     }
   }
-  return fail(ErrorCode::invalid, "its size leaves no positive one");
+  return fail(ErrorCode::invalid, "its size leaves no positive size; expected a smaller spread");
 }
 
 Result<void> vary_obstacle(const Variation& variation, Rng& rng, Obstacle& obstacle) {
   MNEME_TRY(vary_size(variation, rng, obstacle));
-  const Motion motion = MNEME_TRY(Motion::draw(variation, middle(obstacle), rng));
+  const Motion motion = MNEME_TRY(Motion::sample(variation, middle(obstacle), rng));
   motion.apply(obstacle);
   return {};
 }
 
-/// True if `name` is `pattern`, whose stars stand for any characters.
-bool is_like(std::string_view name, std::string_view pattern) {
+/// True if `name` matches `pattern`, in which `*` stands for any characters.
+bool matches(std::string_view name, std::string_view pattern) {
   const std::size_t star = pattern.find('*');
   if (star == std::string_view::npos) return name == pattern;
   if (!name.starts_with(pattern.substr(0, star))) return false;
   const std::string_view rest = pattern.substr(star + 1);
   for (std::size_t from = star; from <= name.size(); ++from) {
-    if (is_like(name.substr(from), rest)) return true;
+    if (matches(name.substr(from), rest)) return true;
   }
   return false;
 }
 
-/// Per obstacle the index of its variation, or -1.
+/// The index of each obstacle's variation, or -1.
 Result<std::vector<int>> assign(const Scene& scene, const Variations& variations) {
   std::vector<int> assigned(scene.obstacles.size(), -1);
   for (std::size_t i = 0; i < variations.obstacles.size(); ++i) {
     const Variation& variation = variations.obstacles[i];
     bool is_used = false;
     for (std::size_t j = 0; j < assigned.size(); ++j) {
-      if (!is_like(scene.obstacles[j].name, variation.name)) continue;
+      if (!matches(scene.obstacles[j].name, variation.name)) continue;
       is_used = true;
       if (assigned[j] >= 0) {
-        return fail(ErrorCode::invalid,
-                    fmt::format("obstacle '{}' is meant by the variations '{}' and '{}'",
-                                scene.obstacles[j].name,
-                                variations.obstacles[internal::as_index(assigned[j])].name,
-                                variation.name));
+        return fail(
+            ErrorCode::invalid,
+            fmt::format("obstacle '{}' matches two variations, '{}' and '{}'; expected at most one",
+                        scene.obstacles[j].name,
+                        variations.obstacles[internal::as_index(assigned[j])].name,
+                        variation.name));
       }
       assigned[j] = static_cast<int>(i);
     }
     if (!is_used) {
       return fail(ErrorCode::invalid,
-                  fmt::format("the scene '{}' has no obstacle '{}', which varies", scene.name,
-                              variation.name));
+                  fmt::format("the scene '{}' has no obstacle '{}', which a variation names",
+                              scene.name, variation.name));
     }
   }
   return assigned;
@@ -268,9 +269,9 @@ Result<Scene> vary(const Scene& scene, const Variations& variations, Rng& rng) {
     }
   }
   if (!variations.scene.size.values.empty()) {
-    return fail(ErrorCode::invalid, "the whole scene has a size, which only obstacles have");
+    return fail(ErrorCode::invalid, "the whole scene: it has a 'size'; expected 'scale'");
   }
-  const Result<Motion> motion = Motion::draw(variations.scene, variations.scene.center, rng);
+  const Result<Motion> motion = Motion::sample(variations.scene, variations.scene.center, rng);
   if (!motion) return fail(motion.error().code, "the whole scene: " + motion.error().message);
   for (Obstacle& obstacle : varied.obstacles) motion->apply(obstacle);
   return varied;
