@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What others do with the same memory, re-created on mneme's databases and kernels so that it can
-/// be measured beside mneme. For benchmarks alone: a rival may return what nobody has verified.
+/// Other methods that use memory, re-created on mneme's databases and kernels for comparison. Only
+/// for benchmarks: a rival may return paths that are not verified.
 #pragma once
 
 #include "mneme/pipeline.h"
@@ -16,13 +16,13 @@ namespace mneme {
 /// it before planning.
 void add_baseline_samplers();
 
-/// Takes the place of a planner in a suite. To add one: src/baselines/NAME.cpp, a declaration and a
+/// Replaces a planner in a suite. To add one: src/baselines/NAME.cpp, a declaration and a
 /// row in src/baselines/rivals.cpp, a test.
 struct Rival {
   std::string_view name;
   std::string_view summary;
-  /// Answers as solve() does, its planner aside, from rows of kinds that keep whole paths. Errors:
-  /// those of solve().
+  /// Solves a problem like mneme::solve(), with rows of kinds that keep whole paths. The planner of
+  /// `settings` is ignored. Errors: those of solve().
   Result<SolveResult> (*solve)(const Problem& problem, Database* database,
                                const SolveSettings& settings) = nullptr;
 };

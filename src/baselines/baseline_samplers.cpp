@@ -27,7 +27,7 @@ GaussianMixture pool_matches(const MemoryQuery& query, std::vector<Match> matche
   return pool_moved_means(query, {&retrieval, 1});
 }
 
-/// A row whose remembered path is a sampler: a component at each waypoint.
+/// The row of a path as a local sampler: one component at each waypoint.
 std::shared_ptr<const Experience> with_waypoints_as_means(const Experience& row) {
   LocalSampler sampler;
   sampler.joint_count = row.path().joint_count;
@@ -77,7 +77,6 @@ Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQu
   const double direction = mean_direction(circles);
   std::vector<Match> matches;
   for (const bool is_mirrored : {false, true}) {
-    // A mirror image reflects the direction too.
     const Symmetry to_scene{direction, is_mirrored};
     const PrimitiveKey canonical = moved_key(inverse(to_scene), circles);
     const auto visited = query.database->for_each([&](const auto& row) {
@@ -121,15 +120,15 @@ SharedSampler cvae(MemorySampler& memory) {
 
 constexpr std::array<SamplerEntry, 3> kBaselines = {
     {{.name = "pooled",
-      .summary = "baseline: all components of the memory, wherever they were learned",
+      .summary = "baseline: all components of the memory, without retrieval",
       .make = pooled,
       .draws_from_memory = true},
      {.name = "nearest_scenes",
-      .summary = "baseline: components of the scenes that are most similar as a whole",
+      .summary = "baseline: components of the scenes that are most similar to the whole scene",
       .make = nearest_scenes,
       .draws_from_memory = true},
      {.name = "cvae",
-      .summary = "baseline: a variational autoencoder that was trained on the memory",
+      .summary = "baseline: a conditional variational autoencoder trained on the memory",
       .make = cvae,
       .draws_from_memory = true}}};
 

@@ -21,13 +21,13 @@ Vector to_vector(const std::vector<float>& values) {
   return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-/// A decoder whose image, and all of the first layer that depends on it, is given.
+/// A decoder for one image, with the image's part of the first layer precomputed.
 struct Decoder {
   JointSpace space;
   int turn = -1;       ///< index of the joint that turns the arm, or -1
-  float rotation = 0;  ///< radians that it turns back
+  float rotation = 0;  ///< of that joint, radians
   Matrix latent_layer, second_layer, output_layer;
-  Vector first_bias, second_bias, output_bias;  ///< the first with the image's part
+  Vector first_bias, second_bias, output_bias;  ///< first_bias: with the image's part
 
   Decoder(const Robot& robot, const Scene& scene, const CvaeWeights& weights)
       : space(robot),
@@ -95,8 +95,8 @@ class CvaeSampler final : public Sampler {
 Result<std::shared_ptr<const Sampler>> make_cvae_sampler(const Robot& robot, const Scene& scene,
                                                          const CvaeWeights& weights) {
   if (weights.robot_hash != robot.hash() || weights.joints != robot.joint_count()) {
-    return fail(ErrorCode::wrong_robot,
-                "the CVAE was trained for another robot than '" + robot.name() + "'");
+    return fail(ErrorCode::wrong_robot, "the CVAE was trained for another robot than '" +
+                                            robot.name() + "'; train it anew");
   }
   return std::make_shared<const CvaeSampler>(robot, scene, weights);
 }

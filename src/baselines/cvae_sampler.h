@@ -10,15 +10,15 @@
 
 namespace mneme::internal {
 
-/// Samples of the decoder for a scene of circles: standard normal latent variables in,
-/// configurations out. Ichter, Harrison and Pavone, Learning sampling distributions for robot
-/// motion planning, DOI 10.1109/ICRA.2018.8460730. The scene is turned to canonical form as a
-/// whole, and the configurations are turned back. Errors: weights of another robot.
+/// Sampler of configurations by a decoder, conditioned on a scene of circles. Ichter, Harrison and
+/// Pavone, Learning sampling distributions for robot motion planning, DOI
+/// 10.1109/ICRA.2018.8460730. The whole scene is turned to canonical form, and the configurations
+/// are turned back. Errors: weights of another robot.
 [[nodiscard]] Result<std::shared_ptr<const Sampler>> make_cvae_sampler(const Robot& robot,
                                                                        const Scene& scene,
                                                                        const CvaeWeights& weights);
 
-/// The file of the weights that were trained on a database.
+/// The file with the weights trained on a database.
 [[nodiscard]] std::string cvae_path(const Database& database);
 
 }  // namespace mneme::internal

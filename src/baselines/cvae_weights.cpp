@@ -20,9 +20,9 @@ namespace {
 constexpr std::string_view kMagic = "MNEMCVAE";
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kHashSize = 16;
-constexpr std::uint32_t kMostUnits = 4096;  ///< of any dimension: more is damage
+constexpr std::uint32_t kMostUnits = 4096;  ///< limit on each dimension
 
-/// What stands at the front of a file, byte for byte.
+/// The first bytes of a file.
 struct Header {
   std::array<char, 8> magic;
   std::uint32_t version, joints, latents, cells, hidden, reserved;
@@ -31,7 +31,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 56);
 
-/// The arrays in the order of the file, each with the size that it must have.
+/// Visits the arrays in file order, each with its expected size.
 template <class Weights, class Visitor>
 void visit_arrays(Weights& w, Visitor&& visit) {
   const auto joints = static_cast<std::size_t>(w.joints);
@@ -68,7 +68,7 @@ CvaeWeights empty_weights(const Header& header) {
 Result<CvaeWeights> parse(std::string_view bytes, const std::string& path) {
   const auto corrupt = [&](const char* what) {
     return fail(ErrorCode::corrupt,
-                "'" + path + "' is no file of CVAE weights, or damaged: " + what);
+                "'" + path + "' is not a file of CVAE weights, or is damaged: " + what);
   };
   Header header;
   if (bytes.size() < sizeof(Header) + sizeof(std::uint64_t)) return corrupt("it is too short");
@@ -81,11 +81,11 @@ Result<CvaeWeights> parse(std::string_view bytes, const std::string& path) {
                                             std::to_string(header.version) + ", expected " +
                                             std::to_string(kVersion));
   }
-  if (!has_sane_sizes(header)) return corrupt("its sizes make no sense");
+  if (!has_sane_sizes(header)) return corrupt("its dimensions are out of range");
   CvaeWeights weights = empty_weights(header);
   std::size_t size = sizeof(Header) + sizeof(std::uint64_t);
   visit_arrays(weights, [&](auto&, std::size_t count) { size += count * sizeof(float); });
-  if (bytes.size() != size) return corrupt("its length is not that of its arrays");
+  if (bytes.size() != size) return corrupt("its length does not match its arrays");
   std::uint64_t checksum;
   const std::size_t end = size - sizeof checksum;
   std::memcpy(&checksum, bytes.data() + end, sizeof checksum);
@@ -106,7 +106,8 @@ Result<void> save_cvae(const std::string& path, const CvaeWeights& weights) {
   visit_arrays(weights, [&](const auto& array, std::size_t size) {
     is_whole = is_whole && array.size() == size;
   });
-  if (!is_whole) return fail(ErrorCode::invalid, "CVAE weights whose sizes do not fit together");
+  if (!is_whole)
+    return fail(ErrorCode::invalid, "the arrays of the CVAE weights do not match its dimensions");
   Header header{};
   std::memcpy(header.magic.data(), kMagic.data(), kMagic.size());
   header.version = kVersion;

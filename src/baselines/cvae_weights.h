@@ -9,14 +9,14 @@
 
 namespace mneme::internal {
 
-/// The decoder of a conditional variational autoencoder: two hidden layers with rectifiers over
-/// latent variables and the image of a scene (scene_image.h). Matrices are row-major, outputs by
-/// inputs. An output is a joint's place in its limits, -1 for the lower and 1 for the upper.
+/// The decoder of a conditional variational autoencoder: two hidden ReLU layers with latent
+/// variables and the image of a scene (scene_image.h) as input. Matrices are row-major, outputs x
+/// inputs. An output is a joint value scaled to its limits: -1 is the lower, 1 the upper.
 struct CvaeWeights {
   std::string robot_hash;  ///< Robot::hash()
   int joints = 0;
   int latents = 0;
-  int cells = 0;                    ///< of an image's side
+  int cells = 0;                    ///< pixels along a side of an image
   int hidden = 0;                   ///< neurons of a hidden layer
   double half_extent = 0;           ///< metres from the middle of an image to its side
   std::vector<float> latent_layer;  ///< hidden x latents
@@ -28,9 +28,9 @@ struct CvaeWeights {
   std::vector<float> output_bias;   ///< joints
 };
 
-/// Writes the format of docs/design/baselines.md. Errors: io; sizes that do not fit together.
+/// Writes a file (format: docs/design/baselines.md). Errors: io; arrays of wrong sizes.
 [[nodiscard]] Result<void> save_cvae(const std::string& path, const CvaeWeights& weights);
-/// Errors: io; corrupt; unsupported if a newer mneme wrote it.
+/// Reads a file. Errors: io; corrupt; unsupported for files of a newer version.
 [[nodiscard]] Result<CvaeWeights> load_cvae(const std::string& path);
 
 }  // namespace mneme::internal

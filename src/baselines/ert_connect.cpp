@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // ERTConnect: Pairet, Chamzas, Petillot and Kavraki, arXiv 2103.00448. Two trees grow by pieces of
-// one remembered path, each moved to the node where it begins and sheared so that it ends where it
-// should. What departs: docs/design/baselines.md.
+// one remembered path. Each piece is translated to its first node and sheared to its target.
+// docs/design/baselines.md lists the departures.
 #include "mneme/planning.h"
 
 #include "path/waypoints.h"
@@ -25,33 +25,33 @@
 namespace mneme::internal {
 namespace {
 
-constexpr int kPhases = 50;  ///< of the remembered path, from its start to its end
+constexpr int kPhases = 50;  ///< discretization of the remembered path
 constexpr int kLeastSpan = kPhases / 20, kMostSpan = kPhases / 10;
-/// Pieces explore a box whose half width is this times their share of the path, radians.
+/// Half width of the box that a piece explores, per share of the path, radians.
 constexpr double kTube = 5;
 
-/// A remembered path, moved and sheared to the ends of the query.
+/// A remembered path, translated and sheared to the ends of the query.
 class PriorPath {
  public:
   PriorPath(const Robot& robot, const std::vector<float>& rows, const std::vector<float>& start,
             const std::vector<float>& goal)
       : joints_(static_cast<std::size_t>(robot.joint_count())), states_((kPhases + 1) * joints_) {
-    Waypoints way(robot);
-    way.assign(rows);
+    Waypoints waypoints(robot);
+    waypoints.assign(rows);
     for (int phase = 0; phase <= kPhases; ++phase) {
       const float part = static_cast<float>(phase) / kPhases;
-      way.write(way.locate(part * way.length()), states_.data() + index(phase));
+      waypoints.write(waypoints.locate(part * waypoints.length()), states_.data() + index(phase));
     }
     std::vector<float> moved(joints_), shear(joints_);
     for (std::size_t j = 0; j < joints_; ++j) moved[j] = start[j] + change(0, kPhases, j);
-    way.space().difference(moved.data(), goal.data(), shear.data());
+    waypoints.space().difference(moved.data(), goal.data(), shear.data());
     for (int phase = 0; phase <= kPhases; ++phase) {
       for (std::size_t j = 0; j < joints_; ++j) {
         states_[index(phase) + j] += shear[j] * static_cast<float>(phase) / kPhases;
       }
     }
   }
-  /// Of a joint between two phases, 0 to kPhases; continuous joints do not wrap.
+  /// Change of a joint between two phases, 0 to kPhases; continuous joints do not wrap.
   [[nodiscard]] float change(int from, int to, std::size_t joint) const {
     return states_[index(to) + joint] - states_[index(from) + joint];
   }
@@ -65,7 +65,7 @@ class PriorPath {
   std::vector<float> states_;
 };
 
-/// Draws nodes by weight: a Fenwick tree.
+/// Samples nodes by weight with a Fenwick tree.
 class Weights {
  public:
   void add(double weight) {
@@ -80,8 +80,8 @@ class Weights {
     total_ += change;
     for (++i; i <= sums_.size(); i += i & -i) sums_[i - 1] += change;
   }
-  /// `fraction` in [0, 1) of all weight lies before the node that is drawn.
-  [[nodiscard]] int draw(double fraction) const {
+  /// The node at `fraction` in [0, 1) of the total weight.
+  [[nodiscard]] int sample(double fraction) const {
     double left = fraction * total_;
     std::size_t i = 0;
     for (std::size_t step = std::bit_floor(sums_.size()); step > 0; step /= 2) {
@@ -99,7 +99,7 @@ class Weights {
 
 class ErtConnect {
  public:
-  /// From the start to goal number `goal`.
+  /// Plans from the start to the goal with index `goal`.
   ErtConnect(PlannerRun& run, PriorPath prior, std::size_t goal)
       : run_(run),
         prior_(std::move(prior)),
@@ -129,7 +129,7 @@ class ErtConnect {
   struct Side {
     Side(PlannerRun& run, int graph) : tree(run, graph) {}
     Tree tree;
-    std::vector<int> phases, draws;  ///< per node
+    std::vector<int> phases, sample_counts;  ///< per node
     Weights weights;
   };
 
@@ -137,26 +137,26 @@ class ErtConnect {
   [[nodiscard]] int node_count() const { return sides_[0].tree.size() + sides_[1].tree.size(); }
   PlanResult finish() { return run_.finish(node_count()); }
 
-  /// Pieces begin where others ended.
+  /// Only ends of pieces can be sampled: other nodes have weight 0.
   int add(Side& side, std::span<const float> q, int parent, int phase, bool is_end) {
     side.phases.push_back(phase);
-    side.draws.push_back(0);
+    side.sample_counts.push_back(0);
     side.weights.add(is_end ? 1 : 0);
     return side.tree.add(q, parent);
   }
 
-  /// The less often it was drawn, the more likely.
-  int draw_node(Side& side) {
-    const int node = side.weights.draw(rng_.uniform());
+  /// Nodes sampled less often are more likely.
+  int sample_node(Side& side) {
+    const int node = side.weights.sample(rng_.uniform());
     const auto i = static_cast<std::size_t>(node);
-    side.weights.set(i, 1.0 / (1 + 100 * ++side.draws[i]));
+    side.weights.set(i, 1.0 / (1 + 100 * ++side.sample_counts[i]));
     return node;
   }
 
-  /// One piece of the path from a node of `side`, to within a box around where it leads, or to the
-  /// other root where it leads there. The node at its end, or -1.
+  /// Extends a random node of `side` by a piece of the path, to a random target in a box around the
+  /// piece's end, or to the other root. Returns the last node, or -1.
   int grow(Side& side, const Side& other) {
-    const int node = draw_node(side);
+    const int node = sample_node(side);
     const int phase = side.phases[static_cast<std::size_t>(node)];
     const int last = other.phases[0];
     const int span = kLeastSpan + static_cast<int>(rng_.index(kMostSpan - kLeastSpan + 1));
@@ -165,8 +165,8 @@ class ErtConnect {
     std::vector<float> target(side.tree[node].begin(), side.tree[node].end());
     const float share = static_cast<float>(std::abs(to - phase)) / kPhases;
     for (std::size_t j = 0; j < target.size(); ++j) {
-      const float drawn = share * reaches_[j] * static_cast<float>(rng_.uniform(-1, 1));
-      target[j] = into_limits(j, target[j] + prior_.change(phase, to, j) + drawn);
+      const float offset = share * reaches_[j] * static_cast<float>(rng_.uniform(-1, 1));
+      target[j] = into_limits(j, target[j] + prior_.change(phase, to, j) + offset);
     }
     std::uint8_t is_valid = 0;
     run_.check_states(target, {&is_valid, 1});
@@ -177,8 +177,8 @@ class ErtConnect {
     return run_.space().into_limits(static_cast<int>(joint), value);
   }
 
-  /// The piece of the path from the phase of `node` to phase `to`, sheared to end at `target`:
-  /// becomes nodes if all of it is free. The one at its end, or -1.
+  /// Adds the piece of the path from the phase of `node` to phase `to`, sheared to `target`, if all
+  /// of it is free. Returns the last node, or -1.
   int extend(Side& side, int node, int to, std::span<const float> target) {
     const std::vector<float> from(side.tree[node].begin(), side.tree[node].end());
     const std::vector<float> end(target.begin(), target.end());
@@ -206,7 +206,7 @@ class ErtConnect {
     return node;
   }
 
-  /// True if the way over `end`, which is where node `facing` of the other tree is, passes.
+  /// True if the path over `end` and the coincident node `facing` of the other tree is free.
   bool is_solved_by(int end, const Side& other, int facing) {
     if (end < 0) return false;
     const Side& side = sides_[&other == &sides_[0] ? 1 : 0];
@@ -221,19 +221,19 @@ class ErtConnect {
   PlannerRun& run_;
   PriorPath prior_;
   Rng rng_;
-  std::vector<float> reaches_;  ///< kTube: slides reach half as many metres
+  std::vector<float> reaches_;  ///< kTube; half as many metres for prismatic joints
   std::array<Side, 2> sides_;   ///< from the start, from the goal
 };
 
-/// The remembered path whose ends are most like the query's, from its start to one of its goals;
-/// the straight way if there is none.
+/// The remembered path with the most similar ends, from the start to a goal; a straight path if
+/// there is none.
 struct PriorRows {
   std::vector<float> rows;
   std::size_t goal = 0;
 };
 
-/// Retrieval takes those that lead the other way, too.
-void turn_round(const ResolvedQuery& resolved, PriorRows& path) {
+/// Reverses a path if it leads from goal to start: retrieval returns both directions.
+void reverse_if_needed(const ResolvedQuery& resolved, PriorRows& path) {
   const Robot& robot = resolved.checker.robot();
   const auto joints = static_cast<std::ptrdiff_t>(robot.joint_count());
   const Configuration first(path.rows.begin(), path.rows.begin() + joints);
@@ -268,7 +268,7 @@ Result<PriorRows> find_most_similar(const ResolvedQuery& resolved) {
     }
   }
   if (!found.rows.empty()) {
-    turn_round(resolved, found);
+    reverse_if_needed(resolved, found);
     return found;
   }
   for (const Configuration* q : {&resolved.ends.start, &resolved.ends.goals.front()}) {

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// A cache of paths as MoveIt 2's (moveit_ros trajectory_cache, DOI 10.5281/zenodo.11215428): what
-// was planned between ends like the query's is returned again, the fastest first, without a look at
-// the scene. What departs: docs/design/baselines.md.
+// A path cache like MoveIt 2's (moveit_ros trajectory_cache, DOI 10.5281/zenodo.11215428). It
+// returns the fastest path that was planned between similar ends, without checking it in the scene.
+// docs/design/baselines.md lists the departures.
 #include "pipeline/memory_steps.h"
 #include "baselines/solvers.h"
 
@@ -19,9 +19,9 @@ enum class Rank { fastest, nearest };
 
 struct Entry {
   std::int64_t row = 0;
-  double similarity_error = 0;  ///< of its ends
-  double duration_s = 0;        ///< of its trajectory
-  Path path;                    ///< with the query's ends in place of its own
+  double similarity_error = 0;  ///< of the ends
+  double duration_s = 0;        ///< of the trajectory
+  Path path;                    ///< with the query's ends
 };
 
 Path stored_path(const MemoryQuery& query, const Configuration& goal, const Experience& row) {
@@ -36,8 +36,8 @@ Path stored_path(const MemoryQuery& query, const Configuration& goal, const Expe
   return path;
 }
 
-/// The rows whose ends are as near as KindSettings::replay says; not those that lead the other way.
-Result<std::vector<Entry>> look_up(const Query& query) {
+/// Rows with ends within KindSettings::replay of the query's. Reversed paths are excluded.
+Result<std::vector<Entry>> find_entries(const Query& query) {
   const MemoryQuery asked = memory_query(query.problem);
   std::vector<Entry> entries;
   for (const KindSettings& kind : query.kinds) {
@@ -58,7 +58,7 @@ Result<std::vector<Entry>> look_up(const Query& query) {
   return entries;
 }
 
-/// A cache stores them with its trajectories.
+/// A real cache stores durations with its trajectories, so computing them is not timed.
 void add_durations(const Robot& robot, std::vector<Entry>& entries) {
   const auto limits = find_rate_limits(robot);
   if (!limits) return;
@@ -78,22 +78,22 @@ bool is_free(const CollisionChecker& checker, const Path& path, PlanResult& work
   return is_free;
 }
 
-/// Plans without memory where nothing was found; `looked_s` is what looking took.
-Result<SolveResult> plan_instead(const Problem& problem, SolveSettings settings, double looked_s) {
+/// Plans without memory after a lookup without result that took `lookup_s`.
+Result<SolveResult> plan_instead(const Problem& problem, SolveSettings settings, double lookup_s) {
   settings.sampler = "uniform";
   return solve(problem, nullptr, settings).map([&](SolveResult result) {
-    result.plan.planning_time_s += looked_s;
-    result.total_time_s += looked_s;
+    result.plan.planning_time_s += lookup_s;
+    result.total_time_s += lookup_s;
     return result;
   });
 }
 
 Result<SolveResult> fetch(const Problem& problem, Database* database, const SolveSettings& given,
-                          Rank rank, bool looks_at_scene) {
+                          Rank rank, bool checks_scene) {
   const Stopwatch stopwatch;
   const SolveSettings settings = with_own_planner(given);
   const Query query = MNEME_TRY(make_query(problem, database, settings));
-  auto entries = MNEME_TRY(look_up(query));
+  auto entries = MNEME_TRY(find_entries(query));
   const Stopwatch ranking;
   if (rank == Rank::fastest && entries.size() > 1) add_durations(problem.robot, entries);
   const double ranking_s = ranking.elapsed_s();
@@ -101,7 +101,7 @@ Result<SolveResult> fetch(const Problem& problem, Database* database, const Solv
                            rank == Rank::fastest ? &Entry::duration_s : &Entry::similarity_error);
   double tables_s = 0;
   std::optional<CollisionChecker> checker;
-  if (looks_at_scene) {
+  if (checks_scene) {
     const Stopwatch making;
     QueryChecker made = MNEME_TRY(make_query_checker(
         problem.robot, problem.scene, query.checker_settings(), {problem.start, problem.goals}));

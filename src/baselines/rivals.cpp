@@ -11,13 +11,12 @@ namespace mneme {
 namespace {
 
 constexpr std::array<Rival, 4> kRivals = {{
-    {"cache", "the fastest remembered path whose ends are within the tolerance, as it is",
+    {"cache", "fastest remembered path with ends within the tolerance, unchecked",
      internal::fetch_fastest},
-    {"cache_nearest", "the remembered path whose ends are nearest, as it is",
-     internal::fetch_nearest},
-    {"cache_checked", "the fastest remembered path within the tolerance that is free, as it is",
+    {"cache_nearest", "remembered path with the nearest ends, unchecked", internal::fetch_nearest},
+    {"cache_checked", "fastest remembered path within the tolerance that is free",
      internal::fetch_free},
-    {"ert_connect", "two trees grown by pieces of the most similar remembered path",
+    {"ert_connect", "two trees that grow by pieces of the most similar remembered path",
      internal::solve_by_ert_connect},
 }};
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the table of rivals calls.
+/// The functions in the table of rivals.
 #pragma once
 
 #include "mneme/baselines.h"
@@ -21,7 +21,7 @@ namespace mneme::internal {
 [[nodiscard]] Result<SolveResult> solve_by_ert_connect(const Problem& problem, Database* database,
                                                        const SolveSettings& settings);
 
-/// The settings with a planner that mneme has, which a rival's name is not.
+/// The settings with a planner of mneme instead of the rival's name.
 [[nodiscard]] inline SolveSettings with_own_planner(SolveSettings settings) {
   settings.planner = SolveSettings{}.planner;
   return settings;
