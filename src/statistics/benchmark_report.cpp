@@ -5,6 +5,7 @@
 
 #include "statistics/figures.h"
 #include "statistics/panels.h"
+#include "statistics/tables.h"
 #include "report/markup.h"
 
 #include <fmt/format.h>
@@ -18,7 +19,6 @@ namespace {
 using internal::escape_markup;
 using internal::Panel;
 
-/// Light and dark, nothing from elsewhere.
 constexpr std::string_view kPageStyle = R"css(
 :root { color-scheme: light dark; --page: #f4f6fa; --card: #ffffff; --ink: #1f2937; --soft: #5b6675;
   --line: #dde3ec; --bad: #b42318; }
@@ -48,7 +48,7 @@ tbody tr:last-child td { border-bottom: 0; }
 figure { margin: 0; }
 figure svg { display: block; width: 100%; height: auto; }
 figcaption { padding-top: 10px; }
-.wide { white-space: normal; overflow-wrap: anywhere; }
+.settings td { white-space: normal; overflow-wrap: anywhere; }
 .figure { margin: 0 0 20px; }
 .figure svg { display: block; max-width: 100%; height: auto; margin: 0 auto; }
 .card + .card { margin-top: 20px; }
@@ -60,34 +60,30 @@ footer { margin-top: 48px; padding-top: 16px; border-top: 1px solid var(--line);
 )css";
 
 constexpr std::string_view kHowToRead =
-    "<p class=\"note\">Times are planning times: from call to return without simplification and "
-    "verification, retrieval and learning included, tables of the scene left out. A run without a "
-    "path counts as longer than any success and stands at its time limit; &gt; marks what it "
-    "bounds. Every path is checked again at ten times the resolution by exact distances in double "
-    "precision; one that does not survive counts as not solved, and the column bad paths says how "
-    "many there were. Runs on problems with an invalid start or goal are in total, not in valid. "
-    "Boxes reach from the first to the third quartile, whiskers to the shortest and the longest "
-    "run, dots are runs, crosses time-outs at the limit.</p>\n";
+    "<p class=\"note\">Times are planning times: from call to return, with retrieval and learning, "
+    "without scene tables, simplification and verification. A run without a path counts as longer "
+    "than any success and is shown at its time limit; &gt; marks such lower bounds. Every path is "
+    "checked again with exact distances in double precision, at ten times the resolution. Paths "
+    "that fail this check count as not solved; the column bad paths counts them. Runs on problems "
+    "with an invalid start or goal are in total, but not in valid.</p>\n";
 
 constexpr std::string_view kHowLengthsFall =
-    "<p class=\"note\">Lengths are the mean of what is left of each run's first path while it is "
-    "improved, over the time since improving began, which is no planning time.</p>\n";
+    "<p class=\"note\">Lengths are means over the runs, as a share of each run's first path. Time "
+    "starts when improving begins, after planning.</p>\n";
 
 constexpr std::string_view kHowToReadDifficulty =
-    "<p class=\"note\">A dot is a problem and a planner: how hard the problem is without, across, "
-    "and "
-    "what it takes with, up. Below the line it is faster; open dots have medians that are runs "
-    "without "
-    "a path, at their limit.</p>\n";
+    "<p class=\"note\">Each dot is a problem and a planner, at its median time without memory "
+    "(horizontal) and with it (vertical). Below the line memory is faster. Open dots: the median "
+    "run found no path and is shown at its time limit.</p>\n";
 
 constexpr std::string_view kHowToCompare =
-    "<p class=\"note\">Ratios above 1 say that the left one is faster, on the same problems and "
-    "seeds. p50, p95 and p99 are the ratios of these percentiles, mean that of the arithmetic "
-    "means, geometric the geometric mean of the ratios of pairs; runs without a path stand at "
-    "their limit. \u2265 if what the right one gives is such a run, or holds one; \u2264 if what "
-    "the left one gives; open if both. In brackets: 95 % intervals, bootstrap percentiles.</p>\n";
+    "<p class=\"note\">Ratios above 1 mean that the left one is faster, on the same problems and "
+    "seeds. p50, p95 and p99 are ratios of percentiles, mean is the ratio of arithmetic means, "
+    "geometric is the geometric mean of the pairs' ratios. Runs without a path count with their "
+    "time limit: the ratio is then a lower bound (\u2265), an upper bound (\u2264), or open. In "
+    "brackets: 95 % intervals by bootstrap percentiles.</p>\n";
 
-/// "A; B", or a word for what files of older versions do not say.
+/// "A; B"; files of older versions may lack the texts.
 std::string joined(std::vector<std::string> texts) {
   std::erase(texts, "");
   std::string text;
@@ -112,7 +108,7 @@ std::string footer(std::span<const BenchmarkRow> rows) {
 std::string summary_line(std::span<const BenchmarkRow> rows) {
   const auto count = [&](auto&& is_one) { return std::ranges::count_if(rows, is_one); };
   return fmt::format(
-      "<p>{} runs: {} solved, {} without a path, {} with a path that did not survive the check, {} "
+      "<p>{} runs: {} solved, {} without a path, {} with a path that failed the check, {} "
       "on problems with an invalid start or goal.</p>\n",
       rows.size(), count(is_success),
       count([](const BenchmarkRow& r) { return !r.is_solved && !is_invalid_problem(r); }),
@@ -147,7 +143,7 @@ std::string introduction(const ReportOptions& options) {
   return html + "</div>\n<h2>Runs</h2>\n";
 }
 
-/// What stands below the introduction.
+/// Writes the page below the introduction.
 class ReportWriter {
  public:
   ReportWriter(std::span<const BenchmarkRow> rows, const ReportOptions& options)
@@ -162,8 +158,10 @@ class ReportWriter {
     if (options_.by_problem) write_difficulty();
     if (panels_.size() > 1) html += contents();
     for (std::size_t i = 0; i < panels_.size(); ++i) write_panel(panels_[i], i);
-    if (!memories.empty()) html += "<h2>Memories</h2>\n" + internal::memory_table(memories);
-    html += "<h2>Settings</h2>\n" + internal::settings_table(rows_);
+    if (!memories.empty()) {
+      html += "<h2>Memories</h2>\n" + to_html(internal::memory_table(memories), "memories");
+    }
+    html += "<h2>Settings</h2>\n" + to_html(internal::settings_table(rows_), "settings");
     html += footer(rows_);
     return std::move(report_);
   }
@@ -192,19 +190,23 @@ class ReportWriter {
   void write_panel(const Panel& panel, std::size_t index) {
     report_.html += fmt::format("<h2 id=\"panel-{}\">{}</h2>\n", index, escape_markup(panel.name));
     const std::string name = fmt::format("{}_{}", index + 1, internal::file_name(panel.name));
-    add_figure(name + "_times", internal::box_plot(panel, samplers_));
     add_figure(name + "_solved", internal::solved_curves(panel, samplers_));
     const std::string lengths = internal::length_curves(panel, samplers_);
     if (!lengths.empty()) {
       add_figure(name + "_lengths", lengths);
       report_.html += kHowLengthsFall;
     }
-    report_.html += internal::time_table(panel);
-    const auto comparisons = internal::compare_series(panel, options_.baseline);
-    if (comparisons.empty()) return;
+    const std::vector<SetSummary> summaries(panel.series.begin(), panel.series.end());
+    report_.html +=
+        to_html(internal::summary_table(
+                    summaries, {"planner", "sampler", "setting", "solved/valid/total", "bad paths",
+                                "p50 ms", "p95 ms", "p99 ms", "max ms", "iterations p50"}),
+                "times");
+    const auto ratios = internal::compare_series(panel, options_.baseline);
+    if (ratios.empty()) return;
     report_.html += "<h3>Paired ratios</h3>\n";
     if (!std::exchange(is_comparison_explained_, true)) report_.html += kHowToCompare;
-    report_.html += internal::ratio_table(comparisons);
+    report_.html += to_html(internal::ratio_table(ratios), "ratios");
   }
 
   void add_figure(const std::string& name, const std::string& svg) {

@@ -52,7 +52,7 @@ constexpr std::array kStatuses = {PlanStatus::solved,          PlanStatus::timeo
                                   PlanStatus::cancelled,       PlanStatus::invalid_start,
                                   PlanStatus::invalid_goal};
 
-/// Files of older versions end before one of them.
+/// Columns added over time: files of older versions end before one of them.
 constexpr std::array<std::string_view, 4> kFirstNewColumns = {",setting,", ",improvements,",
                                                               ",replayed,", ",duration_s\n"};
 
@@ -117,7 +117,7 @@ std::string csv_field(T number) {
   return fmt::format("{}", number);
 }
 
-// Each is false if `text` is not what csv_field() writes.
+// Each is false for texts that csv_field() does not write.
 bool read_field(const std::string& text, std::string& value) {
   value = text;
   return true;
@@ -185,7 +185,7 @@ std::string text_of(std::span<const Row> rows) {
   return text;
 }
 
-/// The row of a line, which may lack the last columns.
+/// The row of a line; the last columns may be missing.
 template <class Row>
 Result<Row> read_row(const std::vector<std::string>& fields) {
   Row row;
@@ -202,7 +202,7 @@ Result<Row> read_row(const std::vector<std::string>& fields) {
   return row;
 }
 
-/// The whole lines below a header that `is_header` knows; `end` gets the bytes that they are.
+/// The complete lines below a header that `is_header` accepts; `end` becomes their size in bytes.
 template <class Row, class IsHeader>
 Result<std::vector<Row>> read_rows_of(std::string_view text, const std::string& source,
                                       IsHeader&& is_header, std::size_t& end) {

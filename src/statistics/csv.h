@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// How lines of CSV files (RFC 4180) are read.
+/// Reading of CSV lines (RFC 4180).
 #pragma once
 
 #include <charconv>
@@ -14,16 +14,15 @@
 
 namespace mneme::internal {
 
-/// The fields of one line, and where the next one begins.
+/// The fields of one line, and the offset of the next line.
 struct CsvRecord {
   std::vector<std::string> fields;
   std::size_t end = 0;
 };
-/// The line of `text` that begins at `begin`; nothing if it does not end.
+/// The line of `text` that begins at offset `begin`; nothing if it has no end.
 [[nodiscard]] std::optional<CsvRecord> read_csv_record(std::string_view text, std::size_t begin);
 
-/// True if all of `text` is a finite number of 0 or more, as all that we write are; it is then in
-/// `value`.
+/// Reads `text` as a finite number of 0 or more. False for any other text.
 template <class T>
 [[nodiscard]] bool read_csv_number(std::string_view text, T& value) {
   const char* end = text.data() + text.size();

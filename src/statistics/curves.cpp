@@ -27,13 +27,13 @@ constexpr int kLegendColumns = 3;
 constexpr double kCurveShortest = 1e-6;  // seconds
 constexpr int kShareTicks = 4;
 
-/// From `seconds` on the curve is at `share`, until the next step.
+/// The curve has the value `share` from `seconds` until the next step.
 struct Step {
   double seconds = 0;
   double share = 0;
 };
 
-/// A curve per series: it begins with the share of its first step.
+/// The curve of a series; its value before the first step is `first_share`.
 struct Curve {
   const Series* series = nullptr;
   double first_share = 0;
@@ -42,23 +42,16 @@ struct Curve {
   std::string title;
 };
 
-/// What the curves tell.
-struct CurvesText {
-  std::string of_figure, of_diagram;
-};
-
 class Curves {
  public:
-  Curves(const Panel& panel, const std::vector<std::string>& samplers, CurvesText text)
-      : panel_(panel),
-        samplers_(samplers),
-        text_(std::move(text)),
-        settings_(different(panel.series, &Series::setting)) {}
+  Curves(const Panel& panel, const std::vector<std::string>& samplers)
+      : panel_(panel), samplers_(samplers), settings_(different(panel.series, &Series::setting)) {}
 
-  /// Shares of `lowest` stand at the bottom, those of 1 at the top; the time axis reaches to
-  /// `longest_s` at least.
-  std::string draw(const std::vector<Curve>& curves, double lowest, double longest_s) {
+  /// The vertical axis runs from `lowest` to 1, the time axis to `longest_s` or further.
+  std::string draw(const std::string& title, const std::string& axis_name,
+                   const std::vector<Curve>& curves, double lowest, double longest_s) {
     lowest_ = lowest;
+    axis_name_ = axis_name;
     make_axis(curves, longest_s);
     const std::vector<std::string> planners = different(panel_.series, &Series::planner);
     const std::vector<const Series*> legend = legend_entries();
@@ -66,7 +59,7 @@ class Curves {
     const auto lines = static_cast<double>((legend.size() + kLegendColumns - 1) / kLegendColumns);
     const double legend_top = kCurveTop + rows * kRowPitch - 26;
     open_figure(svg_, "plot curves", kCurveWidth, legend_top + lines * kLegendLine + 8,
-                text_.of_figure + ", " + single_line(panel_.name));
+                title + ", " + single_line(panel_.name));
     for (std::size_t i = 0; i < planners.size(); ++i) draw_diagram(planners[i], i, curves);
     for (std::size_t i = 0; i < legend.size(); ++i) draw_legend(*legend[i], i, legend_top);
     svg_.close();
@@ -97,7 +90,7 @@ class Curves {
     const double bottom = origin.y + kDiagramHeight;
     draw_text(svg_, "head", {origin.x, origin.y - 14}, "start",
               shortened(single_line(planner), 30));
-    draw_text(svg_, "soft", {origin.x + kDiagramWidth, origin.y - 14}, "end", text_.of_diagram);
+    draw_text(svg_, "soft", {origin.x + kDiagramWidth, origin.y - 14}, "end", axis_name_);
     for (int tick = 0; tick <= kShareTicks; ++tick) {
       const double share = lowest_ + (1 - lowest_) * tick / kShareTicks;
       const double y = bottom - height_of(share);
@@ -166,7 +159,7 @@ class Curves {
 
   const Panel& panel_;
   const std::vector<std::string>& samplers_;
-  CurvesText text_;
+  std::string axis_name_;
   std::vector<std::string> settings_;
   double lowest_ = 0;
   SvgWriter svg_;
@@ -177,15 +170,15 @@ Curve solved_curve(const Series& series) {
   Curve curve{&series, 0, {}, 0, ""};
   for (const double time_s : series.solved_times) {
     const auto solved = static_cast<double>(curve.steps.size() + 1);
-    curve.steps.push_back({time_s, solved / series.run_count()});
+    curve.steps.push_back({time_s, solved / series.valid});
   }
   for (const BenchmarkRow& row : series.rows) curve.end_s = std::max(curve.end_s, row.timeout_s);
   curve.title = fmt::format("{}, {}: {}/{} solved", series.planner, short_label(series),
-                            series.summary.times.solved, series.run_count());
+                            series.times.solved, series.valid);
   return curve;
 }
 
-/// Falls at each improvement of a run, by what that is of the run's first path.
+/// Each improvement of a run lowers the curve by its share of the run's first path length.
 Curve length_curve(const Series& series) {
   Curve curve{&series, 1, {}, 0, ""};
   int runs = 0;
@@ -211,10 +204,10 @@ Curve length_curve(const Series& series) {
 std::string solved_curves(const Panel& panel, const std::vector<std::string>& samplers) {
   std::vector<Curve> curves;
   for (const Series& series : panel.series) {
-    if (series.run_count() > 0) curves.push_back(solved_curve(series));
+    if (series.valid > 0) curves.push_back(solved_curve(series));
   }
-  return Curves(panel, samplers, {"Runs solved over time", "solved within the time"})
-      .draw(curves, 0, panel.longest_limit);
+  return Curves(panel, samplers)
+      .draw("Runs solved over time", "solved within the time", curves, 0, panel.longest_limit);
 }
 
 std::string length_curves(const Panel& panel, const std::vector<std::string>& samplers) {
@@ -229,10 +222,10 @@ std::string length_curves(const Panel& panel, const std::vector<std::string>& sa
   }
   if (curves.empty()) return {};
   for (Curve& curve : curves) curve.end_s = end_s;
-  // A multiple of 20 %, so that the lines between are at whole per cents.
+  // A multiple of 20 %, so that grid lines are at whole per cents.
   lowest = 0.2 * std::clamp(std::floor(lowest / 0.2), 0.0, 4.0);
-  return Curves(panel, samplers, {"Mean path length over time", "mean length, time of improving"})
-      .draw(curves, lowest, end_s);
+  return Curves(panel, samplers)
+      .draw("Mean path length over time", "mean length, time of improving", curves, lowest, end_s);
 }
 
 }  // namespace mneme::internal

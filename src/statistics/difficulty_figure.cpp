@@ -28,7 +28,7 @@ struct Dot {
   TimeSummary across, up;
 
   [[nodiscard]] bool is_open() const { return is_median_open(across) || is_median_open(up); }
-  /// The median is a run without a path, which stands at its limit.
+  /// True if the median is a failure, at its time limit.
   static bool is_median_open(const TimeSummary& times) { return 2 * times.solved <= times.runs; }
 };
 
@@ -37,13 +37,13 @@ std::vector<Dot> dots_of(const std::vector<Panel>& panels, const std::string& ba
   std::vector<Dot> dots;
   for (const Panel& panel : panels) {
     for (const Series& series : panel.series) {
-      if (series.sampler != sampler || series.run_count() == 0) continue;
+      if (series.sampler != sampler || series.valid == 0) continue;
       const auto other = std::ranges::find_if(panel.series, [&](const Series& s) {
         return s.sampler == baseline && s.planner == series.planner &&
-               s.setting == series.setting && s.run_count() > 0;
+               s.setting == series.setting && s.valid > 0;
       });
       if (other == panel.series.end()) continue;
-      dots.push_back({series.planner, panel.name, other->summary.times, series.summary.times});
+      dots.push_back({series.planner, panel.name, other->times, series.times});
     }
   }
   return dots;

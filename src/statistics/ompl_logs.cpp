@@ -42,7 +42,7 @@ std::string value_of(const BenchmarkRow& row) {
 }
 
 struct OmplProperty {
-  std::string_view name;  ///< and type
+  std::string_view name;  ///< with its SQL type
   std::string (*value)(const BenchmarkRow& row);
 };
 constexpr std::array<OmplProperty, 16> kProperties = {
@@ -74,7 +74,7 @@ struct OmplExperiment {
   std::vector<OmplPlannerLog> planners;
 };
 
-/// The entry of that name, which is added if there is none.
+/// The entry of that name; added if missing.
 template <class Entry>
 Entry& entry_of(const std::string& name, std::vector<Entry>& all) {
   const auto found = std::ranges::find(all, name, &Entry::name);
@@ -94,7 +94,7 @@ std::vector<OmplExperiment> to_experiments(std::span<const BenchmarkRow> rows) {
   return experiments;
 }
 
-/// "range=3 sigma=0.1" as lines "range = 3", after sampler and time limit.
+/// Lines "range = 3" of the text "range=3 sigma=0.1", after sampler and time limit.
 std::vector<std::string> setting_lines(const BenchmarkRow& row) {
   std::vector<std::string> lines = {"sampler = " + row.sampler,
                                     fmt::format("timeout = {}", row.timeout_s)};

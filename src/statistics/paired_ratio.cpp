@@ -3,7 +3,7 @@
 
 #include "mneme/statistics.h"
 
-#include "statistics/summary.h"
+#include "statistics/tables.h"
 
 #include <algorithm>
 #include <array>
@@ -16,12 +16,13 @@
 namespace mneme {
 namespace {
 
-constexpr int kResamples = 2000;
+constexpr std::size_t kResamples = 2000;
+constexpr std::size_t kLowRank = kResamples / 40;  // of the 2.5 % quantile
 constexpr std::uint64_t kSeed = 20190524;
-/// With fewer problems, whole problems are too coarse a unit to draw.
+/// With fewer problems, whole problems are too coarse a unit of resampling.
 constexpr std::size_t kEnoughProblems = 10;
 
-/// A planning time; failures sort after all successes and stand at their limit.
+/// A planning time. Failures sort after all successes and have the time limit.
 struct Time {
   bool is_failure = false;
   double seconds = 0;
@@ -32,7 +33,7 @@ struct Pair {
   Time reference;
   Time other;
 };
-/// Of one problem.
+/// The pairs of one problem.
 using Group = std::vector<Pair>;
 
 Time time_of(const BenchmarkRow& row) {
@@ -59,27 +60,16 @@ std::vector<Group> make_groups(std::span<const BenchmarkRow> reference,
   return result;
 }
 
-/// The ratios of a sample of pairs.
-struct Estimate {
-  double p50 = 0, p95 = 0, p99 = 0, mean = 0, geometric = 0;
-};
+constexpr std::array kRatios = {&PairedRatio::p50, &PairedRatio::p95, &PairedRatio::p99,
+                                &PairedRatio::mean, &PairedRatio::geometric};
+/// The values of kRatios for a sample of pairs.
+using Estimate = std::array<double, kRatios.size()>;
 
-struct Statistic {
-  TimeRatio PairedRatio::*ratio;
-  double Estimate::*value;
-};
-constexpr std::array<Statistic, 5> kStatistics = {
-    {{&PairedRatio::p50, &Estimate::p50},
-     {&PairedRatio::p95, &Estimate::p95},
-     {&PairedRatio::p99, &Estimate::p99},
-     {&PairedRatio::mean, &Estimate::mean},
-     {&PairedRatio::geometric, &Estimate::geometric}}};
-
+/// Of the first three ratios, and of the maximum, which decides whether a mean is a bound.
 constexpr std::array kPercents = {50, 95, 99, 100};
 using Percentiles = std::array<Time, kPercents.size()>;
 
-/// Estimates of samples of pairs. The pairs are sorted once, and each sample counts how often it
-/// has drawn them.
+/// Estimates from samples of pairs. Pairs are sorted once; a sample counts how often each occurs.
 class Estimator {
  public:
   explicit Estimator(const std::vector<Group>& groups) {
@@ -97,20 +87,20 @@ class Estimator {
 
   [[nodiscard]] std::size_t size() const { return pairs_.size(); }
 
-  void draw_all() {
+  void sample_all() {
     clear();
     for (std::size_t i = 0; i < pairs_.size(); ++i) add(i);
   }
-  /// Whole groups, or pairs of each if there are few.
-  void draw(Rng& rng) {
+  /// Samples whole groups, or pairs of each group if there are few groups.
+  void sample(Rng& rng) {
     clear();
     const std::size_t groups = begins_.size() - 1;
-    const bool draws_groups = groups >= kEnoughProblems;
+    const bool by_groups = groups >= kEnoughProblems;
     for (std::size_t i = 0; i < groups; ++i) {
-      const std::size_t group = draws_groups ? draw_index(groups, rng) : i;
+      const std::size_t group = by_groups ? random_index(groups, rng) : i;
       const std::size_t count = begins_[group + 1] - begins_[group];
       for (std::size_t j = 0; j < count; ++j) {
-        add(begins_[group] + (draws_groups ? j : draw_index(count, rng)));
+        add(begins_[group] + (by_groups ? j : random_index(count, rng)));
       }
     }
   }
@@ -120,16 +110,15 @@ class Estimator {
     const Percentiles other = percentiles(by_other_, &Pair::other);
     const auto ratio = [&](std::size_t i) { return reference[i].seconds / other[i].seconds; };
     return {ratio(0), ratio(1), ratio(2), reference_sum_ / other_sum_,
-            std::exp(log_sum_ / static_cast<double>(drawn_))};
+            std::exp(log_sum_ / static_cast<double>(count_))};
   }
-  /// What of the last draw's is a failure, or holds one.
+  /// Marks the ratios of the current sample that are bounds, because a percentile is a failure.
   void mark_bounds(PairedRatio& ratio) const {
     const Percentiles reference = percentiles(by_reference_, &Pair::reference);
     const Percentiles other = percentiles(by_other_, &Pair::other);
-    const std::array marked = {&ratio.p50, &ratio.p95, &ratio.p99, &ratio.mean};
-    for (std::size_t i = 0; i < marked.size(); ++i) {
-      marked[i]->is_at_least = reference[i].is_failure;
-      marked[i]->is_at_most = other[i].is_failure;
+    for (std::size_t i = 0; i < kPercents.size(); ++i) {
+      (ratio.*kRatios[i]).is_at_least = reference[i].is_failure;
+      (ratio.*kRatios[i]).is_at_most = other[i].is_failure;
     }
   }
 
@@ -141,30 +130,30 @@ class Estimator {
     return order;
   }
 
-  static std::size_t draw_index(std::size_t count, Rng& rng) {
+  static std::size_t random_index(std::size_t count, Rng& rng) {
     const auto index = static_cast<std::size_t>(rng.uniform() * static_cast<double>(count));
     return std::min(index, count - 1);
   }
 
   void clear() {
     counts_.assign(pairs_.size(), 0);
-    drawn_ = 0;
+    count_ = 0;
     reference_sum_ = other_sum_ = log_sum_ = 0;
   }
   void add(std::size_t i) {
     ++counts_[i];
-    ++drawn_;
+    ++count_;
     reference_sum_ += pairs_[i].reference.seconds;
     other_sum_ += pairs_[i].other.seconds;
     log_sum_ += logs_[i];
   }
 
-  /// Of what was drawn, at kPercents.
+  /// Percentiles kPercents of the current sample.
   [[nodiscard]] Percentiles percentiles(const std::vector<std::size_t>& order,
                                         Time Pair::*time) const {
     std::array<int, kPercents.size()> ranks{};
     std::ranges::transform(kPercents, ranks.begin(),
-                           [&](int percent) { return internal::nearest_rank(percent, drawn_); });
+                           [&](int percent) { return internal::nearest_rank(percent, count_); });
     Percentiles found;
     std::size_t next = 0;
     int passed = 0;
@@ -178,19 +167,14 @@ class Estimator {
   }
 
   std::vector<Pair> pairs_;
-  std::vector<std::size_t> begins_;  // of the groups, and the end of the last
+  std::vector<std::size_t> begins_;  // first pair of each group, and the end of the last
   std::vector<double> logs_;
   std::vector<std::size_t> by_reference_;
   std::vector<std::size_t> by_other_;
   std::vector<int> counts_;
-  int drawn_ = 0;
+  int count_ = 0;
   double reference_sum_ = 0, other_sum_ = 0, log_sum_ = 0;
 };
-
-const Estimate& at_quantile(const std::vector<Estimate>& sorted, double quantile) {
-  const auto last = static_cast<double>(sorted.size() - 1);
-  return sorted[static_cast<std::size_t>(std::lround(quantile * last))];
-}
 
 }  // namespace
 
@@ -200,21 +184,21 @@ PairedRatio compare_runs(std::span<const BenchmarkRow> reference,
   PairedRatio ratio;
   ratio.pairs = static_cast<int>(estimator.size());
   if (ratio.pairs == 0) return ratio;
-  estimator.draw_all();
+  estimator.sample_all();
   const Estimate all = estimator.estimate();
   estimator.mark_bounds(ratio);
   Rng rng(kSeed);
   std::vector<Estimate> resampled;
-  for (int i = 0; i < kResamples; ++i) {
-    estimator.draw(rng);
+  for (std::size_t i = 0; i < kResamples; ++i) {
+    estimator.sample(rng);
     resampled.push_back(estimator.estimate());
   }
-  for (const auto& [member, value] : kStatistics) {
-    TimeRatio& estimate = ratio.*member;
-    estimate.value = all.*value;
-    std::ranges::sort(resampled, {}, value);
-    estimate.low = at_quantile(resampled, 0.025).*value;
-    estimate.high = at_quantile(resampled, 0.975).*value;
+  for (std::size_t i = 0; i < kRatios.size(); ++i) {
+    std::ranges::sort(resampled, {}, [i](const Estimate& one) { return one[i]; });
+    TimeRatio& estimate = ratio.*kRatios[i];
+    estimate.value = all[i];
+    estimate.low = resampled[kLowRank][i];
+    estimate.high = resampled[kResamples - 1 - kLowRank][i];
   }
   return ratio;
 }

@@ -5,7 +5,6 @@
 
 #include "mneme/statistics.h"
 
-#include "statistics/summary.h"
 #include "report/markup.h"
 
 #include <fmt/format.h>
@@ -31,26 +30,20 @@ Series& series_of(const BenchmarkRow& row, std::vector<Series>& all) {
     return s.planner == row.planner && s.sampler == row.sampler && s.setting == row.setting;
   });
   if (found != all.end()) return *found;
-  Series series;
-  series.planner = row.planner;
-  series.sampler = row.sampler;
-  series.setting = row.setting;
-  all.push_back(std::move(series));
-  return all.back();
+  Series& added = all.emplace_back();
+  added.planner = row.planner;
+  added.sampler = row.sampler;
+  added.setting = row.setting;
+  return added;
 }
 
 void finish(Series& series) {
-  series.summary = summarize_sets(series.rows).front();
+  static_cast<SetSummary&>(series) = summarize_each(series.rows).front();
   std::erase_if(series.rows, is_invalid_problem);
   for (const BenchmarkRow& row : series.rows) {
-    if (is_success(row)) {
-      series.solved_times.push_back(row.planning_time_s);
-    } else {
-      series.limits.push_back(row.timeout_s);
-    }
+    if (is_success(row)) series.solved_times.push_back(row.planning_time_s);
   }
   std::ranges::sort(series.solved_times);
-  std::ranges::sort(series.limits);
 }
 
 /// Planners stand together in the order in which they first appear.
@@ -61,11 +54,8 @@ void group_planners(std::vector<Series>& all) {
   });
 }
 
-struct Counterpart {
-  const char* native;
-  const char* ompl;
-};
-constexpr std::array<Counterpart, 3> kCounterparts = {
+/// Planners of mneme, and OMPL's counterparts.
+constexpr std::array<std::pair<std::string_view, const char*>, 3> kCounterparts = {
     {{"rrt_connect", "ompl:RRTConnect"}, {"rrt", "ompl:RRT"}, {"prm", "ompl:PRM"}}};
 
 const Series* find_series(const Panel& panel, const std::string& planner,
@@ -84,17 +74,10 @@ const Series* find_baseline(const Panel& panel, const Series& series, const std:
 }
 
 const Series* find_ompl(const Panel& panel, const Series& series) {
-  for (const Counterpart& counterpart : kCounterparts) {
-    if (series.planner != counterpart.native) continue;
-    return find_series(panel, counterpart.ompl, series.sampler, &series.setting);
-  }
-  return nullptr;
-}
-
-std::string format_number(double ratio) {
-  if (ratio >= 100) return fmt::format("{:.0f}", ratio);
-  if (ratio >= 10) return fmt::format("{:.1f}", ratio);
-  return ratio >= 0.1 ? fmt::format("{:.2f}", ratio) : fmt::format("{:.2g}", ratio);
+  const auto found =
+      std::ranges::find(kCounterparts, series.planner, [](const auto& pair) { return pair.first; });
+  if (found == kCounterparts.end()) return nullptr;
+  return find_series(panel, found->second, series.sampler, &series.setting);
 }
 
 }  // namespace
@@ -115,8 +98,7 @@ std::vector<Panel> make_panels(std::span<const BenchmarkRow> rows, bool by_probl
 }
 
 std::string short_label(const Series& series) {
-  const std::string setting = single_line(series.setting);
-  return single_line(series.sampler) + (setting.empty() ? "" : ", " + setting);
+  return single_line(series.sampler + (series.setting.empty() ? "" : ", " + series.setting));
 }
 
 std::string file_name(std::string_view text) {
@@ -128,80 +110,42 @@ std::string file_name(std::string_view text) {
   return name;
 }
 
-std::vector<Comparison> compare_series(const Panel& panel, const std::string& baseline) {
-  std::vector<Comparison> comparisons;
-  const auto add = [&](const char* kind, const Series& other, const Series* reference) {
+std::vector<SeriesRatio> compare_series(const Panel& panel, const std::string& baseline) {
+  const auto name = [](const Series& series) {
+    return series.planner + ", " + short_label(series);
+  };
+  std::vector<SeriesRatio> ratios;
+  const auto add = [&](const Series& other, const Series* reference) {
     if (reference == nullptr || reference == &other) return;
     const PairedRatio ratio = compare_runs(reference->rows, other.rows);
-    if (ratio.pairs > 0) comparisons.push_back({kind, &other, reference, ratio});
+    if (ratio.pairs > 0) ratios.push_back({panel.name, name(other), name(*reference), ratio});
   };
-  for (const Series& s : panel.series) add("sampler", s, find_baseline(panel, s, baseline));
-  for (const Series& s : panel.series) {
-    add("setting", s, find_series(panel, s.planner, s.sampler, nullptr));
-  }
-  for (const Series& s : panel.series) add("planner", s, find_ompl(panel, s));
-  return comparisons;
-}
-
-std::string format_ratio(const TimeRatio& ratio) {
-  if (ratio.is_at_least && ratio.is_at_most) return "open";
-  const char* mark = ratio.is_at_least ? "≥ " : ratio.is_at_most ? "≤ " : "";
-  return fmt::format("{}{} ({} to {})", mark, format_number(ratio.value), format_number(ratio.low),
-                     format_number(ratio.high));
-}
-
-std::string series_name(const Series& series) {
-  return single_line(series.planner) + ", " + short_label(series);
+  for (const Series& s : panel.series) add(s, find_baseline(panel, s, baseline));
+  for (const Series& s : panel.series) add(s, find_series(panel, s.planner, s.sampler, nullptr));
+  for (const Series& s : panel.series) add(s, find_ompl(panel, s));
+  return ratios;
 }
 
 }  // namespace mneme::internal
 
 namespace mneme {
-namespace {
-
-void append_ratios(const internal::Panel& panel, const std::string& baseline,
-                   std::vector<SeriesRatio>& ratios) {
-  for (const auto& [kind, other, reference, ratio] : internal::compare_series(panel, baseline)) {
-    ratios.push_back(
-        {panel.name, internal::series_name(*other), internal::series_name(*reference), ratio});
-  }
-}
-
-/// The rows as those of one set, whose problems keep the name of theirs.
-std::vector<BenchmarkRow> pool(std::span<const BenchmarkRow> rows) {
-  std::vector<BenchmarkRow> pooled(rows.begin(), rows.end());
-  for (BenchmarkRow& row : pooled) {
-    row.problem = row.set + "#" + row.problem;
-    row.set = "all";
-  }
-  return pooled;
-}
-
-}  // namespace
 
 std::vector<SeriesRatio> compare_series(std::span<const BenchmarkRow> rows,
                                         const std::string& baseline) {
   const std::vector<internal::Panel> panels = internal::make_panels(rows, false);
   std::vector<SeriesRatio> ratios;
-  for (const internal::Panel& panel : panels) append_ratios(panel, baseline, ratios);
-  if (panels.size() > 1) {
-    append_ratios(internal::make_panels(pool(rows), false).front(), baseline, ratios);
+  const auto append = [&](const internal::Panel& panel) {
+    std::ranges::move(internal::compare_series(panel, baseline), std::back_inserter(ratios));
+  };
+  std::ranges::for_each(panels, append);
+  if (panels.size() <= 1) return ratios;
+  std::vector<BenchmarkRow> pooled(rows.begin(), rows.end());
+  for (BenchmarkRow& row : pooled) {
+    row.problem = row.set + "#" + row.problem;
+    row.set = "all";
   }
+  append(internal::make_panels(pooled, false).front());
   return ratios;
-}
-
-std::string to_table(std::span<const SeriesRatio> ratios) {
-  if (ratios.empty()) return {};
-  constexpr std::size_t kNameColumns = 3;
-  std::vector<std::vector<std::string>> lines = {
-      {"set", "this", "against", "pairs", "p50", "p95", "p99", "mean", "geometric"}};
-  for (const auto& [set, other, reference, ratio] : ratios) {
-    lines.push_back({set, other, reference, std::to_string(ratio.pairs),
-                     internal::format_ratio(ratio.p50), internal::format_ratio(ratio.p95),
-                     internal::format_ratio(ratio.p99), internal::format_ratio(ratio.mean),
-                     internal::format_ratio(ratio.geometric)});
-  }
-  return internal::text_table(lines, kNameColumns);
 }
 
 }  // namespace mneme

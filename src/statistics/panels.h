@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Runs in groups, and which of them are compared: what the figures and tables of a report share.
+/// Groups of runs, and the pairs of groups that are compared.
 #pragma once
 
 #include "mneme/statistics.h"
@@ -14,24 +14,17 @@
 
 namespace mneme::internal {
 
-/// All runs of one planner, sampler and setting in a panel.
-struct Series {
-  std::string planner;
-  std::string sampler;
-  std::string setting;
-  std::vector<BenchmarkRow> rows;  ///< on problems whose start and goal are valid
-  SetSummary summary;
+/// All runs of one planner, sampler and setting in a panel, with their summary.
+struct Series : SetSummary {
+  std::vector<BenchmarkRow> rows;    ///< on problems whose start and goal are valid
   std::vector<double> solved_times;  ///< planning times of successes, sorted, seconds
-  std::vector<double> limits;        ///< time limits of failures, sorted, seconds
-
-  [[nodiscard]] int run_count() const { return summary.valid; }
 };
 
-/// One figure's worth of series.
+/// The series that share a figure and a table.
 struct Panel {
   std::string name;            ///< of the set, or of set and problem
   std::vector<Series> series;  ///< planners together, in order of appearance
-  double longest_limit = 0;    ///< of all runs, seconds
+  double longest_limit = 0;    ///< longest time limit, seconds
 };
 
 /// The different texts that `member` of `items` has, in order of appearance.
@@ -45,7 +38,10 @@ template <class Items, class Member>
   return all;
 }
 
-/// In order of first appearance; one per set, or per problem.
+/// One summary per set, planner, sampler and setting, in order of appearance.
+[[nodiscard]] std::vector<SetSummary> summarize_each(std::span<const BenchmarkRow> rows);
+
+/// One panel per set, or per problem, in order of first appearance.
 [[nodiscard]] std::vector<Panel> make_panels(std::span<const BenchmarkRow> rows, bool by_problem);
 
 /// "gl, paper", or "gl" without a setting.
@@ -53,22 +49,13 @@ template <class Items, class Member>
 /// Letters, digits, '-' and '.'; anything else becomes '_'.
 [[nodiscard]] std::string file_name(std::string_view text);
 
-struct Comparison {
-  std::string kind;  ///< "sampler", "setting" or "planner": what differs
-  const Series* other = nullptr;
-  const Series* reference = nullptr;
-  PairedRatio ratio;
-};
-
-/// Each sampler with `baseline` under the same planner and setting, or under another setting if
-/// that one has no baseline; each setting with the first one; mneme's planners with OMPL's of the
-/// same name. Comparisons without pairs are left out.
-[[nodiscard]] std::vector<Comparison> compare_series(const Panel& panel,
-                                                     const std::string& baseline);
-
-/// "≥ 27.1 (4.80 to 33.0)"; "open" if both sides failed, so that the ratio says nothing.
-[[nodiscard]] std::string format_ratio(const TimeRatio& ratio);
-/// "rrt_connect, gl, paper"
-[[nodiscard]] std::string series_name(const Series& series);
+/// Compares, within a panel:
+/// each sampler with `baseline` under the same planner and setting, or under another setting if
+/// that one has no baseline;
+/// each setting with the first one;
+/// mneme's planners with OMPL's of the same name.
+/// Comparisons without pairs are omitted.
+[[nodiscard]] std::vector<SeriesRatio> compare_series(const Panel& panel,
+                                                      const std::string& baseline);
 
 }  // namespace mneme::internal

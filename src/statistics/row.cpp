@@ -32,7 +32,7 @@ std::string compiler() {
 }
 
 constexpr double kSameConfiguration = 1e-4;
-/// Metres and radians that a pose may be off, as IkSettings leave it.
+/// Pose tolerances in metres and radians, those of IkSettings.
 constexpr double kSamePosition = 1e-4, kSameRotation = 1e-3;
 
 bool is_path_valid(const CollisionChecker& checker, const Problem& problem,
@@ -62,7 +62,7 @@ bool is_path_valid(const CollisionChecker& checker, const Problem& problem,
          is_path_free(robot, scene, path, resolution);
 }
 
-/// Of a path without a trajectory, 0.
+/// Seconds; 0 if the path has no trajectory.
 double duration_of(const Problem& problem, const SolveSettings& settings, const Path& path) {
   return find_rate_limits(problem.robot)
       .and_then([&](const RateLimits& limits) {

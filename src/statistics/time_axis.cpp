@@ -23,7 +23,6 @@ constexpr std::string_view kRules = R"css(
 .plot .paper { fill: var(--paper); }
 .plot text { fill: var(--ink); }
 .plot .soft { fill: var(--soft); }
-.plot .bad { fill: var(--bad); font-weight: 600; }
 .plot .head { font-weight: 600; font-size: 13px; }
 .plot .grid { stroke: var(--line); }
 .plot .faint { stroke: var(--line); stroke-opacity: 0.5; }
@@ -31,10 +30,7 @@ constexpr std::string_view kRules = R"css(
 .plot .limit { stroke: var(--bad); stroke-dasharray: 6 4; stroke-opacity: 0.8; }
 .plot .box { fill: var(--color); fill-opacity: 0.22; stroke: var(--color); stroke-width: 1.4; }
 .plot .open { stroke-dasharray: 4 3; }
-.plot .median { stroke: var(--color); stroke-width: 2.6; }
-.plot .whisker { stroke: var(--color); stroke-width: 1.4; }
 .plot .run { fill: var(--color); fill-opacity: 0.55; }
-.plot .out { stroke: var(--bad); stroke-width: 1.5; stroke-opacity: 0.75; fill: none; }
 .plot .curve { stroke: var(--color); stroke-width: 2; fill: none; stroke-linejoin: round; }
 )css";
 
