@@ -28,18 +28,18 @@
 
 namespace mneme {
 
-/// Problems of a benchmark: whatever `mneme bench run` takes, in a suite relative to its file.
+/// Problems of a benchmark, as arguments of `mneme bench run` or entries of a suite.
 struct SuiteProblems {
   std::string where;       ///< a file, FILE.json#NAME, SCENE.yaml,REQUEST.yaml or a directory
-  std::string set;         ///< the figure that they share; empty for the name of the file
-  std::string part;        ///< "I/N" for every N-th beginning with the I-th; empty for all
-  std::string robot = {};  ///< URDF instead of the problems' own robot; empty for that
-  std::string srdf = {};   ///< of that robot; empty for the one beside it
+  std::string set;         ///< name of their group; empty: the name of the file
+  std::string part;        ///< "I/N": every N-th, from the I-th on; empty: all
+  std::string robot = {};  ///< URDF that replaces the problems' robot; may be empty
+  std::string srdf = {};   ///< SRDF of `robot`; empty: the one next to it
 };
-/// The single problems of `arguments`, in order, or the `part` "I/N" of them, 1 <= I <= N, so that
-/// some can be learned from and the others measured. A compact file stands for all its problems,
-/// and a directory for all problems below it, sorted by path. A set is a file of many problems, or
-/// a directory of files of one.
+/// Lists the single problems of `arguments` in order, or the share `part` "I/N" with 1 <= I <= N,
+/// to separate problems for learning from those for measuring. A compact file has all its problems,
+/// a directory all problems below it, sorted by path. A file of many problems is a set, and so is a
+/// directory of files with one problem.
 [[nodiscard]] Result<std::vector<SuiteProblems>> find_bench_problems(
     const std::vector<std::string>& arguments, const std::string& part = "");
 
@@ -47,40 +47,40 @@ struct SuiteProblems {
 struct Part {
   std::size_t index = 0;
   std::size_t count = 1;
-  /// True of every N-th entry beginning with the I-th, counted from 1; 0 and N are the same I.
+  /// True for every N-th position, from the I-th on, counted from 1. I = 0 is the same as I = N.
   [[nodiscard]] bool holds(std::size_t position) const {
     return (position + 1) % count == index % count;
   }
 };
-/// "I/N" with whole numbers 0 <= I <= N and N >= 1; nothing for other texts.
+/// Reads "I/N" with whole numbers 0 <= I <= N and N >= 1; nothing for other texts.
 [[nodiscard]] std::optional<Part> parse_part(std::string_view text);
-/// Hears what people should know, such as a warning, in a sentence.
+/// Receives notes for users, such as warnings.
 using OnNote = std::function<void(const std::string& note)>;
 
 struct LoadedProblem {
   std::string set;
   Problem problem;
 };
-/// The problems that `found` names. `on_note`, if any, hears their warnings, each once.
+/// Loads the problems `found`. `on_note`, if set, receives each warning once.
 [[nodiscard]] Result<std::vector<LoadedProblem>> load_bench_problems(
     const std::vector<SuiteProblems>& found, const ProblemOptions& overrides,
     const OnNote& on_note);
-/// The same to be learned from: all of one robot, and each named "SET#NAME".
+/// Loads problems to learn from, named "SET#NAME". Errors: also if their robots differ.
 [[nodiscard]] Result<std::vector<Problem>> load_lesson_problems(
     const std::vector<SuiteProblems>& found, const ProblemOptions& overrides,
     const OnNote& on_note);
 
-/// True for samplers that draw from a database: "gl" and the baselines on the same memory.
+/// True for samplers that need a database: "gl" and the baselines on the same memory.
 [[nodiscard]] bool needs_memory(std::string_view sampler);
 
-/// What is run on each problem with each seed.
+/// One configuration to run on each problem with each seed.
 struct BenchCase {
   std::string setting;
-  std::string memory;             ///< that the sampler gl draws from
-  std::vector<std::string> sets;  ///< of problems; empty for all
+  std::string memory;             ///< name of the memory
+  std::vector<std::string> sets;  ///< sets of problems; empty: all
   SolveSettings settings;         ///< with planner and sampler
-  std::string description;        ///< of the settings, for the rows
-  bool is_serial = false;         ///< its runs take turns: see PlannerEntry::is_exclusive
+  std::string description;        ///< of the settings, for BenchmarkRow::settings
+  bool is_serial = false;         ///< never two runs at once: PlannerEntry::is_exclusive
 
   [[nodiscard]] bool is_of_set(const std::string& set) const {
     return sets.empty() || std::find(sets.begin(), sets.end(), set) != sets.end();
@@ -90,58 +90,58 @@ struct BenchCase {
 void append_cases(const BenchCase& setting, const std::vector<std::string>& planners,
                   const std::vector<std::string>& samplers, std::vector<BenchCase>& cases);
 
-/// True if runs change the memory, so that later ones depend on earlier ones.
+/// True if runs change the memory, so that later runs depend on earlier ones.
 [[nodiscard]] bool learns_while_planning(const SolveSettings& settings);
 
-/// Solves a problem as the case says, whose settings have the run's seed.
+/// Solves a problem with the settings of a case, which include the run's seed.
 using SolveRun = std::function<Result<SolveResult>(const Problem& problem, Database* database,
                                                    const BenchCase& bench_case)>;
-/// By mneme, or by the rival that has the planner's place.
+/// Solves with mneme, or with the rival that the planner's name refers to.
 [[nodiscard]] Result<SolveResult> solve_case(const Problem& problem, Database* database,
                                              const BenchCase& bench_case);
 
-/// Problems x cases x seeds.
+/// A benchmark: problems x cases x seeds.
 struct BenchPlan {
   std::vector<LoadedProblem> problems;
   std::vector<BenchCase> cases;
   int seed_count = 1;
   std::uint64_t first_seed = 1;
   int jobs = 1;  ///< threads; with one, all callbacks come from the caller's
-  /// Every other seed takes the cases in reverse, because the first one of a problem finds the
-  /// caches cold.
+  /// Reverse the order of cases with every other seed, because the first case of a problem has cold
+  /// caches.
   bool alternates = true;
-  /// A case whose first runs on a problem, this many, are all unsolved is not run on it further; 0
-  /// for no such limit. Repeats itself with one job.
+  /// Skip a case on a problem once this many runs were all unsolved; 0: never. Deterministic with
+  /// one job.
   int hopeless_after = 0;
-  /// By the name of the memory and the hash of the robot.
+  /// Keys: name of the memory, hash of the robot.
   std::map<std::pair<std::string, std::string>, std::shared_ptr<Database>> memories;
   SolveRun solve = solve_case;
-  const std::atomic<bool>* cancel = nullptr;  ///< ends the run under way, which leaves no row
+  const std::atomic<bool>* cancel = nullptr;  ///< cancels the current run, which leaves no row
 
   [[nodiscard]] std::size_t run_count() const;
 };
 
-/// An error if `rows` were run with other settings or limits than `plan` has under the same name.
+/// Fails if `rows` were run with other settings or limits than the plan's of the same name.
 [[nodiscard]] Result<void> check_same_settings(const BenchPlan& plan,
                                                std::span<const BenchmarkRow> rows);
-/// Puts rows into the order in which one job runs the plan; those of other plans go last.
+/// Sorts rows into the order in which one job runs the plan. Rows of other plans go last.
 void sort_rows(const BenchPlan& plan, std::vector<BenchmarkRow>& rows);
 
-/// Receives each run as soon as it is done, one at a time. An error ends the benchmark.
+/// Receives each finished run, one at a time. An error ends the benchmark.
 using OnRow = std::function<Result<void>(const BenchmarkRow& row, const SolveResult& result)>;
-/// Runs what `done` does not hold yet, all problems with one seed before the next seed. True if it
-/// was not cancelled. With one job, exceptions of callbacks pass through.
+/// Runs the part of the plan that `done` lacks, all problems with one seed before the next seed.
+/// False if cancelled. With one job, exceptions of callbacks pass through.
 [[nodiscard]] Result<bool> run_bench(BenchPlan& plan, std::span<const BenchmarkRow> done,
                                      const OnRow& on_row);
 
-/// Rows in memory and, with a name, in a CSV file that grows with them.
+/// Rows in memory, and in a CSV file if it has a name.
 class RowFile {
  public:
-  /// Begins the file `csv`; none if it is empty. With `is_resumed` the rows that it holds are kept;
-  /// a broken last line is left out.
+  /// Opens the file `csv`; no file if empty. With `is_resumed` its rows are kept, except an
+  /// incomplete last line.
   Result<void> open(const std::string& csv, bool is_resumed);
   Result<void> add(const BenchmarkRow& row);
-  /// Puts the rows, also those of the file, into the order of sort_rows().
+  /// Sorts the rows, also in the file, with sort_rows().
   Result<void> sort(const BenchPlan& plan);
 
   [[nodiscard]] const std::vector<BenchmarkRow>& rows() const { return rows_; }
@@ -154,33 +154,33 @@ class RowFile {
   std::ofstream file_;
   std::vector<BenchmarkRow> rows_;
 };
-/// The rows of a CSV file that a RowFile wrote.
+/// Reads the CSV file of a RowFile.
 [[nodiscard]] Result<std::vector<BenchmarkRow>> read_rows(const std::string& path);
-/// Hears after each run all rows until then, and how many there will be.
+/// Receives all rows so far after each run, and their final number.
 using OnRows = std::function<void(std::span<const BenchmarkRow> rows, std::size_t total)>;
-/// Runs what `file` does not hold yet and adds it there. False if it was cancelled. Errors: also
-/// rows of other settings.
+/// Runs the part of the plan that `file` lacks and adds the rows. False if cancelled. Errors: also
+/// check_same_settings().
 [[nodiscard]] Result<bool> run_bench(BenchPlan& plan, RowFile& file, const OnRows& on_rows);
 
-/// A database that a suite's runs draw from: a file that is there, or one that is learned first.
+/// A database of a suite: an existing file, or one that is learned first.
 struct SuiteMemory {
   std::string name;
-  std::string file;          ///< an existing database; empty if it is learned
-  std::string robot;         ///< with `primitives`: a URDF file or a name
-  std::string primitives;    ///< a grid to cover (see load_grid)
-  std::optional<int> count;  ///< at least this many primitives instead of the grid's number
-  std::vector<SuiteProblems> problems;  ///< to be solved with uniform samples and learned from
-  std::optional<std::string> kind;      ///< with `problems`; left out, default_kind_of_paths()
+  std::string file;                     ///< an existing database; empty: learned
+  std::string robot;                    ///< for `primitives`: a URDF file or a name
+  std::string primitives;               ///< file of a grid of primitives (load_grid)
+  std::optional<int> count;             ///< number of primitives; default: the grid's
+  std::vector<SuiteProblems> problems;  ///< solved with uniform samples and learned from
+  std::optional<std::string> kind;      ///< for `problems`; default: default_kind_of_paths()
   int paths = 5;                        ///< per problem
   double path_timeout_s = 10;           ///< per path
   std::uint64_t seed = 1;
   LearnSettings learn;
 };
 
-/// Settings under a name. `solve.planner`, `solve.sampler` and the seed are the run's.
+/// Named settings. Runs replace `solve.planner`, `solve.sampler` and the seed.
 struct SuiteSetting {
   std::string name;
-  std::string memory;  ///< name of the memory that gl draws from; may be empty
+  std::string memory;  ///< name of the memory; may be empty
   std::vector<std::string> planners;
   std::vector<std::string> samplers;
   std::vector<std::string> sets;  ///< empty for all
@@ -197,16 +197,16 @@ struct Suite {
 };
 
 /// Reads a suite. Errors name file, line and key: unknown keys and names, values out of range, a
-/// setting that draws from a memory and names none. A planner of OMPL's may be named also where it
-/// was not built in.
+/// sampler that needs a memory without one. Planners of OMPL are accepted also in builds without
+/// it.
 [[nodiscard]] Result<Suite> load_suite(const std::string& path);
 
-/// The rows that a suite wrote of its memories; none if there is no such file.
+/// Reads the rows of a suite's memories; none if the file does not exist.
 [[nodiscard]] Result<std::vector<MemoryRow>> read_memories(const std::string& path);
 
-/// True of a YAML file that has a line of its own for the key `problems`.
+/// True for YAML files with a line for the key `problems`.
 [[nodiscard]] bool is_suite_file(const std::string& path);
-/// A suite to be run, and what of it is to be different.
+/// A suite to run, with overrides.
 struct SuiteRun {
   std::string suite;     ///< path
   std::string out;       ///< directory; empty for out/bench/NAME
@@ -217,10 +217,11 @@ struct SuiteRun {
   int jobs = 1;
   bool is_resumed = false;
 };
-/// How a suite shows what it does. Each may be empty.
+/// Callbacks of a suite. Each may be empty.
 struct SuiteHooks {
   OnNote on_note;
-  /// Hears what is to be learned, such as "800 primitives", and may set the run's `on_progress`.
+  /// Called before learning, with a description such as "800 primitives". May set
+  /// LearnRun::on_progress.
   std::function<void(LearnRun& run, const std::string& what)> watch;
   OnRows on_rows;
   const std::atomic<bool>* cancel = nullptr;
@@ -228,13 +229,13 @@ struct SuiteHooks {
 struct SuiteResult {
   std::vector<BenchmarkRow> rows;
   std::string report;        ///< path of the page
-  bool is_complete = false;  ///< otherwise it was cancelled
+  bool is_complete = false;  ///< false if cancelled
 };
-/// Learns the memories of a suite, unless they are there, runs what its rows do not hold yet, and
-/// leaves rows, memories, report and logs for OMPL in a directory (docs/results/benchmarks.md).
-/// Planners that this build lacks are left out with a note. Errors: those of load_suite() and of
-/// what it reads; a result that would replace an input; a planner with experience of its own and a
-/// memory that is not learned from problems; rows there of other settings.
+/// Runs a suite (docs/results/benchmarks.md): learns missing memories, runs what is missing in the
+/// rows of an earlier run, and writes rows, memories, report and OMPL logs. Planners that this
+/// build lacks are skipped with a note. Errors: those of load_suite() and of its files; an output
+/// that is also an input; a planner that learns by itself without a memory learned from problems;
+/// rows of other settings.
 [[nodiscard]] Result<SuiteResult> run_suite(const SuiteRun& run, const SuiteHooks& hooks);
 
 }  // namespace mneme

@@ -22,7 +22,7 @@ bool is_yaml(const fs::path& path) {
   return path.extension() == ".yaml" || path.extension() == ".yml";
 }
 
-/// Scenes, grids and settings lie beside problems: a problem has a line of its own for its goal.
+/// Distinguishes problems from scenes, grids and settings by a line for the goal.
 bool is_problem_file(const fs::path& path) {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {
@@ -34,7 +34,7 @@ bool is_problem_file(const fs::path& path) {
   return false;
 }
 
-/// `path` without its extension, as seen from `directory`.
+/// `path` without its extension, relative to `directory`.
 std::string set_name(const fs::path& path, const fs::path& directory) {
   const fs::path name = directory.empty() ? path.stem() : path.lexically_relative(directory);
   return fs::path(name).replace_extension().generic_string();
@@ -78,9 +78,9 @@ Result<void> append_directory(const fs::path& directory, std::vector<SuiteProble
   return {};
 }
 
-/// Files that a suite takes together as one set may share names, which would then be taken for one
-/// problem: these get the name of their own set before them.
-void tell_apart(const std::vector<std::string>& own_sets, std::vector<LoadedProblem>& problems) {
+/// Prefixes equal names of different problems in one set with the names of their own sets.
+void make_names_unique(const std::vector<std::string>& own_sets,
+                       std::vector<LoadedProblem>& problems) {
   const auto key = [](const LoadedProblem& of) { return std::pair(of.set, of.problem.name); };
   std::map<std::pair<std::string, std::string>, std::set<std::string>> sets_of;
   for (std::size_t i = 0; i < problems.size(); ++i) sets_of[key(problems[i])].insert(own_sets[i]);
@@ -90,28 +90,34 @@ void tell_apart(const std::vector<std::string>& own_sets, std::vector<LoadedProb
   }
 }
 
-/// Hands on each problem of `found`, with its entry and what stands for it alone.
-using TakeProblem = std::function<Result<void>(const SuiteProblems& entry, const SuiteProblems& one,
-                                               Problem problem)>;
-Result<void> load_each(const std::vector<SuiteProblems>& found, const ProblemOptions& overrides,
-                       const OnNote& on_note, const TakeProblem& take) {
+/// A loaded problem, its entry among the arguments, and its own file and set.
+struct FoundProblem {
+  const SuiteProblems* entry;
+  SuiteProblems own;
+  Problem problem;
+};
+
+Result<std::vector<FoundProblem>> load_each(const std::vector<SuiteProblems>& entries,
+                                            const ProblemOptions& overrides,
+                                            const OnNote& on_note) {
+  std::vector<FoundProblem> problems;
   std::set<std::string> warnings;
   const auto cache = make_problem_cache();
-  for (const SuiteProblems& entry : found) {
+  for (const SuiteProblems& entry : entries) {
     ProblemOptions options = overrides;
     if (!entry.robot.empty()) options.robot_path = entry.robot;
     if (!entry.srdf.empty()) options.robot.srdf_path = entry.srdf;
     options.cache = cache;
     const auto all = MNEME_TRY(find_bench_problems({entry.where}, entry.part));
-    for (const SuiteProblems& one : all) {
-      Problem problem = MNEME_TRY(load_problem(one.where, options));
+    for (const SuiteProblems& own : all) {
+      Problem problem = MNEME_TRY(load_problem(own.where, options));
       for (const std::string& warning : problem.warnings) {
         if (on_note && warnings.insert(warning).second) on_note("warning: " + warning);
       }
-      MNEME_TRY(take(entry, one, std::move(problem)));
+      problems.push_back({&entry, own, std::move(problem)});
     }
   }
-  return {};
+  return problems;
 }
 
 }  // namespace
@@ -161,13 +167,12 @@ Result<std::vector<LoadedProblem>> load_bench_problems(const std::vector<SuitePr
                                                        const OnNote& on_note) {
   std::vector<LoadedProblem> problems;
   std::vector<std::string> own_sets;
-  const auto take = [&](const SuiteProblems& entry, const SuiteProblems& one, Problem problem) {
-    problems.push_back({entry.set.empty() ? one.set : entry.set, std::move(problem)});
-    own_sets.push_back(one.set);
-    return Result<void>();
-  };
-  MNEME_TRY(load_each(found, overrides, on_note, take));
-  tell_apart(own_sets, problems);
+  std::vector<FoundProblem> loaded = MNEME_TRY(load_each(found, overrides, on_note));
+  for (auto& [entry, own, problem] : loaded) {
+    problems.push_back({entry->set.empty() ? own.set : entry->set, std::move(problem)});
+    own_sets.push_back(own.set);
+  }
+  make_names_unique(own_sets, problems);
   return problems;
 }
 
@@ -175,22 +180,17 @@ Result<std::vector<Problem>> load_lesson_problems(const std::vector<SuiteProblem
                                                   const ProblemOptions& overrides,
                                                   const OnNote& on_note) {
   std::vector<Problem> problems;
-  std::string first;
-  const auto take = [&](const SuiteProblems&, const SuiteProblems& one,
-                        Problem problem) -> Result<void> {
-    if (problems.empty()) first = one.where;
+  std::vector<FoundProblem> loaded = MNEME_TRY(load_each(found, overrides, on_note));
+  for (auto& [entry, own, problem] : loaded) {
     if (!problems.empty() && problems.front().robot.hash() != problem.robot.hash()) {
-      return fail(
-          ErrorCode::invalid,
-          fmt::format("'{}': its robot '{}' differs from that of '{}'; expected problems of "
-                      "one robot",
-                      one.where, problem.robot.name(), first));
+      return fail(ErrorCode::invalid,
+                  fmt::format("'{}': its robot '{}' differs from the robot of '{}'; expected "
+                              "problems of one robot",
+                              own.where, problem.robot.name(), loaded.front().own.where));
     }
-    problem.name = fmt::format("{}#{}", one.set, problem.name);
+    problem.name = fmt::format("{}#{}", own.set, problem.name);
     problems.push_back(std::move(problem));
-    return {};
-  };
-  MNEME_TRY(load_each(found, overrides, on_note, take));
+  }
   return problems;
 }
 

@@ -13,7 +13,7 @@
 namespace mneme {
 namespace {
 
-/// More than a million runs.
+/// Room for more than a million runs.
 constexpr std::size_t kMaxCsvBytes = std::size_t{256} << 20;
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace mneme {
 namespace {
 
-/// Leaves out settings that are not among `names`, and the memories that only they draw from.
+/// Keeps only the settings `names` and their memories.
 Result<void> keep_settings(const std::vector<std::string>& names, Suite& suite) {
   for (const std::string& name : names) {
     if (std::ranges::find(suite.settings, name, &SuiteSetting::name) == suite.settings.end()) {
@@ -48,7 +48,7 @@ Result<Suite> read_suite(const SuiteRun& run) {
   return suite;
 }
 
-/// Before anything is learned: a suite may name a memory where its results would be.
+/// Refuses outputs that are also inputs, before anything is learned.
 Result<void> check_suite_files(const SuiteRun& run, const Suite& suite, const std::string& out,
                                const std::string& memories) {
   std::vector<ReadFile> inputs = {{"the suite", run.suite}};
@@ -69,7 +69,7 @@ Result<internal::ReadySuite> prepare(const SuiteRun& run, const Suite& suite,
   std::vector<MemoryRow> known = MNEME_TRY(read_memories(shared));
   auto ready = MNEME_TRY(internal::prepare_suite(suite, directory, known, run.jobs, hooks));
   if (ready.is_interrupted) return ready;
-  // Other suites may share the directory.
+  // Keep rows of other suites in the same directory.
   for (const MemoryRow& row : ready.memories) {
     std::erase_if(known, [&](const MemoryRow& r) { return r.name == row.name; });
     known.push_back(row);

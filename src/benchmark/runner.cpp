@@ -17,7 +17,7 @@
 namespace mneme {
 namespace {
 
-/// What tells one run from another: set, problem, planner, sampler, setting and seed.
+/// Identity of a run: set, problem, planner, sampler, setting and seed.
 using RunName =
     std::tuple<std::string, std::string, std::string, std::string, std::string, std::uint64_t>;
 
@@ -67,7 +67,7 @@ std::vector<BenchRun> missing_runs(const BenchPlan& plan, std::span<const Benchm
   return runs;
 }
 
-/// Caches, page tables and the clock of the machine are cold at first.
+/// Warms caches, page tables and the processor's clock.
 void warm_up(const BenchRun& run, const std::atomic<bool>* cancel) {
   SolveSettings settings;
   settings.plan.cancel = cancel;
@@ -76,13 +76,13 @@ void warm_up(const BenchRun& run, const std::atomic<bool>* cancel) {
   static_cast<void>(solve(run.loaded->problem, nullptr, settings));
 }
 
-/// What is known of a case on a problem: does it ever get anywhere?
+/// Runs of a case on a problem so far.
 struct Record {
   int runs = 0;
   bool is_solved = false;
 };
 
-/// Hands the runs to threads and their rows to the caller.
+/// Distributes runs to threads and passes their rows to the caller.
 class RunQueue {
  public:
   RunQueue(BenchPlan& plan, const std::vector<BenchRun>& runs, std::span<const BenchmarkRow> done,
@@ -104,15 +104,15 @@ class RunQueue {
   }
 
  private:
-  /// The next run that may start; null if there is none, because whoever runs a serial planner goes
-  /// on with the others. `last` is what the thread has just run.
+  /// The next run that may start; null if there is none. A thread that ends a serial run continues
+  /// with the remaining serial ones. `last` is the thread's previous run.
   const BenchRun* take(const BenchRun* last) {
     const std::lock_guard lock(mutex_);
     if (last != nullptr && last->bench_case->is_serial) is_turn_free_ = true;
     while (!error_ && !is_cancelled_) {
       const bool has_serial = is_turn_free_ && !serial_.empty();
       if (!has_serial && parallel_.empty()) return nullptr;
-      // All of the runs were in one array, so that addresses tell their order.
+      // All runs are in one array, so that addresses give their order.
       const bool is_serial =
           has_serial && (parallel_.empty() || serial_.front() < parallel_.front());
       std::deque<const BenchRun*>& queue = is_serial ? serial_ : parallel_;
@@ -196,7 +196,7 @@ class RunQueue {
   BenchPlan& plan_;
   const OnRow& on_row_;
   std::deque<const BenchRun*> parallel_, serial_;  ///< not started yet
-  bool is_turn_free_ = true;                       ///< of serial runs
+  bool is_turn_free_ = true;                       ///< no serial run is active
   std::map<RunName, Record> records_;              ///< without seeds
   std::string machine_;
   std::string version_;
@@ -265,13 +265,13 @@ Result<void> check_same_settings(const BenchPlan& plan, std::span<const Benchmar
     const double timeout_s = same->settings.plan.timeout_s;
     if (row.timeout_s != timeout_s) {
       return fail(ErrorCode::invalid,
-                  fmt::format("cannot resume: a run there had a time limit of {} s, not {} s",
+                  fmt::format("cannot resume: an earlier run had a time limit of {} s, not {} s",
                               row.timeout_s, timeout_s));
     }
-    // Rows without a version come from a mneme that did not write settings down.
+    // Rows without a version are from before settings were recorded.
     if (!row.version.empty() && row.settings != same->description) {
       return fail(ErrorCode::invalid,
-                  fmt::format("cannot resume: a run there had the settings '{}', not '{}'",
+                  fmt::format("cannot resume: an earlier run had the settings '{}', not '{}'",
                               row.settings, same->description));
     }
   }

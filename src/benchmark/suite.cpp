@@ -22,7 +22,7 @@ using internal::visit_all_settings;
 
 using SettingTexts = std::vector<std::pair<std::string, std::string>>;
 
-/// Names and values of settings as text, in order of declaration.
+/// Names and values of all settings, in order of declaration.
 SettingTexts all_texts(const SolveSettings& settings) {
   SettingTexts texts;
   visit_all_settings(
@@ -49,8 +49,7 @@ std::vector<std::string> read_texts(const Input& input) {
   return texts;
 }
 
-/// Names of a table that `find` knows. Planners that this build lacks may be named: the suite goes
-/// on without them.
+/// Names that `find` knows, or that this build lacks: a suite skips those.
 template <class Find>
 std::vector<std::string> read_names(const Input& input, const Find& find) {
   std::vector<std::string> names = read_texts(input);
@@ -68,7 +67,7 @@ Result<void> find_planner_or_rival(std::string_view name) {
   return planner ? Result<void>() : tl::unexpected(planner.error());
 }
 
-/// True of what names a file in a directory and nothing elsewhere.
+/// True for names of files without a directory.
 bool is_file_name(std::string_view name) {
   return !name.empty() && name != "." && name != ".." && name.find('/') == std::string_view::npos;
 }
@@ -101,7 +100,7 @@ class SuiteReader {
   }
 
  private:
-  /// The text, in which `${NAME}` stands for an environment variable.
+  /// The text with each `${NAME}` replaced by the environment variable.
   [[nodiscard]] static std::string expand(const Input& input) {
     std::string text = input.text();
     for (std::size_t begin = text.find("${"); begin != std::string::npos;) {
@@ -202,7 +201,7 @@ class SuiteReader {
       setting.planners = read_names(*planners, find_planner_or_rival);
     }
     if (const auto samplers = map.find("samplers")) {
-      // Planners that this build lacks may have samplers that it does not know either.
+      // Samplers of planners that this build lacks are unknown, too.
       const bool is_known = std::ranges::any_of(setting.planners, [](const std::string& planner) {
         return find_planner_or_rival(planner).has_value();
       });
@@ -236,12 +235,11 @@ class SuiteReader {
       input.fail(ErrorCode::parse,
                  fmt::format("the sampler {} needs the key memory in its setting", *drawing));
     }
-    const bool is_known =
-        std::any_of(suite.memories.begin(), suite.memories.end(),
-                    [&](const SuiteMemory& m) { return m.name == setting.memory; });
-    if (is_known) return;
-    input.fail(ErrorCode::parse,
-               fmt::format("key memory: there is no memory \"{}\"", setting.memory));
+    if (std::ranges::find(suite.memories, setting.memory, &SuiteMemory::name) ==
+        suite.memories.end()) {
+      input.fail(ErrorCode::parse,
+                 fmt::format("key memory: there is no memory \"{}\"", setting.memory));
+    }
   }
 
   fs::path path_;

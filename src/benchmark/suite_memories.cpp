@@ -40,7 +40,7 @@ Result<void> open_for_robots(const std::string& name, const std::string& path, O
   return {};
 }
 
-/// An empty memory becomes one of the robot that is planned for with it first.
+/// Creates an empty memory for the robot of the first problem that uses it.
 Result<void> begin_memory(const std::string& name, const std::string& path, const BenchPlan& plan) {
   const Database any = MNEME_TRY(Database::inspect(path));
   if (any.size() > 0) return {};
@@ -80,7 +80,7 @@ Result<void> add_setting(const SuiteSetting& setting, const SuiteHooks& hooks, B
     if (find_rival(planner) != nullptr || find_planner(planner)) {
       planners.push_back(planner);
     } else {
-      say(hooks, fmt::format("left out: {}, because this build has no OMPL", planner));
+      say(hooks, fmt::format("skipped: {}, because this build has no OMPL", planner));
     }
   }
   append_cases(base, planners, setting.samplers, plan.cases);
@@ -96,7 +96,7 @@ Result<LearnSummary> learn_grid(const SuiteMemory& memory, const std::string& pa
   for (const std::string& note : notes) say(hooks, note);
   Database database = MNEME_TRY(Database::open(path, make_signature(robot), OpenMode::create));
   std::vector<PrimitiveKey> keys = cover(grid, memory.seed, hooks.cancel);
-  // A count that was asked for is a size to measure, also where more would complete the cover.
+  // A requested count is exact; cover() alone may return more to complete the grid.
   if (memory.count) keys.resize(std::min<std::size_t>(keys.size(), std::size_t(grid.count)));
   LearnJob job;
   job.jobs = jobs;
@@ -105,10 +105,11 @@ Result<LearnSummary> learn_grid(const SuiteMemory& memory, const std::string& pa
   watch(hooks, fmt::format("{} primitives", keys.size()), job);
   const LearnSummary summary = MNEME_TRY(learn_primitives(robot, keys, database, job));
   if (!summary.is_cancelled && database.size() != std::ssize(keys)) {
-    return fail(ErrorCode::invalid,
-                fmt::format("'{}' holds {} primitives instead of the {} of memory {}: expected a "
-                            "file that was learned with the same settings, or none",
-                            path, database.size(), keys.size(), memory.name));
+    return fail(
+        ErrorCode::invalid,
+        fmt::format("'{}' has {} primitives, but memory {} has {}: delete the file, or use the "
+                    "settings that it was learned with",
+                    path, database.size(), memory.name, keys.size()));
   }
   return summary;
 }
@@ -141,8 +142,7 @@ Result<LearnSummary> learn_problems(const SuiteMemory& memory, const std::string
   return summary;
 }
 
-/// Learns what is not there yet; `row` gets what it took and what there is now. False if it was
-/// interrupted.
+/// Learns missing rows of a memory and describes it in `row`. False if interrupted.
 Result<bool> learn_memory(const SuiteMemory& memory, const std::string& path,
                           const std::vector<MemoryRow>& known, int jobs, const SuiteHooks& hooks,
                           MemoryRow& row) {
@@ -162,8 +162,8 @@ Result<bool> learn_memory(const SuiteMemory& memory, const std::string& path,
   return !learned.is_cancelled;
 }
 
-/// Writes what `planner` makes of the paths that `memory` is learned from, found again from the
-/// same seeds. False if it was interrupted.
+/// Trains the planner's own experience from the paths that `memory` is learned from, planned again
+/// with the same seeds. False if interrupted.
 Result<bool> train(const SuiteMemory& memory, const PlannerEntry& planner, const std::string& file,
                    const SuiteHooks& hooks) {
   const std::vector<Problem> problems = MNEME_TRY(load_lessons(memory, hooks));
@@ -175,7 +175,7 @@ Result<bool> train(const SuiteMemory& memory, const PlannerEntry& planner, const
     std::ranges::move(plan.paths, std::back_inserter(paths));
   }
   if (is_set(hooks.cancel)) return false;
-  // A file that is there is whole, whenever this was killed.
+  // Renaming ensures that an existing file is complete.
   const std::string partial = file + ".partial";
   MNEME_TRY(planner.train(problems.front().robot, paths, partial));
   std::error_code error;
@@ -184,8 +184,9 @@ Result<bool> train(const SuiteMemory& memory, const PlannerEntry& planner, const
   return true;
 }
 
-/// Gives the cases of planners with experience of their own that of the paths which their memory is
-/// learned from: `directory`/MEMORY.Lightning, kept if it is there. False if interrupted.
+/// Trains planners with their own experience from the problems of their memory, into
+/// `directory`/MEMORY.PLANNER unless it exists, and adds the file to the cases. False if
+/// interrupted.
 Result<bool> train_planners(const Suite& suite, const std::string& directory,
                             const SuiteHooks& hooks, std::vector<BenchCase>& cases) {
   for (BenchCase& bench_case : cases) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A suite made ready to run: problems read, memories learned and opened.
+/// Preparation of a suite: its problems and memories.
 #pragma once
 
 #include "mneme/benchmark.h"
@@ -14,13 +14,11 @@ namespace mneme::internal {
 struct ReadySuite {
   BenchPlan plan;
   std::vector<MemoryRow> memories;
-  bool is_interrupted = false;  ///< while it learned: nothing is ready
+  bool is_interrupted = false;  ///< while learning: not ready to run
 };
-/// Reads the problems of `suite`, learns the memories that its settings draw from into
-/// `directory`/NAME.db, unless they are there, and opens them. Planners that this build lacks are
-/// left out. `known` are the memories of an earlier run; their times stand for what is not learned
-/// again. Errors: a planner with experience of its own and a memory that is not learned from
-/// problems.
+/// Loads the problems of `suite`, learns missing memories into `directory`/NAME.db and opens all.
+/// Planners that this build lacks are skipped. `known` are memories of an earlier run: their
+/// learning times are kept. Errors: those of run_suite().
 [[nodiscard]] Result<ReadySuite> prepare_suite(const Suite& suite, const std::string& directory,
                                                const std::vector<MemoryRow>& known, int jobs,
                                                const SuiteHooks& hooks);

@@ -270,7 +270,7 @@ settings:
     REQUIRE(ready->plan.cases.size() == 1);
     CHECK(ready->plan.cases[0].settings.planner == "prm");
     REQUIRE(notes.size() == 1);
-    CHECK(notes[0].starts_with("left out: ompl:RRT"));
+    CHECK(notes[0].starts_with("skipped: ompl:RRT"));
   }
 
   TEST_CASE("Rivals take the place of planners, and their rows have their names") {
