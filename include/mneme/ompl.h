@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The memory for planners of OMPL, and planners of OMPL for mneme's problems. A library of its
-/// own, mneme::ompl. This header includes OMPL's: compile what includes it without -march.
+/// The memory for planners of OMPL, and planners of OMPL for mneme's problems (library
+/// mneme::ompl). This header includes OMPL's: compile its users without -march.
 #pragma once
 
 #include "mneme/pipeline.h"
@@ -24,16 +24,16 @@
 
 namespace mneme::ompl {
 
-/// The joint space of a robot's planning group: states are RealVectorStateSpace::StateType with one
-/// value per joint in group order. Distances are those of Robot::distance; continuous joints lie in
-/// [-pi, pi) and take the shorter way round. States of motions that OMPL itself checks are a
-/// hundredth of the extent apart, unless make_space_information sets up the space.
+/// The joint space of a robot's planning group. States are RealVectorStateSpace::StateType with one
+/// value per joint in group order. Distances are those of Robot::distance. Continuous joints are in
+/// [-pi, pi) and take the shorter direction. OMPL's own motion validator checks states a hundredth
+/// of the extent apart; make_space_information() replaces it.
 class JointStateSpace final : public ::ompl::base::RealVectorStateSpace {
  public:
   explicit JointStateSpace(const Robot& robot);
 
   [[nodiscard]] const Robot& robot() const { return robot_; }
-  /// States that are allocated and not yet freed. May be read while planners run.
+  /// Number of allocated states. May be read while planners run.
   [[nodiscard]] std::uint64_t state_count() const {
     return state_count_.load(std::memory_order_relaxed);
   }
@@ -57,23 +57,22 @@ class JointStateSpace final : public ::ompl::base::RealVectorStateSpace {
   mutable std::atomic<std::uint64_t> state_count_{0};
 };
 
-/// Work that planners of OMPL asked for. May be read while they run.
+/// Work of OMPL planners. May be read while they run.
 struct WorkCounters {
   std::atomic<std::uint64_t> states{0};
   std::atomic<std::uint64_t> motions{0};
-  std::atomic<std::uint64_t> samples{0};  ///< drawn from samplers that were made to count them
+  std::atomic<std::uint64_t> samples{0};  ///< samples from samplers with counters
 };
 
-/// Space, validity of states and validity of motions of `checker.robot()` in `checker.scene()`, set
-/// up. Motions are checked on the kernels at the checker's resolution, whatever
-/// setStateValidityCheckingResolution says; that is set to the same resolution for the parts of
-/// OMPL that look at states themselves. Clearance, which some samplers of OMPL ask for, is the
-/// distance to the obstacles, at most 1 m, within 1 mm. May be used by several threads.
+/// A space information, set up, for `checker.robot()` in `checker.scene()`. Kernels check motions
+/// at the checker's resolution and ignore setStateValidityCheckingResolution(), which is set to the
+/// same resolution for OMPL's own checks. The clearance of a state is its distance to obstacles, at
+/// most 1 m, to within 1 mm. Thread-safe.
 [[nodiscard]] std::shared_ptr<::ompl::base::SpaceInformation> make_space_information(
     const CollisionChecker& checker, std::shared_ptr<WorkCounters> counters = nullptr);
 
-/// The two halves of make_space_information, for a program that has its own space: states of
-/// `information` must have one real per joint in group order (StateSpace::copyToReals).
+/// The checkers of make_space_information(), for programs with their own space. States must have
+/// one real per joint in group order (StateSpace::copyToReals).
 [[nodiscard]] ::ompl::base::StateValidityCheckerPtr make_state_validity(
     const ::ompl::base::SpaceInformationPtr& information, const CollisionChecker& checker,
     std::shared_ptr<WorkCounters> counters = nullptr);
@@ -81,29 +80,28 @@ struct WorkCounters {
     const ::ompl::base::SpaceInformationPtr& information, const CollisionChecker& checker,
     std::shared_ptr<WorkCounters> counters = nullptr, const MotionDetail& detail = {});
 
-/// For StateSpace::setStateSamplerAllocator: sampleUniform draws from `sampler`; sampleUniformNear
-/// and sampleGaussian are those of the space. The n-th state sampler that is allocated draws from
-/// the stream of derive_seed(seed, n). States of the space must have one real per joint of the
-/// sampler's robot, in group order.
+/// An allocator for StateSpace::setStateSamplerAllocator. sampleUniform() takes samples of
+/// `sampler`; sampleUniformNear() and sampleGaussian() are the space's own. The n-th state sampler
+/// uses the seed derive_seed(seed, n). States must have one real per joint of the sampler's robot
+/// in group order.
 [[nodiscard]] ::ompl::base::StateSamplerAllocator sampler_allocator(
     std::shared_ptr<const Sampler> sampler, std::uint64_t seed = 1);
 
-/// Algorithms 1 and 2 for StateSpace::setStateSamplerAllocator: with probability lambda a state is
-/// drawn from what `database` knows of the problem, otherwise uniformly; see make_sampler(). A
-/// problem without start and goals will do for kinds of memory that know scenes only. Errors: those
-/// of make_sampler().
+/// Algorithms 1 and 2 for StateSpace::setStateSamplerAllocator: samples come with probability
+/// lambda from the experience in `database` for the problem, otherwise they are uniform. Kinds of
+/// memory that use only the scene need no start and goals. Errors: those of make_sampler().
 [[nodiscard]] Result<::ompl::base::StateSamplerAllocator> gl_sampler_allocator(
     const Problem& problem, Database& database, const SolveSettings& settings = {});
 
-/// Length of the path, as ompl::base::PathLengthOptimizationObjective, for planners that sample
-/// through an informed sampler (BIT*, Informed RRT*): theirs draws from the space's allocator and
-/// keeps what can still shorten the path. OMPL's own ignores the allocator, and takes continuous
-/// joints for straight.
+/// An objective like ompl::base::PathLengthOptimizationObjective, for planners with an informed
+/// sampler (BIT*, Informed RRT*). Its informed sampler takes samples of the space's allocator and
+/// rejects those that cannot shorten the path. OMPL's ignores the allocator and does not wrap
+/// continuous joints.
 [[nodiscard]] ::ompl::base::OptimizationObjectivePtr make_path_length_objective(
     const ::ompl::base::SpaceInformationPtr& information);
 
-/// Paths to and from OMPL. States of the information's space have one real per joint, in group
-/// order. Joints of the results are normalized (Robot::normalized).
+/// Converts paths to and from OMPL. States must have one real per joint in group order. Joints of
+/// the results are normalized (Robot::normalized).
 [[nodiscard]] ::ompl::geometric::PathGeometric to_ompl(
     const Path& path, const ::ompl::base::SpaceInformationPtr& information);
 [[nodiscard]] Path from_ompl(const ::ompl::geometric::PathGeometric& path, const Robot& robot);
@@ -113,13 +111,13 @@ struct WorkCounters {
 namespace mneme {
 
 /// Adds OMPL's planners to planners(), as "ompl:RRTConnect" and so on, and its samplers of valid
-/// states to samplers(); call it before planning. Of the planners' runs:
-/// PlanSettings::ompl_defaults says how they are set up; they stop at the first path, and one that
-/// fails verification is planned again within the limits, with every motion verified as paths are;
-/// `max_nodes` limits the states that OMPL holds. In the result, iterations are samples drawn, and
-/// nodes are not counted. One run at a time repeats itself for equal seeds, as far as the planner
-/// does (PRM starts a thread); runs in parallel threads of one process share OMPL's source of
-/// seeds. OMPL's log is silent meanwhile.
+/// states to samplers(). Call it before planning.
+///
+/// Planners stop at their first path. If it fails verification, they plan again within the limits,
+/// with every motion verified like paths. PlanSettings::ompl_defaults selects OMPL's own
+/// parameters. `max_nodes` limits the number of OMPL's states. Results count samples as iterations,
+/// and no nodes. Runs are deterministic one at a time, unless the planner has threads (PRM):
+/// parallel runs share OMPL's seeds. OMPL's log is off during runs.
 void add_ompl_planners();
 
 }  // namespace mneme

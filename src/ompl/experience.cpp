@@ -23,10 +23,10 @@ namespace ob = ::ompl::base;
 namespace og = ::ompl::geometric;
 namespace ot = ::ompl::tools;
 
-/// What ompl::tools::Lightning and Thunder do around their planners, as one planner.
+/// The planners of ompl::tools::Lightning or Thunder as one planner.
 class ExperiencePlanner final : public ob::Planner {
  public:
-  /// `roadmap`, if any, belongs to the experience.
+  /// `roadmap`: Thunder's, otherwise null.
   ExperiencePlanner(const ob::SpaceInformationPtr& information, ob::PlannerPtr repair,
                     ob::PlannerPtr scratch, ob::PlannerPtr roadmap)
       : Planner(information, repair->getName()),
@@ -36,7 +36,7 @@ class ExperiencePlanner final : public ob::Planner {
   void setProblemDefinition(const ob::ProblemDefinitionPtr& definition) override {
     Planner::setProblemDefinition(definition);
     for (const ob::PlannerPtr& planner : planners_) planner->setProblemDefinition(definition);
-    // Its search asks the problem's goal.
+    // The search in the roadmap uses the goal.
     if (roadmap_) roadmap_->setProblemDefinition(definition);
   }
   void clear() override {
@@ -51,7 +51,7 @@ class ExperiencePlanner final : public ob::Planner {
 
  private:
   std::array<ob::PlannerPtr, 2> planners_;
-  ob::PlannerPtr roadmap_;  ///< Thunder's, otherwise null
+  ob::PlannerPtr roadmap_;
 };
 
 std::shared_ptr<ot::ThunderDB> make_thunder(const ob::SpaceInformationPtr& information) {
@@ -87,7 +87,7 @@ Repair make_repair(std::string_view name, const ob::SpaceInformationPtr& informa
   return {planner, nullptr};
 }
 
-/// OMPL reads beyond the end of what is too short.
+/// OMPL would read beyond the end of short paths.
 Result<void> check_path(const Robot& robot, const Path& path) {
   if (path.empty()) {
     return fail(ErrorCode::invalid, "a path without a configuration cannot be experience");
@@ -108,7 +108,7 @@ bool write(ExperienceDatabase& database, const ob::SpaceInformationPtr& informat
     double insertion_time = 0;
     database.addPath(states, insertion_time);
   }
-  // OMPL says that it saved where nothing could be written.
+  // OMPL reports success even if it cannot write.
   return database.save(file) && std::filesystem::exists(file) &&
          std::filesystem::file_size(file) > 0;
 }
@@ -140,7 +140,7 @@ Result<void> train_experience(std::string_view planner, const Robot& robot,
   }
   const Silence silence;
   try {
-    // Experience is of no scene: what is blocked in one may be free in the next.
+    // Experience is independent of scenes.
     const auto checker = MNEME_TRY(CollisionChecker::make(robot, Scene{}));
     const ::ompl::base::SpaceInformationPtr information = make_space_information(checker);
     bool is_written = false;

@@ -27,7 +27,7 @@ class MotionValidity final : public ob::MotionValidator {
 
   bool checkMotion(const ob::State* from, const ob::State* to) const override {
     const bool is_valid = is_motion_valid(from, to);
-    // OMPL's counters are plain numbers, and its parallel planners share a validator.
+    // Not OMPL's counters: they are not atomic, but parallel planners share a validator.
     std::atomic_ref(is_valid ? valid_ : invalid_).fetch_add(1, std::memory_order_relaxed);
     return is_valid;
   }
@@ -46,7 +46,7 @@ class MotionValidity final : public ob::MotionValidator {
   static constexpr int kBatch = 16;
   static constexpr int kHalvings = 10;
 
-  /// Leaves both ends in the scratch slots 0 and 1.
+  /// Writes both ends to the scratch slots 0 and 1.
   bool is_motion_valid(const ob::State* from, const ob::State* to) const {
     const std::span<float> a = scratch<0>(checker_.robot());
     const std::span<float> b = scratch<1>(checker_.robot());
@@ -60,8 +60,8 @@ class MotionValidity final : public ob::MotionValidator {
     return is_valid;
   }
 
-  /// How much of the invalid motion between the scratch slots is free. With a verifier the way
-  /// there passes it too: it is halved until it does.
+  /// The free fraction of the invalid motion between the scratch slots. With a verifier it is
+  /// halved until that part passes verification.
   double valid_fraction() const {
     const Robot& robot = checker_.robot();
     const std::span<const float> from = scratch<0>(robot);
@@ -85,8 +85,7 @@ class MotionValidity final : public ob::MotionValidator {
     return 0;
   }
 
-  /// Looks at states in order, because the raked motion check only tells that one of them is not
-  /// free.
+  /// Checks states in order: the raked motion check does not find the first one in contact.
   double free_states_fraction(std::span<const float> from, std::span<const float> delta,
                               float length) const {
     const std::size_t joints = from.size();
@@ -110,7 +109,7 @@ class MotionValidity final : public ob::MotionValidator {
         if (is_valid[static_cast<std::size_t>(i)] == 0) return (first + i - 1.0) / count;
       }
     }
-    // Only states between these are in contact: short of the end, where the next state begins.
+    // The contact is between the checked states: stop short of the end.
     return (count - 1.0) / count;
   }
 
@@ -118,7 +117,7 @@ class MotionValidity final : public ob::MotionValidator {
   JointValues values_;
   std::shared_ptr<WorkCounters> counters_;
   MotionDetail detail_;
-  const MotionVerifier* verifier_;  ///< null if none
+  const MotionVerifier* verifier_;  ///< may be null
 };
 
 }  // namespace

@@ -30,11 +30,11 @@ ob::ScopedState<> to_state(const ob::SpaceInformationPtr& information, const Con
   return state;
 }
 
-/// One call of a planner of OMPL: what PlannerRun is for mneme's own. Not thread-safe. OMPL may
-/// throw from each of its functions.
+/// One run of an OMPL planner, like PlannerRun for mneme's planners. Not thread-safe. Each function
+/// may throw OMPL's exceptions.
 class OmplRun {
  public:
-  /// Refers to its arguments.
+  /// Keeps references to its arguments.
   OmplRun(const OmplPlanner& planner, const PlanTask& task);
 
   /// Plans until the limits are reached. Errors: experience that cannot be read.
@@ -46,10 +46,10 @@ class OmplRun {
   [[nodiscard]] Result<::ompl::base::PlannerPtr> make_planner() const;
   [[nodiscard]] ::ompl::base::PlannerTerminationCondition limits() const;
   [[nodiscard]] bool is_full() const;
-  /// The time is up, or the run is cancelled.
+  /// True if the time limit is reached or the run is cancelled.
   [[nodiscard]] bool is_over() const;
   [[nodiscard]] Path solution() const;
-  /// Shortens and verifies a path, as far as the settings say; false if it is refused.
+  /// Shortens and verifies a path, depending on the settings. False if it is refused.
   [[nodiscard]] bool is_accepted(Path& path);
   void explain_failure();
 
@@ -62,7 +62,8 @@ class OmplRun {
   ::ompl::base::ProblemDefinitionPtr definition_;
   Stopwatch stopwatch_;
   CheckCounters checks_;  ///< of simplification and verification
-  /// Planners free what they worked with when they end, and may ask from several threads.
+  /// The node limit was reached. Planners free their states at the end and may have several
+  /// threads.
   mutable std::atomic<bool> was_full_{false};
   PlanResult result_;
 };
@@ -83,7 +84,7 @@ void OmplRun::set_up_information() {
   } else {
     information_ = make_space_information(task_.checker, counters_);
   }
-  // The sampler belongs to whoever gave the task.
+  // Not owned: the caller owns the sampler.
   const std::shared_ptr<const Sampler> sampler(&task_.sampler, [](const Sampler*) {});
   information_->getStateSpace()->setStateSamplerAllocator(
       count_samples(sampler_allocator(sampler, settings_.seed), counters_));
@@ -102,7 +103,7 @@ void OmplRun::define_problem() {
   }
   definition_->setGoal(goals);
   const auto objective = make_path_length_objective(information_);
-  // Any path will do: planners that optimise stop at their first.
+  // Makes optimizing planners stop at their first path.
   objective->setCostThreshold(objective->infiniteCost());
   definition_->setOptimizationObjective(objective);
 }
@@ -168,10 +169,10 @@ Result<PlanResult> OmplRun::plan() {
   return std::move(result_);
 }
 
-/// With OMPL's defaults a path that is not free is returned as it is: shortcuts might cut out the
-/// motion that tunnels through an obstacle, and hide what the planner did.
+/// With OMPL's defaults a path in contact is returned unchanged: shortcuts might remove the motion
+/// through an obstacle and hide the planner's error.
 bool OmplRun::is_accepted(Path& path) {
-  // The motions of planning until now say what shortening may cost.
+  // The number of motions in planning limits the cost of shortening.
   const std::uint64_t motions = counters_->motions.load();
   CheckCounters work{0, motions};
   const bool is_taken = task_.shorten_and_verify(path, work) < 0;
@@ -180,7 +181,7 @@ bool OmplRun::is_accepted(Path& path) {
   return is_taken || settings_.ompl_defaults;
 }
 
-/// The ends are the query's own, as if they had not been copied and wrapped on the way.
+/// The path with exactly the query's ends, which OMPL has rounded and wrapped.
 Path OmplRun::solution() const {
   const auto& states =
       dynamic_cast<const ::ompl::geometric::PathGeometric&>(*definition_->getSolutionPath());
@@ -236,7 +237,7 @@ Silence::~Silence() {
 Result<PlanResult> run(const OmplPlanner& planner, const PlanTask& task) {
   const Silence silence;
   try {
-    // OMPL's seeds are a sequence of its own, shared by the process; 0 is none.
+    // OMPL has one sequence of seeds per process; 0 is not allowed.
     const std::uint64_t seed = derive_seed(task.settings.seed, 0) % 0xFFFFFFFEu + 1;
     ::ompl::RNG::setSeed(static_cast<std::uint_fast32_t>(seed));
     return OmplRun(planner, task).plan();

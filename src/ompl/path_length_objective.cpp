@@ -11,7 +11,7 @@ namespace {
 
 namespace ob = ::ompl::base;
 
-/// Draws from the space's allocator until a state may lie on a path of the wanted cost.
+/// Takes samples of the space's allocator until one may be on a path of the wanted cost.
 class RejectionSampler final : public ob::InformedSampler {
  public:
   RejectionSampler(const ob::ProblemDefinitionPtr& definition, unsigned attempts)

@@ -64,7 +64,7 @@ std::span<const OmplPlanner> ompl_planners() { return kPlanners; }
 
 void set_range(ob::Planner& planner, double range) {
   if (!(range > 0) || !planner.params().hasParam("range")) return;
-  // All digits, and with a point whatever the program's locale says.
+  // All digits, and a decimal point in any locale.
   std::array<char, 32> digits{};
   const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), range);
   if (error == std::errc()) planner.params().setParam("range", {digits.data(), end});
@@ -83,7 +83,7 @@ void add_ompl_planners() {
     entry.draws_valid_states = planner.draws_valid_states;
     entry.is_exclusive = true;
     if (planner.make != nullptr) continue;
-    entry.summary += ", which plans from experience of its own";
+    entry.summary += ", which plans from its own experience";
     entry.train = [&planner](const Robot& robot, std::span<const Path> paths,
                              const std::string& file) {
       return ompl::train_experience(planner.name, robot, paths, file);

@@ -15,21 +15,21 @@ namespace mneme::ompl {
 
 struct OmplPlanner {
   std::string_view name;
-  /// Null for those that need experience (experience.h).
+  /// Null for planners that need experience: make_experience_planner().
   ::ompl::base::PlannerPtr (*make)(const ::ompl::base::SpaceInformationPtr& information) = nullptr;
-  bool draws_valid_states = false;  ///< through the information's sampler of valid states
+  bool draws_valid_states = false;  ///< uses the information's sampler of valid states
 };
 
 [[nodiscard]] std::span<const OmplPlanner> ompl_planners();
 
-/// The longest extension, radians, of a planner that has one; 0: OMPL's default.
+/// Sets the longest extension of a planner, if it has one, radians; 0: OMPL's default.
 void set_range(::ompl::base::Planner& planner, double range);
 
-/// Sampler of valid states by name, or nothing. `deviation` above 0 counts for those
-/// that draw from a bell, radians.
+/// The sampler of valid states with that name, or nothing. `deviation` > 0: standard deviation of
+/// Gaussian ones, radians.
 [[nodiscard]] ::ompl::base::ValidStateSamplerAllocator valid_sampler_allocator(
     std::string_view name, double deviation);
-/// Adds them to samplers().
+/// Adds the samplers of valid states to samplers().
 void add_valid_samplers();
 
 /// PlannerEntry::plan of one of OMPL's planners.
@@ -38,19 +38,19 @@ void add_valid_samplers();
 inline constexpr std::string_view kLightning = "Lightning";
 inline constexpr std::string_view kThunder = "Thunder";
 
-/// Lightning or Thunder: repairs the experience in `file` (empty: none) and plans from scratch with
-/// RRTConnect, in two threads, until either has a path. `range` as for set_range. Errors: io, and
-/// corrupt if OMPL cannot read the file.
+/// Lightning or Thunder: repairs experience from `file` (may be empty) in one thread and plans from
+/// scratch with RRTConnect in another, until either has a path. `range`: see set_range(). Errors:
+/// io; corrupt if OMPL cannot read the file.
 [[nodiscard]] Result<::ompl::base::PlannerPtr> make_experience_planner(
     std::string_view name, const ::ompl::base::SpaceInformationPtr& information,
     const std::string& file, double range);
 
-/// Writes the experience of Lightning or Thunder from solved paths of the robot. Errors: io; paths
-/// that are none of the robot's.
+/// Writes experience of Lightning or Thunder from solved paths. Errors: io; paths that do not fit
+/// the robot.
 [[nodiscard]] Result<void> train_experience(std::string_view planner, const Robot& robot,
                                             std::span<const Path> paths, const std::string& path);
 
-/// OMPL logs nothing while one of these exists, in whatever thread.
+/// Turns off OMPL's log, in all threads, while an object exists.
 class Silence {
  public:
   Silence();

@@ -25,8 +25,7 @@ const double* values(const ob::State* state) {
 
 double wrapped(double angle) { return angle - kTurn * std::floor(angle / kTurn + 0.5); }
 
-/// OMPL's own sampler, except that intervals and bells around a state go on beyond the seam of a
-/// continuous joint.
+/// OMPL's sampler, but samples near a state continue across the seam of a continuous joint.
 class JointStateSampler final : public ob::RealVectorStateSampler {
  public:
   JointStateSampler(const JointStateSpace* space, const std::vector<char>& is_continuous)
@@ -121,7 +120,7 @@ bool JointStateSpace::equalStates(const ob::State* a, const ob::State* b) const 
 }
 
 void JointStateSpace::registerProjections() {
-  // What OMPL 1.5 takes for spaces of one or two dimensions fails an assertion of Eigen.
+  // The default of OMPL 1.5 for one or two dimensions fails an assertion in Eigen.
   if (dimension_ > 2) return RealVectorStateSpace::registerProjections();
   std::vector<unsigned> components(dimension_);
   std::iota(components.begin(), components.end(), 0u);

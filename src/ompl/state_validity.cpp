@@ -30,7 +30,7 @@ class StateValidity final : public ob::StateValidityChecker {
     return checker_.is_valid(q);
   }
 
-  /// Bisects the margin at which the state is no longer free.
+  /// The largest margin at which the state is free, by bisection.
   double clearance(const ob::State* state) const override {
     const std::span<const float> q = read(state);
     CheckCounters work;

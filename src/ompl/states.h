@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What checks of states, checks of motions and samplers share.
+/// Access to joint values of states, counters and scratch memory.
 #pragma once
 
 #include "mneme/ompl.h"
@@ -14,10 +14,10 @@
 
 namespace mneme::ompl {
 
-/// Joint values in states of any space with one real per joint. Const is parallel-safe.
+/// Joint values in states of any space with one real per joint. Const functions are parallel-safe.
 class JointValues {
  public:
-  /// Refers to `space`.
+  /// Keeps a reference to `space`.
   explicit JointValues(const ::ompl::base::StateSpace* space)
       : space_(space),
         is_vector_(dynamic_cast<const ::ompl::base::RealVectorStateSpace*>(space) != nullptr) {}
@@ -58,8 +58,8 @@ inline void count_motion(const std::shared_ptr<WorkCounters>& counters, std::uin
   counters->motions.fetch_add(1, std::memory_order_relaxed);
 }
 
-/// A configuration of the robot to write into, one per thread and slot: OMPL's threads share
-/// validity checkers, and allocating would cost as much as checking a state.
+/// A buffer for a configuration, one per thread and slot. OMPL's threads share validity checkers,
+/// and an allocation costs as much as checking a state.
 template <int slot>
 std::span<float> scratch(const Robot& robot) {
   thread_local std::vector<float> values;
@@ -67,12 +67,12 @@ std::span<float> scratch(const Robot& robot) {
   return values;
 }
 
-/// What `allocator` allocates, or the space's own samplers if it is empty, with each state that is
-/// drawn counted.
+/// An allocator that counts samples. It wraps the samplers of `allocator`, or the space's own if
+/// that is empty.
 [[nodiscard]] ::ompl::base::StateSamplerAllocator count_samples(
     ::ompl::base::StateSamplerAllocator allocator, std::shared_ptr<WorkCounters> counters);
 
-/// Motions are valid if they pass the verification of final paths. Refers to `verifier`.
+/// Motions are valid if they pass the verification of final paths. Keeps a reference to `verifier`.
 [[nodiscard]] ::ompl::base::MotionValidatorPtr make_verified_motion_validity(
     const ::ompl::base::SpaceInformationPtr& information, const CollisionChecker& checker,
     std::shared_ptr<WorkCounters> counters, const MotionVerifier& verifier);
