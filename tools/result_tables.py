@@ -13,7 +13,7 @@ has `bench report`, summarises rows. Documents have tables between markers, and 
   <!-- rows NAME [NAME ..] by=COLUMNS show=COLUMNS [time=total] [where=COLUMN:VALUE ..] -->
   <!-- ratios NAME [NAME ..] show=COLUMNS [baseline=SAMPLER] [where=COLUMN:VALUE ..] -->
   <!-- difficulty NAME [NAME ..] show=COLUMNS baseline=SETTING [time=total] [where=COLUMN:VALUE ..] -->
-  <!-- growth NAME show=QUERIES baseline=SETTING -->
+  <!-- growth NAME show=QUERIES baseline=SETTING [where=COLUMN:VALUE ..] -->
   <!-- cost NAME baseline=SETTING -->
   <!-- beside NAME:OTHER [NAME:OTHER ..] show=COLUMNS [time=total] -->
   <!-- output NAME -->
@@ -27,8 +27,9 @@ total times after so many queries, in the order of the rows, of the baseline and
 from which on it has taken less in all. cost: of each setting with a memory of its own that was learned, the first of them, what it took to learn, the median time of retrieval
 where there was one, its mean planning time without (the baseline's) and with it, and after how many queries that is gained. beside: rows of two programs on the same
 problems, OTHER's by NAME's, from what is the median of each problem's runs, with 95 % intervals over problems: pairs, percentiles, and length of those
-that both solved. In VALUE of where _ stands for a space; COLUMN~VALUE means lines whose COLUMN has VALUE in it. With --check nothing is
-written: it fails if something would be.
+that both solved. In VALUE of where _ stands for a space, and | separates alternatives; COLUMN~VALUE
+means lines whose COLUMN contains VALUE, COLUMN!VALUE those whose does not. A table has at most 15 lines. With --check
+nothing is written: it fails if something would be.
 """
 import argparse
 import csv
@@ -46,6 +47,7 @@ import statistics
 import subprocess
 import sys
 import tempfile
+import textwrap
 
 MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty|growth|cost|beside|output) (?P<words>[^>]+?) -->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
                     re.DOTALL | re.MULTILINE)
@@ -53,6 +55,7 @@ PERCENT = {"p50": 50, "p95": 95, "p99": 99, "max": 100}
 TITLES = {"bad": "bad paths", "iterations": "iterations p50", "states": "states p50", "length": "mean length",
           "duration": "mean duration s", "simplification": "simplification p50 ms"}
 RESAMPLES = 2000
+MOST_LINES = 15
 BINS_MS = (0, 0.1, 1, 10, 100, 1000, math.inf)
 RATIO_NAMES = ("set", "this", "against")
 
@@ -160,7 +163,7 @@ def parse(words):
         if not equals:
             names.append(word)
         elif key == "where":
-            where.append(re.split("([:~])", value, maxsplit=1))
+            where.append(re.split("([:~!])", value, maxsplit=1))
         elif key in ("by", "show", "time", "baseline"):
             options[key] = value.split(",") if key in ("by", "show") else value
         else:
@@ -171,9 +174,11 @@ def parse(words):
 
 
 def is_meant(line, where):
-    def holds(key, relation, value):
+    def holds(key, relation, values):
         text = line[key].replace(" ", "_")
-        return text == value if relation == ":" else value in text
+        if relation == ":":
+            return text in values.split("|")
+        return any(value in text for value in values.split("|")) == (relation == "~")
 
     return all(holds(*condition) for condition in where)
 
@@ -263,6 +268,8 @@ def growth_lines(results, names, options, where):
     for title, settings in by_set.items():
         base = settings.pop(options.get("baseline"), [])
         for setting, grown in settings.items():
+            if not is_meant(grown[0], where):
+                continue
             if [row["problem"] for row in grown] != [row["problem"] for row in base]:
                 raise Mistake(f"set {title}: expected baseline={options.get('baseline')} and {setting} on the same problems in the same order")
             times, base_times = cumulative(grown), cumulative(base)
@@ -351,12 +358,34 @@ def said_of(results, names, told):
         told.append(origin)
         parts = [origin["command"], origin["commit"] and f"commit {origin['commit']}", origin["machine"], origin.get("note")]
         said.append(", ".join(part for part in parts if part))
-    return "\nFrom:\n\n" + "".join(f"- {origin}\n" for origin in said) if said else ""
+    return "\nFrom:\n\n" + "".join(f"{wrapped(origin)}\n" for origin in said) if said else ""
+
+
+def folded(text, **indents):
+    """Lines of at most 100 columns; words that are longer stay whole."""
+    return textwrap.fill(text, 100, break_long_words=False, break_on_hyphens=False, replace_whitespace=False, **indents)
+
+
+def wrapped(origin):
+    """An item of a list."""
+    return folded(origin, initial_indent="- ", subsequent_indent="  ")
+
+
+def narrowed(text):
+    """Output in at most 100 columns: of blanks that all lines share one column each stays, then lines are folded."""
+    lines = text.splitlines()
+    if all(len(line) <= 100 for line in lines):
+        return text
+    width = max(map(len, lines))
+    blank = [all(line[i:i + 1] in ("", " ") for line in lines) for i in range(width)]
+    kept = [i for i in range(width) if not blank[i] or not (i and blank[i - 1])]
+    lines = ["".join(line[i] for i in kept if i < len(line)) for line in lines]
+    return "".join(f"{folded(line, subsequent_indent='    ')}\n" for line in lines)
 
 
 def block(results, kind, words, told):
     if kind == "output":
-        return f"\n```text\n{results.output(words)}```\n{said_of(results, [words], told)}"
+        return f"\n```text\n{narrowed(results.output(words))}```\n{said_of(results, [words], told)}"
     names, options, where = parse(words)
     if kind != "cost" and "show" not in options:
         raise Mistake(f"'{words}': expected show=")
@@ -365,6 +394,8 @@ def block(results, kind, words, told):
     titles, lines = make_lines(results, names, options, where)
     if not lines:
         raise Mistake(f"'{words}': no rows are meant")
+    if len(lines) > MOST_LINES:
+        raise Mistake(f"'{words}': {len(lines)} lines; choose at most {MOST_LINES} with where=")
     rule = ["---"] * len(titles)
     text = "".join("| " + " | ".join(str(c).replace("|", "\\|") for c in line) + " |\n" for line in (titles, rule, *lines))
     return f"\n{text}{said_of(results, [part for name in names for part in name.split(':')], told)}"

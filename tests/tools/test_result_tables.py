@@ -77,6 +77,13 @@ def test_total_times_and_a_choice_of_rows(source):
     assert lines[2:-2] == ["| a b | 0.25 |"]
 
 
+def test_alternatives_and_exceptions(source):
+    assert written(source, "rows mbm by=setting show=p50 where=setting:c|a_b where=set:cage|box")[2:-2] == [
+        "| a b | 0.12 |", "| c | 0.12 |"]
+    assert written(source, "rows mbm by=setting show=p50 where=set!box|all")[2:-2] == ["| a b | 0.12 |"]
+    assert written(source, "rows mbm by=setting show=p50 where=setting~x|b")[2:-2] == ["| a b | 0.12 |"]
+
+
 def test_several_files_have_a_line_each_over_all_sets(source):
     lines = written(source, "rows mbm mbm by=setting show=p50")
     assert lines[2:-2] == ["| mbm | c | 0.12 |"] * 2
@@ -133,6 +140,19 @@ def test_a_stale_document_fails_the_check_and_is_left_alone(source):
     assert page.read_text(encoding="utf-8") == stale
 
 
+def test_a_table_has_at_most_15_lines(source):
+    (source / "docs" / "a.md").write_text(f"<!-- rows {'mbm ' * 16}show=p50 -->\n<!-- /rows -->\n", encoding="utf-8")
+    done = run(source)
+    assert done.returncode == 1
+    assert "16 lines; choose at most 15 with where=" in done.stderr
+
+
+def test_long_origins_are_wrapped(source):
+    origin = {"command": "`mneme bench run x` " * 8, "commit": "abc", "machine": "m"}
+    (source / "bench" / "results" / "mbm.json").write_text(json.dumps(origin), encoding="utf-8")
+    assert all(len(line) <= 100 for line in written(source, "rows mbm by=set show=p50"))
+
+
 @pytest.mark.parametrize("marker, message", [
     ("rows other by=set show=p50", "other.csv.xz: there is no such file of rows"),
     ("rows mbm by=set", "expected show="),
@@ -178,6 +198,14 @@ def test_what_a_program_printed_stands_as_it_is_with_its_command(source):
     text = (source / "docs" / "a.md").read_text(encoding="utf-8")
     assert "- `soak`, commit r, " in text and "hardware threads" in text
     assert run(source, "--check").returncode == 0
+
+
+def test_wide_output_is_narrowed_and_folded(source):
+    (source / "wide.log").write_text(f"a{' ' * 60}1{' ' * 60}x\nbb{' ' * 59}2{' ' * 60}{'y ' * 60}\n", encoding="utf-8")
+    assert run(source, "--add", "wide", source / "wide.log", "--command", "`w`", "--commit", "r").returncode == 0
+    lines = written(source, "output wide")
+    assert lines[1] == "a  1 x" and lines[2].startswith("bb 2 y y") and lines[3].startswith("    y y")
+    assert all(len(line) <= 100 for line in lines)
 
 
 def test_output_that_there_is_not_is_a_mistake(source):
