@@ -15,32 +15,31 @@
 #include <vector>
 
 namespace mneme {
-/// A sequence of configurations joined by straight motions; continuous joints lie in [-pi, pi) and
-/// take the shorter way round between neighbours.
+/// Configurations joined by straight motions. Continuous joints lie in [-pi, pi) and take the
+/// shorter direction between neighbours.
 using Path = std::vector<Configuration>;
 
-/// Length of a path: the sum of L2 joint distances, radians (metres of prismatic joints count as
-/// such).
+/// Returns the sum of L2 joint distances, radians; a metre of a prismatic joint counts as a radian.
 [[nodiscard]] double path_length(const Robot& robot, const Path& path);
 
 /// The proof that the motions of a path must pass before it is returned.
 enum class Verification {
   none,
   states,   ///< states at kVerificationRefinement times the resolution
-  motions,  ///< all of the motion: CollisionChecker::is_sweep_valid
+  motions,  ///< the whole motion: CollisionChecker::is_sweep_valid
 };
 
-/// A margin of kVerificationMargin lets a path survive a check at other states, too, whoever makes
-/// it. The path's own ends may lie closer to contact.
-inline constexpr double kVerificationMargin = 1e-4;  ///< metres
-inline constexpr double kVerificationRefinement = 10;
+/// Extra margin, metres, so that an independent checker that samples other states also finds the
+/// path free. Start and goal may lie closer to contact.
+inline constexpr double kVerificationMargin = 1e-4;
+inline constexpr double kVerificationRefinement = 10;  ///< see Verification::states
 
-/// Which ends of its path a motion touches.
+/// Tells whether a motion is the first or the last one of its path.
 struct MotionEnds {
   bool is_first = false, is_last = false;
 };
 
-/// The check of motions of a final path. Const and parallel-safe.
+/// Verifies motions of a final path. Const and parallel-safe.
 class MotionVerifier {
  public:
   /// Refers to the checker. With Verification::none every motion passes.
@@ -48,65 +47,65 @@ class MotionVerifier {
                           Verification verification = Verification::motions)
       : checker_(checker), verification_(verification) {}
 
-  /// True if the motion passes the verification. One that turns a continuous joint by half a turn
-  /// does not: rounding would decide which way round whoever follows the path goes. Where links are
-  /// known to keep apart, Verification::motions does not look at them.
+  /// Returns true if the motion passes. Rejects motions that turn a continuous joint by pi:
+  /// rounding would choose the direction. `are_links_apart` skips the links' check against each
+  /// other in Verification::motions.
   [[nodiscard]] bool is_free(std::span<const float> from, std::span<const float> to,
                              MotionEnds ends, CheckCounters& counters,
                              bool are_links_apart = false) const;
 
-  /// The same of a curve inside of a path, given as states on it, row by row. Between two of them
-  /// no joint is farther from the straight motion than `bow` says, which adds to the margin that
-  /// it needs everywhere.
+  /// Returns true if a curve inside a path passes. `states` are points on it, row by row. `bow`
+  /// bounds, per joint, how far the curve is from the straight motion between two points; it adds
+  /// to the required margin.
   [[nodiscard]] bool is_curve_free(std::span<const float> states, std::span<const float> bow,
                                    CheckCounters& counters) const;
 
-  /// The first motion of `path` that does not pass, or -1.
+  /// Returns the index of the first motion of `path` that does not pass, or -1.
   [[nodiscard]] int find_invalid_motion(const Path& path, CheckCounters& counters) const;
 
  private:
-  [[nodiscard]] bool has_one_way(std::span<const float> from, std::span<const float> to) const;
+  [[nodiscard]] bool has_unique_direction(std::span<const float> from,
+                                          std::span<const float> to) const;
 
   const CollisionChecker& checker_;
   Verification verification_;
 };
 
-/// MotionVerifier::find_invalid_motion for one path.
+/// Calls MotionVerifier::find_invalid_motion for one path.
 [[nodiscard]] int find_invalid_motion(const CollisionChecker& checker, const Path& path,
                                       CheckCounters& counters,
                                       Verification verification = Verification::motions);
 
-/// How much shortening may cost.
+/// Limits the cost of shortening.
 struct ShortenEffort {
-  /// Ends once so many vectors of 16 states were looked at in vain, one after the other; 0 only
-  /// drops waypoints.
+  /// Number of consecutive vectors of 16 states checked without gain after which shortening ends; 0
+  /// only drops waypoints.
   double patience = 40;
-  double least_gain = 0.007;  ///< of the path's length; less is in vain
+  double least_gain = 0.007;  ///< smallest gain that counts, as a share of the path's length
 };
 
-/// Shortens `path`: drops waypoints, then relaxes them and lets random joints,
-/// or all, go straight over random stretches (after Geraerts and Overmars,
-/// DOI 10.1177/0278364907079280). Keeps both ends, and new motions 1 mm away from contact, less
-/// where an end of the path is closer. They also pass `verifier`, unless that is null. Leaves the
-/// rest undone once `must_stop`, which may be empty, says so; it is asked before each step.
+/// Shortens `path`: drops waypoints, then relaxes them and straightens random joints, or all, over
+/// random stretches. Keeps both ends. New motions stay 1 mm from contact, or as far as the nearer
+/// end of the path, and pass `verifier` unless it is null. Stops once `must_stop` returns true; it
+/// is called before each step and may be empty. After Geraerts and Overmars,
+/// DOI 10.1177/0278364907079280.
 void shorten(const CollisionChecker& checker, Path& path, std::uint64_t seed,
              const ShortenEffort& effort, const MotionVerifier* verifier, CheckCounters& counters,
              const std::function<bool()>& must_stop = {});
 
-/// How a path is shortened and verified before it is returned.
+/// Settings for shortening and verifying a path before it is returned.
 struct FinishSettings {
   bool simplify = true;
   Verification verification = Verification::motions;
   std::uint64_t seed = 1;
-  double timeout_s = 10;  ///< from construction; half of what is left of it is for shortening
+  double timeout_s = 10;  ///< from construction; shortening takes at most half of the rest
   const std::atomic<bool>* cancel = nullptr;  ///< may be null
   int patience = 40;                          ///< ShortenEffort::patience
 };
 
-/// Shortens and verifies what a planner has found: the planner offers paths, and goes on planning
-/// if one is refused. A motion that fails is led round what it touches, if a little way is enough.
-/// The same work leads to the same answers, whatever the time it takes, but for the timeout. Not
-/// thread-safe.
+/// Shortens and verifies paths that a planner offers; the planner continues if one is refused. A
+/// motion that fails is repaired by a waypoint nearby where one exists. Results depend on time only
+/// through the timeout. Not thread-safe.
 class PathFinisher {
  public:
   /// Refers to the checker.
@@ -114,17 +113,17 @@ class PathFinisher {
   PathFinisher(const PathFinisher&) = delete;
   PathFinisher& operator=(const PathFinisher&) = delete;
 
-  /// Shortens and verifies `path`: -1, or the number of the first motion of the path as it was
-  /// given that fails; then the path is unchanged. Work is added to `counters`, which has all of
-  /// planning's: a planner whose paths cost more to refuse than to find has them verified first.
+  /// Shortens and verifies `path`. Returns -1, or the index of the first motion of the given path
+  /// that fails; the path is then unchanged. Adds its work to `counters`, which must hold all work
+  /// of the planner: where refusing paths costs more than finding them, verification comes first.
   [[nodiscard]] int operator()(Path& path, CheckCounters& counters);
 
-  /// True once so many paths were refused that the planner should check motions as verification
-  /// does.
+  /// Returns true once at least 3 paths were refused: the planner should then check motions as
+  /// verification does.
   [[nodiscard]] bool has_refused_often() const { return refused_count_ >= kOften; }
-  /// Every motion of a path passes it.
+  /// The check that every motion of a path must pass.
   [[nodiscard]] const MotionVerifier& verifier() const { return verifier_; }
-  /// How the message of a plan without path ends: how many paths were refused, if any.
+  /// Returns the number of refused paths as the end of a message; empty if there are none.
   [[nodiscard]] std::string describe_refused() const;
   [[nodiscard]] double simplification_time_s() const { return simplification_time_s_; }
   [[nodiscard]] double verification_time_s() const { return verification_time_s_; }
@@ -144,7 +143,7 @@ class PathFinisher {
   Stopwatch stopwatch_;
   MotionVerifier verifier_;
   int refused_count_ = 0;
-  std::uint64_t states_ = 0;  ///< looked at until now
+  std::uint64_t states_ = 0;  ///< checked so far
   double simplification_time_s_ = 0;
   double verification_time_s_ = 0;
 };

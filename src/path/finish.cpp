@@ -14,13 +14,13 @@
 namespace mneme {
 namespace {
 
-/// So many more states than planning may be looked at before paths are verified first: about a
-/// millisecond's.
+/// Shortening comes before verification until the finisher has checked this many states more than
+/// the planner: about a millisecond.
 constexpr std::uint64_t kStatesOfGrace = 40000;
-/// A path that needs more repairs than this is better planned anew.
+/// Planning again is faster than more repairs than this.
 constexpr int kMostRepairs = 4;
 
-/// Leads motions that fail round what they touch.
+/// Repairs motions that fail by a waypoint nearby.
 class Repair {
  public:
   Repair(const CollisionChecker& checker, const MotionVerifier& verifier, std::uint64_t seed,
@@ -32,7 +32,7 @@ class Repair {
         counters_(counters),
         must_stop_(must_stop) {}
 
-  /// A waypoint between both ends whose motions pass, or nothing.
+  /// A waypoint between both ends whose motions pass, or an empty vector.
   std::vector<float> find_waypoint(std::span<const float> from, std::span<const float> to,
                                    MotionEnds ends) {
     const std::vector<float> middle = find_blocked_middle(from, to, ends);
@@ -59,7 +59,7 @@ class Repair {
  private:
   static constexpr std::size_t kCandidates = 16;
 
-  /// The planner's resolution and the margin come first: they are cheap.
+  /// The cheap checks come first.
   bool passes(std::span<const float> from, std::span<const float> q, std::span<const float> to,
               MotionEnds ends) {
     const MotionDetail coarse{1, ends.is_first || ends.is_last ? 0 : kVerificationMargin};
@@ -114,8 +114,8 @@ int PathFinisher::operator()(Path& path, CheckCounters& counters) {
   return invalid;
 }
 
-/// A shorter path nearly always passes and has less to verify: so it is looked at first, and the
-/// path as it was planned only if that fails.
+/// Verifies the shortened path first, which nearly always passes and costs less; the planned path
+/// only if that fails.
 int PathFinisher::finish(Path& path, bool is_verified_first, CheckCounters& counters) {
   const bool is_shortened_first = settings_.simplify && !is_verified_first;
   if (is_shortened_first) {
@@ -127,7 +127,7 @@ int PathFinisher::finish(Path& path, bool is_verified_first, CheckCounters& coun
   }
   if (const int invalid = verify_or_mend(path, counters); invalid >= 0) return invalid;
   if (!settings_.simplify) return -1;
-  // A path that failed is not shortened the same way again: waypoints are dropped, no more.
+  // Full shortening has failed verification already: now waypoints are only dropped.
   Path shorter = is_shortened_first ? shorten(path, 0, &verifier_, counters)
                                     : shorten(path, settings_.patience, nullptr, counters);
   if (verify_or_mend(shorter, counters) < 0) path = std::move(shorter);
@@ -142,7 +142,7 @@ std::string PathFinisher::describe_refused() const {
 
 Path PathFinisher::shorten(Path path, int patience, const MotionVerifier* verifier,
                            CheckCounters& counters) {
-  // The other half of what is left of the time is for verification.
+  // Half of the remaining time is for verification.
   const double begin_s = stopwatch_.elapsed_s();
   const double end_s = 0.5 * (begin_s + settings_.timeout_s);
   ShortenEffort effort;
@@ -162,7 +162,7 @@ int PathFinisher::verify_or_mend(Path& path, CheckCounters& counters) {
   return invalid;
 }
 
-/// -1, or the number of the first motion that fails; then the path is unchanged.
+/// -1, or the index of the first motion that fails; the path is then unchanged.
 int PathFinisher::mend(Path& path, int invalid, CheckCounters& counters) {
   const std::function<bool()> must_stop = [this] { return must_stop_at(settings_.timeout_s); };
   Repair repair(checker_, verifier_, derive_seed(settings_.seed, 2), counters, must_stop);

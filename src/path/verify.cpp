@@ -20,7 +20,7 @@ constexpr double kTurnRounding = 1e-5;  ///< radians; more than single precision
 bool MotionVerifier::is_free(std::span<const float> from, std::span<const float> to,
                              MotionEnds ends, CheckCounters& counters, bool are_links_apart) const {
   if (verification_ == Verification::none) return true;
-  if (!has_one_way(from, to)) return false;
+  if (!has_unique_direction(from, to)) return false;
   if (verification_ == Verification::motions) {
     const SweepDetail detail{kVerificationMargin, ends.is_first, ends.is_last, are_links_apart};
     return checker_.is_sweep_valid(from, to, counters, detail);
@@ -34,7 +34,8 @@ bool MotionVerifier::is_free(std::span<const float> from, std::span<const float>
                                   {kVerificationRefinement, is_excused ? 0 : kVerificationMargin});
 }
 
-bool MotionVerifier::has_one_way(std::span<const float> from, std::span<const float> to) const {
+bool MotionVerifier::has_unique_direction(std::span<const float> from,
+                                          std::span<const float> to) const {
   const Robot& robot = checker_.robot();
   for (int i = 0; i < robot.joint_count(); ++i) {
     if (robot.group_joint(i).type != JointType::continuous) continue;

@@ -33,13 +33,6 @@ Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path) {
   return result;
 }
 
-namespace {
-
-/// Radians, by which a continuous joint must keep away from half a turn.
-constexpr float kTurnMargin = 1e-3f;
-
-}  // namespace
-
 Waypoints::Waypoints(const Robot& robot) : space_(robot) {}
 
 void Waypoints::assign(std::vector<float> rows) {
@@ -64,11 +57,11 @@ void Waypoints::replace(int first, int last, std::span<const float> rows) {
   measure();
 }
 
-PathPoint Waypoints::locate(float way) const {
-  const auto found = std::upper_bound(ways_.begin() + 1, ways_.end() - 1, way);
-  const auto motion = static_cast<int>(found - ways_.begin()) - 1;
-  const float length = way_to(motion + 1) - way_to(motion);
-  const float fraction = length > 0 ? (way - way_to(motion)) / length : 0;
+PathPoint Waypoints::locate(float s) const {
+  const auto found = std::upper_bound(arc_lengths_.begin() + 1, arc_lengths_.end() - 1, s);
+  const auto motion = static_cast<int>(found - arc_lengths_.begin()) - 1;
+  const float length = arc_length(motion + 1) - arc_length(motion);
+  const float fraction = length > 0 ? (s - arc_length(motion)) / length : 0;
   return {motion, std::clamp(fraction, 0.0f, 1.0f)};
 }
 
@@ -84,7 +77,8 @@ float Waypoints::distance(const float* a, const float* b) const {
   return std::sqrt(sum);
 }
 
-bool Waypoints::has_one_way(const float* from, const float* to) const {
+bool Waypoints::has_unique_direction(const float* from, const float* to) const {
+  constexpr float kTurnMargin = 1e-3f;  // radians
   constexpr float kMost = std::numbers::pi_v<float> - kTurnMargin;
   for (int j = 0; j < joint_count(); ++j) {
     if (space_.periods()[as_index(j)] > 0 && std::abs(to[j] - from[j]) > kMost) return false;
@@ -93,9 +87,9 @@ bool Waypoints::has_one_way(const float* from, const float* to) const {
 }
 
 void Waypoints::measure() {
-  ways_.assign(1, 0.0f);
+  arc_lengths_.assign(1, 0.0f);
   for (int i = 0; i + 1 < count(); ++i) {
-    ways_.push_back(ways_.back() + distance((*this)[i], (*this)[i + 1]));
+    arc_lengths_.push_back(arc_lengths_.back() + distance((*this)[i], (*this)[i + 1]));
   }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Paths as rows of single precision, as planners and shortening have them.
+/// Paths as rows of single precision.
 #pragma once
 
 #include "mneme/path.h"
@@ -15,25 +15,24 @@
 namespace mneme::internal {
 
 [[nodiscard]] std::vector<float> to_floats(std::span<const double> q);
-/// Row by row.
 [[nodiscard]] std::vector<float> to_rows(const Path& path);
-/// Within the limits, which floats may miss by rounding.
+/// Moves into the limits what rounding to floats moved out.
 [[nodiscard]] Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path);
 
-/// A point of a path: `fraction` of the way along motion `motion`.
+/// A point of a path: the share `fraction` of motion number `motion`.
 struct PathPoint {
   int motion = 0;
   float fraction = 0;
 };
 
-/// Waypoints row by row, continuous joints unwrapped: what is straight between neighbours is the
-/// motion. Joints are in radians, prismatic ones in metres.
+/// Waypoints row by row, continuous joints unwrapped: the motion between neighbours is their
+/// segment as real numbers. Radians, metres for prismatic joints.
 class Waypoints {
  public:
   explicit Waypoints(const Robot& robot);
 
   void assign(std::vector<float> rows);
-  /// Puts `rows` in the place of the waypoints after `first` and before `last`.
+  /// Replaces the waypoints after `first` and before `last` by `rows`.
   void replace(int first, int last, std::span<const float> rows);
 
   [[nodiscard]] const JointSpace& space() const { return space_; }
@@ -44,23 +43,22 @@ class Waypoints {
     return {(*this)[first], static_cast<std::size_t>((last - first) * joint_count())};
   }
   /// Length of the whole path.
-  [[nodiscard]] float length() const { return ways_.back(); }
+  [[nodiscard]] float length() const { return arc_lengths_.back(); }
   /// From the start to waypoint `i`.
-  [[nodiscard]] float way_to(int i) const { return ways_[static_cast<std::size_t>(i)]; }
-  /// The point that is `way` from the start.
-  [[nodiscard]] PathPoint locate(float way) const;
+  [[nodiscard]] float arc_length(int i) const { return arc_lengths_[static_cast<std::size_t>(i)]; }
+  [[nodiscard]] PathPoint locate(float s) const;  ///< at arc length `s`
   void write(const PathPoint& point, float* q) const;
 
   [[nodiscard]] float distance(const float* a, const float* b) const;
-  /// False for a motion that is not the shorter way round, or close to it.
-  [[nodiscard]] bool has_one_way(const float* from, const float* to) const;
+  /// Returns false if a continuous joint turns by more than pi, or nearly pi.
+  [[nodiscard]] bool has_unique_direction(const float* from, const float* to) const;
 
  private:
   void measure();
 
   JointSpace space_;
   std::vector<float> rows_;
-  std::vector<float> ways_;  ///< per waypoint
+  std::vector<float> arc_lengths_;  ///< per waypoint
 };
 
 }  // namespace mneme::internal

@@ -13,27 +13,25 @@
 namespace mneme::internal {
 namespace {
 
-/// Cells, and robots.
-constexpr std::size_t kMostKept = 32;
-/// Of a cell.
-constexpr std::size_t kMostMotions = 1024;
-/// Of a robot, in all cells.
-constexpr std::size_t kMostLinkMotions = 16384;
+constexpr std::size_t kMostKept = 32;            ///< cells, and robots
+constexpr std::size_t kMostMotions = 1024;       ///< per cell
+constexpr std::size_t kMostLinkMotions = 16384;  ///< per robot, over all cells
 
 bool is_same(const Robot& a, const Robot& b) {
   const std::weak_ptr<const void> one = a.identity(), other = b.identity();
   return !one.owner_before(other) && !other.owner_before(one);
 }
 
-/// The latest first.
+/// Least recently used entries are dropped.
 template <class Kept>
 class LatestOf {
  public:
-  /// That which `is_asked`; null if there is none.
-  template <class IsAsked>
-  std::shared_ptr<Kept> find(const IsAsked& is_asked) {
+  /// The entry that `is_wanted` accepts, or null.
+  template <class IsWanted>
+  std::shared_ptr<Kept> find(const IsWanted& is_wanted) {
     const std::lock_guard lock(mutex_);
-    const auto known = std::ranges::find_if(kept_, [&](const auto& one) { return is_asked(*one); });
+    const auto known =
+        std::ranges::find_if(kept_, [&](const auto& one) { return is_wanted(*one); });
     if (known == kept_.end()) return nullptr;
     kept_.splice(kept_.begin(), kept_, known);
     return kept_.front();
@@ -51,7 +49,7 @@ class LatestOf {
   std::list<std::shared_ptr<Kept>> kept_;
 };
 
-/// What links' keeping apart depends on besides the motion, and those on which they do.
+/// Proofs that links keep apart depend on robot and instruction set only.
 struct Links {
   Robot robot;
   Isa isa;
@@ -65,7 +63,7 @@ LatestOf<StaticCell>& cells() {
   return kept;
 }
 
-/// The scene's name, for one, does not count.
+/// Ignores the scene's name.
 bool are_same_obstacles(const Scene& a, const Scene& b) {
   return a.obstacles == b.obstacles && a.exact_pairs == b.exact_pairs;
 }
@@ -80,7 +78,6 @@ std::vector<float> to_row(const Robot& robot, const Configuration& q) {
   return to_floats(robot.normalized(q));
 }
 
-/// The same for the same bits alone.
 std::string bytes_of(std::span<const float> from, std::span<const float> to, MotionEnds ends) {
   std::string bytes;
   for (const std::span<const float> row : {from, to}) {

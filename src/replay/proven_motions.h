@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What this process has proven of motions, and the cells that it has proven it in.
+/// Motions that this process has proven free, and the cells for which it has.
 #pragma once
 
 #include "mneme/planning.h"
@@ -15,23 +15,22 @@
 
 namespace mneme::internal {
 
-/// Motions that have passed a proof which is a function of their two rows of floats, of their ends
-/// and of what does not change here: what passed once passes always. No hash stands for any.
-/// Thread-safe.
+/// Motions that have passed a proof. The proof is a function of the motion's bits and ends and of
+/// nothing else that changes, so that it stays valid. Compares bits, not hashes. Thread-safe.
 class ProvenMotions {
  public:
-  /// So many are kept.
+  /// Keeps at most `most` motions.
   explicit ProvenMotions(std::size_t most) : most_(most) {}
 
-  /// Those on which the links of the robot keep apart, whatever is around it: where obstacles have
-  /// moved that part of a proof stays, and where an arm is folded it is most of the work. Null
-  /// unless whole motions are verified, and where anything is checked by exact geometry.
+  /// Returns the motions on which the robot's links keep apart. This part of a proof stays valid
+  /// where only obstacles change, and is most of the work for a folded arm. Null unless whole
+  /// motions are verified, and where any pair is checked by exact geometry.
   [[nodiscard]] static std::shared_ptr<ProvenMotions> of_links(const CollisionChecker& checker,
                                                                Verification verification);
 
   [[nodiscard]] bool contain(std::span<const float> from, std::span<const float> to,
                              MotionEnds ends) const;
-  /// Where there are as many as are kept, all are forgotten first.
+  /// Drops all motions first if it is full.
   void add(std::span<const float> from, std::span<const float> to, MotionEnds ends);
 
  private:
@@ -40,29 +39,28 @@ class ProvenMotions {
   std::unordered_set<std::string> motions_;  ///< their bytes
 };
 
-/// Obstacles that stay where they are: the same motions are replayed among them again and again, to
-/// prove them takes most of a query, and to make the checker's tables and to look at the ends much
-/// of the rest. All that a proof depends on is compared: the robot, the obstacles, what the checker
-/// was made with. What a database says of its rows counts for nothing: only a proof of this process
-/// does. Thread-safe.
+/// Checker and proofs for obstacles that stay in place. Replaying a known task spends most of its
+/// time on proofs, and much of the rest on making the checker and checking start and goal. A cell
+/// is found by everything that a proof depends on: robot, obstacles and settings of the checker. It
+/// holds only proofs of this process, never statements of a database. Thread-safe.
 class StaticCell {
  public:
   explicit StaticCell(const CollisionChecker& checker);
 
-  /// The cell that is kept for this robot, scene and settings; null if there is none.
+  /// Returns the cell of this robot, scene and settings, or null.
   [[nodiscard]] static std::shared_ptr<StaticCell> find(const Robot& robot, const Scene& scene,
                                                         const CheckerSettings& settings);
-  /// The checker's cell, kept from now on with the few others that were used last. Null for a
-  /// checker with constraints, and for one with points, meshes or octrees, which are edited in
-  /// place while nothing else holds them.
+  /// Returns the checker's cell and keeps it among the few that were used last. Null for a checker
+  /// with constraints, and for one with clouds, meshes or octrees, which are edited in place while
+  /// nothing else holds them.
   [[nodiscard]] static std::shared_ptr<StaticCell> keep(const CollisionChecker& checker);
 
   [[nodiscard]] const CollisionChecker& checker() const { return checker_; }
-  /// That have passed a verification, which is not `none`.
+  /// Motions that have passed `verification`, which is not `none`.
   [[nodiscard]] ProvenMotions& motions(Verification verification) {
     return verification == Verification::states ? by_states_ : by_motions_;
   }
-  /// True if start and goals are known to be configurations that touch nothing.
+  /// True if start and goals are known to be valid and free of contact.
   [[nodiscard]] bool are_clear(const PlanQuery& ends) const;
   void add_clear(const PlanQuery& ends);
 
@@ -77,7 +75,7 @@ struct CellChecker {
   QueryChecker checked;
   std::shared_ptr<StaticCell> cell;  ///< null if nothing is kept
 };
-/// make_query_checker(), or the checker of the kept cell in which both ends are known to be clear.
+/// Returns the checker of a kept cell in which start and goals are known to be free, or makes one.
 [[nodiscard]] Result<CellChecker> find_or_make_checker(const Robot& robot, const Scene& scene,
                                                        const CheckerSettings& settings,
                                                        const PlanQuery& ends);

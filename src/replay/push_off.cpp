@@ -15,42 +15,40 @@
 namespace mneme::internal {
 namespace {
 
-/// Radians between states of a band, and the most that they may come apart.
+/// Radians between states of a band: at first, and at most.
 constexpr float kSpacing = 0.1f, kMostSpacing = 2 * kSpacing;
-/// Of a state in one round, radians: where a link is hardly moved by any joint, a push asks for
-/// more.
+/// Radians that a state may move in one round: links that joints hardly move would ask for more.
 constexpr float kMostPush = 0.05f;
-/// Of the way to the middle between its neighbours that a state goes in one round.
+/// Share of the distance to the midpoint of its neighbours that a state moves in one round.
 constexpr float kSmoothing = 0.5f;
 constexpr int kPushRounds = 6, kWideRounds = 16;
 /// Metres to obstacles.
 constexpr double kPushedClearance = 0.01, kWideClearance = 0.035;
-/// Metres that motions keep to obstacles and between links: a state may move where they keep no
-/// less than before, on this scale. Smoothing alone would lead links to where they touch each
-/// other.
+/// Scale of clearances, metres, to obstacles and between links. A state may move if its motions
+/// keep their place on this scale; smoothing alone would lead links into contact.
 constexpr std::array<double, 3> kKept = {5e-3, 1e-3, 2e-4};
-/// Radians that a state may be beside the straight way between those that are kept, where that way
-/// keeps so many metres to obstacles: what has room needs few motions, each of which costs a vector
-/// of states to verify however short it is.
+/// A state may be dropped if it is within `radians` of the segment between its kept neighbours and
+/// the segment keeps `clearance`, metres, to obstacles. Few motions are cheap to verify: each costs
+/// a vector of states, however short it is.
 struct Beside {
   float radians;
   double clearance;
 };
 constexpr std::array<Beside, 5> kBeside = {
     {{0.04f, 0.025}, {0.02f, 0.01}, {0.01f, kKept[0]}, {0.01f, kKept[1]}, {0.01f, kKept[2]}}};
-/// Of the length that was free already: clearance is not worth more.
+/// Length that clearance may cost, as a share of the path's length.
 constexpr float kMostLengthening = 1.15f;
 
-/// A path as states close together that obstacles push off and neighbours pull straight: an elastic
-/// band (Quinlan and Khatib, DOI 10.1109/ROBOT.1993.291936). Its ends stay.
+/// An elastic band: states close together that obstacles push away and neighbours pull straight.
+/// Its ends stay. Quinlan and Khatib, DOI 10.1109/ROBOT.1993.291936.
 class Band {
  public:
   Band(const CollisionChecker& checker, const Path& path, double clearance, CheckCounters& counters)
-      : checker_(checker), way_(checker.robot()), clearance_(clearance), counters_(counters) {
-    way_.assign(to_rows(path));
-    joints_ = as_index(way_.joint_count());
-    rows_.assign(way_[0], way_[0] + joints_);
-    for (int i = 0; i + 1 < way_.count(); ++i) divide(way_[i], way_[i + 1]);
+      : checker_(checker), waypoints_(checker.robot()), clearance_(clearance), counters_(counters) {
+    waypoints_.assign(to_rows(path));
+    joints_ = as_index(waypoints_.joint_count());
+    rows_.assign(waypoints_[0], waypoints_[0] + joints_);
+    for (int i = 0; i + 1 < waypoints_.count(); ++i) divide(waypoints_[i], waypoints_[i + 1]);
     count_ = static_cast<int>(rows_.size() / joints_);
   }
 
@@ -62,8 +60,8 @@ class Band {
     checker_.check_states({rows_.data() + joints_, is_free.size() * joints_}, is_free);
     return std::ranges::find(is_free, 0) == is_free.end();
   }
-  /// Moves what keeps its clearance with the motions to its neighbours. False, and nothing has
-  /// moved, if the band would be longer than `most`.
+  /// Moves the states whose motions keep their clearance. Returns false, and moves none, if the
+  /// band would be longer than `most`.
   bool push_freely(bool smooths, float most) {
     const std::vector<float> all_before = rows_, wanted = pushed(smooths);
     if (kept_.empty()) {
@@ -71,7 +69,8 @@ class Band {
     }
     for (int i = 1; i + 1 < count_; ++i) {
       const float* q = wanted.data() + as_index(i) * joints_;
-      const float apart = std::max(way_.distance(row(i - 1), q), way_.distance(q, row(i + 1)));
+      const float apart =
+          std::max(waypoints_.distance(row(i - 1), q), waypoints_.distance(q, row(i + 1)));
       if (apart > kMostSpacing) continue;
       const std::vector<float> before(row(i), row(i) + joints_);
       std::copy_n(q, joints_, row(i));
@@ -89,11 +88,11 @@ class Band {
   }
   [[nodiscard]] float length() const {
     float length = 0;
-    for (int i = 1; i < count_; ++i) length += way_.distance(row(i - 1), row(i));
+    for (int i = 1; i < count_; ++i) length += waypoints_.distance(row(i - 1), row(i));
     return length;
   }
 
-  /// Without states that are not missed.
+  /// The path without states that can be dropped.
   [[nodiscard]] Path thinned() {
     std::vector<int> kept = {0};
     thin(0, count_ - 1, kept);
@@ -109,7 +108,8 @@ class Band {
   [[nodiscard]] const float* row(int i) const { return rows_.data() + as_index(i) * joints_; }
 
   void divide(const float* from, const float* to) {
-    const int parts = std::max(1, static_cast<int>(std::ceil(way_.distance(from, to) / kSpacing)));
+    const int parts =
+        std::max(1, static_cast<int>(std::ceil(waypoints_.distance(from, to) / kSpacing)));
     for (int i = 1; i <= parts; ++i) {
       const float share = static_cast<float>(i) / static_cast<float>(parts);
       for (std::size_t j = 0; j < joints_; ++j) {
@@ -118,7 +118,6 @@ class Band {
     }
   }
 
-  /// All states in one batch.
   [[nodiscard]] std::vector<float> pushed(bool smooths) {
     std::vector<float> rows = rows_;
     for (std::size_t i = joints_; smooths && i + joints_ < rows.size(); ++i) {
@@ -137,15 +136,16 @@ class Band {
     counters_.states += inner;
     for (std::size_t i = 0; i < inner; ++i) {
       float* q = rows.data() + (i + 1) * joints_;
-      const float way = way_.space().difference(q, pushed.data() + i * joints_, delta.data());
-      const float share = way > kMostPush ? kMostPush / way : 1;
+      const float length =
+          waypoints_.space().difference(q, pushed.data() + i * joints_, delta.data());
+      const float share = length > kMostPush ? kMostPush / length : 1;
       for (std::size_t j = 0; j < joints_; ++j) q[j] += share * delta[j];
     }
     return rows;
   }
 
-  /// The first of kKept, of so many that are tried, that the motions from and to state `i` keep;
-  /// that number if there is none.
+  /// Index of the first of the `tried` largest clearances that the motions of state `i` keep;
+  /// `tried`, or the size of kKept if that is less, if there is none.
   std::ptrdiff_t find_kept(int i, std::ptrdiff_t tried) {
     const std::ptrdiff_t most = std::min(tried, std::ssize(kKept));
     for (std::ptrdiff_t k = 0; k < most; ++k) {
@@ -160,7 +160,7 @@ class Band {
     return checker_.is_sweep_valid({from, joints_}, {to, joints_}, counters_, detail);
   }
 
-  /// Appends what is kept after `first`, up to `last`.
+  /// Appends the states to keep after `first`, up to `last`.
   void thin(int first, int last, std::vector<int>& kept) {
     int farthest = (first + last) / 2;
     float beside = 0;
@@ -175,7 +175,7 @@ class Band {
     kept.push_back(last);
   }
   bool is_chord_good(int first, int last, float beside) {
-    if (!way_.has_one_way(row(first), row(last))) return false;
+    if (!waypoints_.has_unique_direction(row(first), row(last))) return false;
     return std::ranges::any_of(kBeside, [&](const Beside& most) {
       const SweepDetail detail{std::min(most.clearance, kKept[0])};
       return beside <= most.radians &&
@@ -201,12 +201,12 @@ class Band {
   }
 
   const CollisionChecker& checker_;
-  Waypoints way_;
+  Waypoints waypoints_;
   double clearance_;
   CheckCounters& counters_;
   std::size_t joints_ = 0;
   std::vector<float> rows_;
-  std::vector<std::ptrdiff_t> kept_;  ///< per state between the ends: which of kKept
+  std::vector<std::ptrdiff_t> kept_;  ///< per inner state an index into kKept
   int count_ = 0;
 };
 

@@ -1,22 +1,22 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Paths that keep away from obstacles.
+/// Moves paths away from obstacles.
 #pragma once
 
 #include "mneme/path.h"
 
 namespace mneme::internal {
 
-/// `path` off what it touches, where a few rounds of pushing lead it there, as few waypoints as
-/// keep it so: its states are free then, its motions are not verified. Its ends stay. Empty if
-/// something still touches.
+/// Pushes `path` out of contact within a few rounds and drops the waypoints that this allows.
+/// States of the result are free; its motions are not verified. Keeps the ends. Empty if contact
+/// remains.
 [[nodiscard]] Path push_off(const CollisionChecker& checker, const Path& path,
                             CheckCounters& counters);
 
-/// A path like `path`, which is free, that stays free while obstacles are moved a little: 2 to 3 cm
-/// away from them where there is room, and at most 15 % longer. `path` itself if that one does not
-/// pass verification, or once `settings` cancel it.
+/// Returns a path similar to `path`, which is free, that also stays free if obstacles move a
+/// little: 2 to 3 cm away from them where there is room, at most 15 % longer. Returns `path` if the
+/// result does not pass verification, or if `settings` cancel it.
 [[nodiscard]] Path widen(const CollisionChecker& checker, const Path& path,
                          const FinishSettings& settings);
 

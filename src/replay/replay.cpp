@@ -19,33 +19,26 @@ namespace mneme::internal {
 namespace {
 
 constexpr std::size_t kMostPaths = 3;
-/// Of known tasks that are looked at, over all goals of a query: some microseconds.
-constexpr std::int64_t kMostKeys = 1024;
-/// Of all local plans of a query.
-constexpr std::uint64_t kLocalIterations = 200;
-/// What repairing may cost, in states that are looked at: kStatesOfGrace, and kShareOfPlanning of
-/// what planning the remembered path has cost. Where tasks repeat, that and what planning costs now
-/// are draws from one distribution: so a repair that fails costs at most half of planning in the
-/// mean, and a query at most 1.5 times planning plus a constant, however replaying it ends. What no
-/// limit stops is bounded, too: at most kMostPaths verifications, and the stage that runs when the
-/// limit is reached (a push, an iteration, a step of shortening, a verification). A row that does
-/// not say what its path has cost is repaired within kLocalIterations.
+constexpr std::int64_t kMostKeys = 1024;  ///< compared for all goals of a query: microseconds
+constexpr std::uint64_t kLocalIterations = 200;  ///< of all local plans of a query
+/// A repair may check kStatesOfGrace states, and kShareOfPlanning of the number that planning the
+/// remembered path took. Where tasks repeat, past and present planning costs have one distribution:
+/// a repair that fails costs at most half of planning in the mean, and a query at most 1.5 times
+/// planning plus a constant. Outside this limit are at most kMostPaths verifications and the step
+/// that reaches the limit. Rows without a planning cost are repaired within kLocalIterations.
 constexpr std::uint64_t kStatesOfGrace = 2000;
 constexpr double kShareOfPlanning = 0.5;
-/// Of an iteration of a local plan: most take fewer.
+/// States that an iteration of a local plan takes, nearly always.
 constexpr std::uint64_t kStatesPerIteration = 128;
-/// Radians of path before and behind what is blocked that are changed with it.
+/// Radians of path before and after a block that are replaced with it.
 constexpr float kRun = 0.3f;
-/// Radians that a way round may be from what it replaces: farther off it may go another way round
-/// obstacles than the path that is remembered.
+/// Radians between a detour and the part that it replaces, at most: a larger detour may pass
+/// obstacles on the other side than the remembered path.
 constexpr float kFarthestRound = 0.65f;
-/// Of states that are held against each other for that.
-constexpr float kRoundStep = 0.05f;
-/// Of shortening a way round, in vectors of states.
-constexpr double kRepairPatience = 5;
-/// Radians: of any task under the same constraints.
-constexpr double kAnyDistance = std::numeric_limits<double>::infinity();
-/// Of seeds: what planners and improving derive from theirs comes before.
+constexpr float kRoundStep = 0.05f;    ///< radians between the states compared for kFarthestRound
+constexpr double kRepairPatience = 5;  ///< for shortening a detour, in vectors of states
+constexpr double kAnyDistance = std::numeric_limits<double>::infinity();  ///< radians
+/// Seeds of local plans; planners and improvement derive theirs from smaller numbers.
 constexpr std::uint64_t kReplayTask = std::uint64_t{1} << 61;
 
 /// A remembered path near the query.
@@ -56,8 +49,8 @@ struct Known {
   [[nodiscard]] double distance() const { return std::sqrt(match.similarity_error); }
 };
 
-/// A path, and per waypoint whether the motion to it has passed verification; there is none to the
-/// first.
+/// A path, and per waypoint whether the motion to it has passed verification; always true for the
+/// first one.
 struct Draft {
   Path path;
   std::vector<std::uint8_t> has_passed;
@@ -67,7 +60,7 @@ struct Draft {
   }
 };
 
-/// A part of a path that is not free, as ways from its start.
+/// A part of a path that is not free, as arc lengths.
 struct Block {
   float first = 0, last = 0;
 };
@@ -78,11 +71,11 @@ class Replayer {
       : task_(task),
         report_(report),
         verifier_(task.checker, verification()),
-        way_(task.checker.robot()) {}
+        waypoints_(task.checker.robot()) {}
 
   PlanResult run() {
     Result<std::vector<Known>> known = find();
-    // What is wrong with the memory, the search will say.
+    // If memory fails, the search will report it.
     if (known) replay(*known);
     report_.time_s = stopwatch_.elapsed_s();
     result_.states_checked = counters_.states;
@@ -93,7 +86,7 @@ class Replayer {
   }
 
  private:
-  /// Nothing has looked at a remembered path before.
+  /// Never `none`: a remembered path was found in another scene.
   [[nodiscard]] Verification verification() const {
     const Verification wanted = task_.settings.verification();
     return wanted == Verification::none ? Verification::states : wanted;
@@ -121,22 +114,22 @@ class Replayer {
   [[nodiscard]] bool is_near(const Path& round, const Path& blocked) const;
   [[nodiscard]] Path cut(const Path& path, const Block& part) const;
   void splice(Draft& draft, const Block& part, const Draft& between) const;
-  [[nodiscard]] Configuration at(float way) const;
+  [[nodiscard]] Configuration at(float arc_length) const;
   void take(Path path, const Known& known);
 
   const ReplayTask& task_;
   Replay& report_;
   MotionVerifier verifier_;
-  ProvenMotions* proven_ = nullptr;       ///< of the query's cell, if it has one
-  std::shared_ptr<ProvenMotions> links_;  ///< those on which links keep apart; may be null
-  Waypoints way_;                         ///< the path that is looked at
+  ProvenMotions* proven_ = nullptr;       ///< by the query's cell; null without one
+  std::shared_ptr<ProvenMotions> links_;  ///< motions on which links keep apart; may be null
+  Waypoints waypoints_;                   ///< the current draft
   CheckCounters counters_;
-  std::uint64_t states_limit_ = 0;  ///< of counters_, when repairing ends; 0 before it begins
+  std::uint64_t states_limit_ = 0;  ///< counters_.states at which repair ends; 0 before repair
   PlanResult result_;
   Stopwatch stopwatch_;
 };
 
-/// The nearest known tasks, nearest first. Goals share the keys that may be compared.
+/// The known tasks within `distance`, nearest first. Goals share the budget of keys.
 Result<std::vector<Known>> Replayer::find(double distance, std::size_t count) {
   const auto primitives = MNEME_TRY(task_.kind.decompose(task_.memory_query, task_.max_gap));
   std::vector<Known> known;
@@ -155,7 +148,7 @@ Result<std::vector<Known>> Replayer::find(double distance, std::size_t count) {
   return known;
 }
 
-/// The tasks that are tried.
+/// The tasks to try.
 Result<std::vector<Known>> Replayer::find() {
   auto known = MNEME_TRY(find(task_.distance, kMostPaths));
   if (!known.empty()) return known;
@@ -182,7 +175,7 @@ void Replayer::replay(const std::vector<Known>& known) {
     if (verify(draft, {true, true})) return take(std::move(draft.path), task);
     std::vector<Block> blocks = find_blocks(draft);
     const float first = blocks.front().first;
-    const float share = way_.length() > 0 ? first / way_.length() : 0;
+    const float share = waypoints_.length() > 0 ? first / waypoints_.length() : 0;
     report_.blocked.push_back({task.match.experience->id, task.distance(), share, at(first)});
     float length = 0;
     for (const Block& block : blocks) length += block.last - block.first;
@@ -196,8 +189,8 @@ void Replayer::replay(const std::vector<Known>& known) {
   take(std::move(least->draft.path), *least->known);
 }
 
-/// Looks at what has not passed yet. True if all has then. `ends`: which of the query's the path
-/// has.
+/// Verifies the motions that have not passed yet; true if all have then. `ends`: whether the path
+/// begins at the query's start and ends at its goal.
 bool Replayer::verify(Draft& draft, MotionEnds ends) {
   const Stopwatch stopwatch;
   const std::size_t count = draft.path.size();
@@ -211,7 +204,7 @@ bool Replayer::verify(Draft& draft, MotionEnds ends) {
 }
 
 bool Replayer::prove(std::span<const float> from, std::span<const float> to, MotionEnds ends) {
-  // What a repair may cost is counted in states: none that earlier queries saved lead it farther.
+  // A repair uses no earlier proofs: its cost in states must not depend on earlier queries.
   const bool may_know = states_limit_ == 0;
   if (may_know && proven_ != nullptr && proven_->contain(from, to, ends)) return true;
   const bool are_links_apart = may_know && links_ != nullptr && links_->contain(from, to, ends);
@@ -221,10 +214,10 @@ bool Replayer::prove(std::span<const float> from, std::span<const float> to, Mot
   return true;
 }
 
-void Replayer::measure(const Path& path) { way_.assign(to_rows(path)); }
+void Replayer::measure(const Path& path) { waypoints_.assign(to_rows(path)); }
 
-/// Those of motions that have not passed, at least one; what follows so closely that it is changed
-/// together is one.
+/// The blocks of motions that have not passed, at least one. Blocks closer than two runs are
+/// merged.
 std::vector<Block> Replayer::find_blocks(const Draft& draft) {
   measure(draft.path);
   std::vector<Block> blocks;
@@ -242,31 +235,32 @@ std::vector<Block> Replayer::find_blocks(const Draft& draft) {
   return merged;
 }
 
-/// A motion that failed between states that are free is blocked as a whole.
+/// A motion that failed though its states are free is blocked as a whole.
 void Replayer::add_blocks(int motion, std::vector<Block>& blocks) {
-  const auto joints = static_cast<std::size_t>(way_.joint_count());
-  const float begin = way_.way_to(motion), length = way_.way_to(motion + 1) - begin;
+  const auto joints = static_cast<std::size_t>(waypoints_.joint_count());
+  const float begin = waypoints_.arc_length(motion),
+              length = waypoints_.arc_length(motion + 1) - begin;
   const auto parts = static_cast<std::size_t>(length / task_.checker.resolution()) + 1;
   const float step = length / static_cast<float>(parts);
   std::vector<float> states((parts + 1) * joints);
   for (std::size_t i = 0; i <= parts; ++i) {
-    way_.write({motion, static_cast<float>(i) / static_cast<float>(parts)},
-               states.data() + i * joints);
+    waypoints_.write({motion, static_cast<float>(i) / static_cast<float>(parts)},
+                     states.data() + i * joints);
   }
   std::vector<std::uint8_t> is_valid(parts + 1);
   counters_.states += is_valid.size();
   task_.checker.check_states(states, is_valid);
   const std::size_t before = blocks.size();
   for (std::size_t i = 0; i <= parts; ++i) {
-    const float way = begin + step * static_cast<float>(i);
-    if (is_valid[i] == 0) blocks.push_back({way, way});
+    const float here = begin + step * static_cast<float>(i);
+    if (is_valid[i] == 0) blocks.push_back({here, here});
   }
   if (blocks.size() == before) blocks.push_back({begin, begin + length});
 }
 
-Configuration Replayer::at(float way) const {
-  std::vector<float> q(static_cast<std::size_t>(way_.joint_count()));
-  way_.write(way_.locate(way), q.data());
+Configuration Replayer::at(float arc_length) const {
+  std::vector<float> q(static_cast<std::size_t>(waypoints_.joint_count()));
+  waypoints_.write(waypoints_.locate(arc_length), q.data());
   return task_.checker.robot().normalized(Configuration(q.begin(), q.end()));
 }
 
@@ -278,13 +272,13 @@ void Replayer::limit_repair(const RememberedPath& remembered) {
   }
 }
 
-/// Leads the path round each block, the last one first: what comes before stays where it is.
+/// Replaces each block by a detour, the last one first, so that earlier arc lengths stay valid.
 bool Replayer::repair(Draft& draft, const std::vector<Block>& blocks) {
   measure(draft.path);
   for (auto block = blocks.rbegin(); block != blocks.rend(); ++block) {
     const Block part{std::max(0.0f, block->first - kRun),
-                     std::min(way_.length(), block->last + kRun)};
-    const MotionEnds ends{part.first == 0, part.last == way_.length()};
+                     std::min(waypoints_.length(), block->last + kRun)};
+    const MotionEnds ends{part.first == 0, part.last == waypoints_.length()};
     const Draft round = lead_round(cut(draft.path, part), ends);
     if (round.path.empty()) return false;
     splice(draft, part, round);
@@ -292,8 +286,7 @@ bool Replayer::repair(Draft& draft, const std::vector<Block>& blocks) {
   return verify(draft, {true, true});
 }
 
-/// Pushed off what it touches; where that is not enough, planned anew. Empty if neither leads
-/// round.
+/// Pushes the part off obstacles; if that fails, plans a detour. Empty if both fail.
 Draft Replayer::lead_round(const Path& blocked, MotionEnds ends) {
   if (must_stop()) return Draft({});
   Draft pushed(push_off(task_.checker, blocked, counters_));
@@ -302,7 +295,6 @@ Draft Replayer::lead_round(const Path& blocked, MotionEnds ends) {
   return Draft(is_near(round, blocked) ? std::move(round) : Path());
 }
 
-/// Shortened a little.
 Path Replayer::plan_round(const Configuration& from, const Configuration& to) {
   const std::uint64_t left =
       std::min(kLocalIterations - report_.iterations, states_left() / kStatesPerIteration);
@@ -328,16 +320,16 @@ Path Replayer::plan_round(const Configuration& from, const Configuration& to) {
   return std::move(local.path);
 }
 
-/// States of a path, row by row.
+/// Equidistant states of a path, row by row.
 std::vector<float> spread(const Robot& robot, const Path& path) {
-  Waypoints way(robot);
-  way.assign(to_rows(path));
-  const auto joints = static_cast<std::size_t>(way.joint_count());
-  const auto parts = static_cast<std::size_t>(way.length() / kRoundStep) + 1;
+  Waypoints waypoints(robot);
+  waypoints.assign(to_rows(path));
+  const auto joints = static_cast<std::size_t>(waypoints.joint_count());
+  const auto parts = static_cast<std::size_t>(waypoints.length() / kRoundStep) + 1;
   std::vector<float> rows((parts + 1) * joints);
   for (std::size_t i = 0; i <= parts; ++i) {
     const float share = static_cast<float>(i) / static_cast<float>(parts);
-    way.write(way.locate(share * way.length()), rows.data() + i * joints);
+    waypoints.write(waypoints.locate(share * waypoints.length()), rows.data() + i * joints);
   }
   return rows;
 }
@@ -350,36 +342,39 @@ bool Replayer::is_near(const Path& round, const Path& blocked) const {
   for (std::size_t i = 0; i < states.size(); i += joints) {
     bool is_state_near = false;
     for (std::size_t k = 0; k < others.size() && !is_state_near; k += joints) {
-      is_state_near = way_.distance(&states[i], &others[k]) <= kFarthestRound;
+      is_state_near = waypoints_.distance(&states[i], &others[k]) <= kFarthestRound;
     }
     if (!is_state_near) return false;
   }
   return true;
 }
 
-/// The part of a path, as measured.
+/// The part of the measured path.
 Path Replayer::cut(const Path& path, const Block& part) const {
   Path cut = {part.first > 0 ? at(part.first) : path.front()};
-  const int last = part.last < way_.length() ? way_.locate(part.last).motion : way_.count() - 2;
-  for (int i = way_.locate(part.first).motion + 1; i <= last; ++i) {
+  const int last = part.last < waypoints_.length() ? waypoints_.locate(part.last).motion
+                                                   : waypoints_.count() - 2;
+  for (int i = waypoints_.locate(part.first).motion + 1; i <= last; ++i) {
     cut.push_back(path[static_cast<std::size_t>(i)]);
   }
-  cut.push_back(part.last < way_.length() ? at(part.last) : path.back());
+  cut.push_back(part.last < waypoints_.length() ? at(part.last) : path.back());
   return cut;
 }
 
-/// Puts `between` in the place of a part; what lies before it is as measured.
+/// Replaces a part by `between`. Before the part the draft must be as measured.
 void Replayer::splice(Draft& draft, const Block& part, const Draft& between) const {
   const auto replace = [&](auto& all, const auto& by) {
-    const auto begin = all.begin() + (part.first > 0 ? way_.locate(part.first).motion + 1 : 0);
-    const auto end =
-        part.last < way_.length() ? all.begin() + way_.locate(part.last).motion + 1 : all.end();
+    const auto begin =
+        all.begin() + (part.first > 0 ? waypoints_.locate(part.first).motion + 1 : 0);
+    const auto end = part.last < waypoints_.length()
+                         ? all.begin() + waypoints_.locate(part.last).motion + 1
+                         : all.end();
     const auto behind = all.insert(all.erase(begin, end), by.begin(), by.end());
     return behind + std::ssize(by);
   };
   replace(draft.path, between.path);
   const auto behind = replace(draft.has_passed, between.has_passed);
-  // The motions to it and from it are new.
+  // The motions that join it to the draft are new.
   if (behind != draft.has_passed.end()) *behind = 0;
   if (part.first > 0) *(behind - std::ssize(between.path)) = 0;
 }

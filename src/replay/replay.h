@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Known tasks: a remembered path instead of a search.
+/// Replay of known tasks: a remembered path instead of a search.
 #pragma once
 
 #include "mneme/memory.h"
@@ -12,12 +12,12 @@
 
 namespace mneme::internal {
 
-/// A query and the memory of tasks that may answer it. Refers to all of it.
+/// A query and a memory of tasks. Refers to its arguments.
 struct ReplayTask {
   const Database& database;
-  const MemoryKind& kind;  ///< one that keeps whole paths: it has `bend`
+  const MemoryKind& kind;  ///< must be able to replay
   double max_gap = 0;      ///< for its decompose()
-  double distance = 0;     ///< largest distance of a known task that is tried
+  double distance = 0;     ///< largest distance of a known task to try
   const MemoryQuery& memory_query;
   const PlanQuery& ends;
   const CollisionChecker& checker;
@@ -25,10 +25,10 @@ struct ReplayTask {
   const PlanSettings& settings;
 };
 
-/// Bends the remembered paths whose ends are nearest to the query's and returns the first that
-/// passes the verification of paths; if none does, repairs the one with the shortest blocks.
-/// Without a path the result holds the work alone, which does not depend on how hard the query is
-/// but on what planning the remembered path has cost: see kShareOfPlanning.
+/// Fits the remembered paths with the nearest ends to the query and returns the first that passes
+/// verification. If none passes, repairs the one with the shortest blocks. Without success the
+/// result holds only the work, which is limited by the cost of planning the remembered path: see
+/// kShareOfPlanning.
 [[nodiscard]] PlanResult replay(const ReplayTask& task, Replay& report);
 
 }  // namespace mneme::internal
