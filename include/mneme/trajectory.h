@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Paths in time: limits of velocity and acceleration, rounded corners, the fastest way along a
-/// path, and files for those who execute it.
+/// Trajectories: rate limits, rounded corners, time-optimal motion along a path, and files of it.
 #pragma once
 
 #include "mneme/base.h"
@@ -47,26 +46,25 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Larger is faster; at 0 a trajectory stops at each corner.");
 }
 
-/// What the joints of a planning group may do, in the order of a configuration; all above 0, and
-/// finite but for those of jerk.
+/// Rate limits of the joints of a planning group, in the order of a configuration. All are above 0;
+/// velocity and acceleration are finite.
 struct RateLimits {
-  std::vector<double> velocity;      ///< rad/s, or m/s of prismatic joints
+  std::vector<double> velocity;      ///< rad/s, or m/s for prismatic joints
   std::vector<double> acceleration;  ///< rad/s^2 or m/s^2
-  std::vector<double> jerk = {};  ///< rad/s^3 or m/s^3; infinite for a joint without; empty: none
+  std::vector<double> jerk = {};     ///< rad/s^3 or m/s^3; infinite: no limit; empty: none has one
 };
 
-/// The limits of the robot's URDF, those of `file` before them unless that is empty, and
-/// `acceleration_limit` and `jerk_limit` of joints without one; velocity and acceleration scaled.
-/// Joints that follow one of the group slow it
-/// down if they must. `file` is YAML as MoveIt's joint_limits.yaml (docs/trajectories.md). Errors:
-/// a file that cannot be read exactly; a joint of the group that may not move at all; settings out
-/// of range.
+/// Returns the limits of `file` where it has them, otherwise those of the robot's URDF, otherwise
+/// those of the settings; velocity and acceleration are scaled. Joints that follow one of the group
+/// may lower its limits. `file`: YAML as MoveIt's joint_limits.yaml (docs/trajectories.md); empty:
+/// none. Errors: a file that cannot be read; a joint of the group that cannot move; settings out of
+/// range.
 [[nodiscard]] Result<RateLimits> find_rate_limits(const Robot& robot,
                                                   const TrajectorySettings& settings = {},
                                                   const std::string& file = "");
 
-/// A motion from rest to rest. Velocities are continuous, accelerations only where jerk is limited.
-/// Limits hold at every time, not only where the trajectory is sampled. Const and parallel-safe.
+/// A motion from rest to rest. Velocity is continuous; acceleration is if jerk is limited. Limits
+/// hold at every time, not only at sampled points. Const and parallel-safe.
 class Trajectory {
  public:
   /// Continuous joints do not wrap: they may leave [-pi, pi), so that nothing jumps.
@@ -74,10 +72,10 @@ class Trajectory {
     double time_s = 0;
     Configuration position;
     std::vector<double> velocity;      ///< rad/s or m/s
-    std::vector<double> acceleration;  ///< rad/s^2 or m/s^2; from this time on
+    std::vector<double> acceleration;  ///< rad/s^2 or m/s^2; where it jumps, the value after
   };
   /// A stretch of constant path acceleration: position = begin + direction s + bend s^2 / 2, with
-  /// s = speed t + acceleration t^2 / 2, t from the stretch's begin.
+  /// s = speed t + acceleration t^2 / 2 and the time t since the stretch began.
   struct Stretch {
     double begin_s = 0;
     double speed = 0, acceleration = 0;
@@ -86,51 +84,49 @@ class Trajectory {
     std::vector<double> bend;  ///< empty where the path is straight
   };
 
-  /// `stretches` in order of time; `end` is where they come to rest at `end_s`. The motion is their
-  /// average over the last `window_s` seconds: then it takes as much longer, keeps what limits of
-  /// velocity and acceleration they keep, and its jerk is at most 2 / `window_s` times their
-  /// greatest acceleration.
+  /// Takes stretches in order of time that come to rest at `end` after `end_s` seconds. With a
+  /// `window_s` the motion is their average over the last `window_s` seconds. It then takes
+  /// `window_s` longer and keeps their limits of velocity and acceleration. Its jerk is at most
+  /// 2 / `window_s` times their greatest acceleration.
   Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s, double window_s = 0);
 
   [[nodiscard]] double duration_s() const { return end_s_ + window_s_; }
-  /// Before 0 and from the duration on it is at rest.
+  /// Returns the state at any time; at rest before 0 and after the duration.
   [[nodiscard]] Point at(double time_s) const;
-  /// Points `dt` seconds apart from 0 on, and the end. Errors: `dt` that is not above 0 or asks for
-  /// more than ten million points.
+  /// Returns points `dt` seconds apart from 0 on, and the end. Errors: `dt` is not above 0, or
+  /// gives more than ten million points.
   [[nodiscard]] Result<std::vector<Point>> sample(double dt) const;
 
  private:
-  /// The point on the stretches, before averaging.
+  /// The state on the stretches, before averaging.
   [[nodiscard]] Point follow(double time_s) const;
-  /// The integral of their positions, less those of the end, from 0 on.
+  /// The integral from 0 of position minus `end_`.
   [[nodiscard]] std::vector<double> integral(double time_s) const;
 
   std::vector<Stretch> stretches_;
-  std::vector<std::vector<double>> integrals_;  ///< at the stretches' begins, if there is a window
+  std::vector<std::vector<double>>
+      integrals_;  ///< at the begin of each stretch, if there is a window
   Configuration end_;
   double end_s_;
   double window_s_;
 };
 
-/// The time-optimal motion along `path` with its corners rounded by parabolas that pass `verifier`
-/// and stay within the path's tolerance; at a corner that cannot be rounded it stops. Without a
-/// verifier (null) it stops at every corner. Time-optimal up to the grid on corners, after
-/// reachability analysis (Pham and Pham, DOI 10.1109/TRO.2018.2819195); with limits of jerk the
-/// average of such a motion, which passes the verifier and stays within the tolerance, too. Of
-/// `settings` only the
-/// path's tolerance counts: `limits` are scaled already. Errors: an empty path; a configuration
-/// that is none of the robot; limits that are not as RateLimits says; settings out of range.
+/// Returns the time-optimal motion along `path`. Parabolas that pass `verifier` round its corners
+/// within the path tolerance; at other corners, or all if `verifier` is null, it stops. With jerk
+/// limits it is the average of such a motion, which also passes `verifier` within the tolerance.
+/// Uses only the path tolerance of `settings`: `limits` are scaled already. Errors: an empty path;
+/// a waypoint that is no configuration of the robot; `limits` or settings out of range.
+/// Time-optimal up to the grid on corners: Pham and Pham, DOI 10.1109/TRO.2018.2819195.
 [[nodiscard]] Result<Trajectory> parameterize(const Robot& robot, const Path& path,
                                               const RateLimits& limits,
                                               const TrajectorySettings& settings,
                                               const MotionVerifier* verifier);
 
-/// A header of names and a row per point: time, then positions, velocities and accelerations of
-/// all joints of the group.
+/// Returns CSV: a header and a row per point with time, positions, velocities and accelerations.
 [[nodiscard]] std::string to_csv(const Robot& robot, std::span<const Trajectory::Point> points);
-/// YAML in the shape of trajectory_msgs/JointTrajectory.
+/// Returns YAML in the shape of trajectory_msgs/JointTrajectory.
 [[nodiscard]] std::string to_yaml(const Robot& robot, std::span<const Trajectory::Point> points);
-/// JSON (docs/schema/trajectory.schema.json).
+/// Returns JSON (docs/schema/trajectory.schema.json).
 [[nodiscard]] std::string to_json(const Robot& robot, std::span<const Trajectory::Point> points);
 
 }  // namespace mneme

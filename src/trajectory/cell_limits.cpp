@@ -8,8 +8,7 @@
 namespace mneme::internal {
 namespace {
 
-/// Each step of the linear program finds another line, and there are few; this only ends what
-/// rounding might not.
+/// Ends loops that rounding might keep alive: each step finds another line, and there are few.
 constexpr int kMaxSteps = 64;
 constexpr double kRounding = 1e-12;
 
@@ -32,7 +31,7 @@ CellLimits::Range CellLimits::begins(double end) const {
   return range;
 }
 
-/// The greatest end up to `end` that goes with any begin.
+/// The greatest end up to `end` that is feasible with some begin.
 double CellLimits::shrink_to_feasible(double end) const {
   for (const Strip& strip : strips_) {
     if (std::abs(strip.at_begin) > kRounding * std::abs(strip.at_end)) continue;
@@ -41,7 +40,7 @@ double CellLimits::shrink_to_feasible(double end) const {
   for (int i = 0; i < kMaxSteps && end > 0; ++i) {
     const auto [least, most] = begins(end);
     if (least.value <= most.value + kRounding * std::abs(least.value)) break;
-    // To where the two lines that contradict each other here meet.
+    // To the intersection of the two lines that contradict each other here.
     end = std::max(0.0, end - (least.value - most.value) / (least.slope - most.slope));
   }
   return end;
@@ -54,8 +53,7 @@ CellLimits::Pair CellLimits::greatest_begin(double most_end) const {
   double low = 0;
   Line rising = begins(low).most;
   if (rising.slope <= 0) return {rising.value, low};
-  // The least of the lines is concave: its greatest value lies where a rising one meets a falling
-  // one.
+  // The minimum of the lines is concave: its maximum is where a rising line meets a falling one.
   for (int i = 0; i < kMaxSteps; ++i) {
     const double gap = falling.value - falling.slope * (high - low) - rising.value;
     const double end = std::clamp(low + gap / (rising.slope - falling.slope), low, high);

@@ -1,29 +1,30 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Limits of joints as limits of the squared path speeds at the ends of a cell.
+/// Joint limits as limits of the squared path speeds at the ends of a cell.
 #pragma once
 
 #include <vector>
 
 namespace mneme::internal {
 
-/// Pairs (a, b), both >= 0, of squared path speeds at begin and end of a cell. (0, 0) is always
-/// among them, and with any pair all on the way to it, because all limits are convex.
+/// A convex set of pairs (a, b), both >= 0, of squared path speeds at begin and end of a cell. It
+/// contains (0, 0).
 class CellLimits {
  public:
-  /// The greatest value of each.
+  /// Takes the greatest value of each.
   CellLimits(double most_begin, double most_end) : most_begin_(most_begin), most_end_(most_end) {}
-  /// |at_begin a + at_end b| <= bound, which is above 0.
+  /// Adds |at_begin a + at_end b| <= bound; `bound` is above 0.
   void add(double at_begin, double at_end, double bound);
 
   struct Pair {
     double begin = 0, end = 0;
   };
-  /// The pair of greatest `begin` among those whose end is at most `most_end`: the linear program
-  /// of the analysis' backward pass.
+  /// Returns the pair of greatest begin whose end is at most `most_end`: the linear program of the
+  /// backward pass.
   [[nodiscard]] Pair greatest_begin(double most_end) const;
-  /// The greatest end, at most `most_end`, that goes with `begin`, which must go with some end.
+  /// Returns the greatest end, at most `most_end`, that is feasible with `begin`, which must be
+  /// feasible with some end.
   [[nodiscard]] double greatest_end(double begin, double most_end) const;
 
  private:

@@ -21,12 +21,12 @@ namespace mneme {
 namespace internal {
 namespace {
 
-/// Whoever writes more into a file means that there is no limit.
+/// Larger values in a file mean that there is no limit.
 constexpr double kMostRate = 1e6;
 constexpr double kLeastRate = 1e-6;
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-/// Limits of any joint of the robot, also of those outside the group.
+/// Limits of any joint of the robot, also outside the group.
 struct JointRates {
   double velocity = 0;
   std::optional<double> acceleration;
@@ -89,7 +89,7 @@ void read_file(const std::string& file, const Robot& robot, Rates& rates) {
   }
 }
 
-/// The limits, with those of the settings where the joint has none.
+/// Adds the limits of the settings where the joint has none.
 JointRates complete(JointRates own, const TrajectorySettings& settings) {
   if (!own.acceleration) own.acceleration = settings.acceleration_limit;
   if (!own.jerk) own.jerk = settings.jerk_limit.value_or(kUnlimited);
@@ -107,7 +107,7 @@ RateLimits limits_of_group(const Robot& robot, const Rates& rates) {
   return limits;
 }
 
-/// Slows joints down for those that follow them.
+/// Lowers the limits of joints for the joints that follow them.
 void heed_followers(const Robot& robot, const Rates& rates, RateLimits& limits) {
   for (const Joint& joint : robot.joints()) {
     if (!joint.mimic || joint.mimic->multiplier == 0) continue;
@@ -126,9 +126,8 @@ Result<void> check_rates(const Robot& robot, const std::vector<double>& rates,
                          std::string_view what, double most = kMostRate) {
   if (as_index(robot.joint_count()) != rates.size()) {
     return fail(ErrorCode::invalid,
-                "there are {} limits of {}, but robot '{}' has {} "
-                "joints in its group",
-                rates.size(), what, robot.name(), robot.joint_count());
+                "got {} limits of {}, expected {}: one for each joint in the group of robot '{}'",
+                rates.size(), what, robot.joint_count(), robot.name());
   }
   for (int i = 0; i < robot.joint_count(); ++i) {
     const double rate = rates[as_index(i)];

@@ -10,15 +10,14 @@
 namespace mneme::internal {
 namespace {
 
-/// Waypoints that are not farther apart are one: radians or metres, a rounding error of planners.
+/// Waypoints closer than this, radians or metres, differ by rounding errors only.
 constexpr double kSamePlace = 1e-6;
-/// A leg no longer than this between its corners is left out.
+/// Shorter curves are dropped.
 constexpr double kNothing = 1e-12;
-/// A corner that is not free is tried again with this fraction of the tolerance.
+/// Factor on the tolerance for the next attempt at a corner that is not free.
 constexpr double kTighter = 0.25;
 constexpr int kAttempts = 3;
-/// Straight motions that a parabola is verified as. They are off it by a hair, of which the margin
-/// takes account.
+/// Chords that approximate a parabola for verification; the margin covers their deviation.
 constexpr int kChords = 16;
 
 /// A straight motion of the path.
@@ -34,7 +33,7 @@ std::vector<double> plus(std::vector<double> a, double factor, const std::vector
   return a;
 }
 
-/// Without those that are in the same place as another one; start and end stay.
+/// Drops waypoints that repeat the last one; keeps start and end.
 std::vector<const Configuration*> find_waypoints(const Robot& robot, const Path& path) {
   std::vector<const Configuration*> kept = {&path.front()};
   const auto is_here = [&](const Configuration& q) {
@@ -87,9 +86,8 @@ class Corner {
   }
 
  private:
-  /// Leaves the first leg `reach` before the corner, and is on the second one `reach` after it. It
-  /// is farthest from the corner, and from the legs at most as far, in its middle: |turn| reach
-  /// / 4.
+  /// Leaves the first leg `reach` before the corner and joins the second one `reach` after it. Its
+  /// distance to the legs is at most that of its middle to the corner: |turn| reach / 4.
   [[nodiscard]] Curve parabola(double reach) const {
     return {plus(in_.begin, in_.length - reach, in_.direction), in_.direction,
             plus(std::vector<double>(turn_.size()), 0.5 / reach, turn_), 2 * reach};

@@ -10,8 +10,8 @@
 
 namespace mneme::internal {
 
-/// q(s) = begin + direction s + bend s^2 / 2 for s in [0, length]; radians or metres. On a straight
-/// curve the direction is a unit vector; a parabola begins and ends with those of its neighbours.
+/// q(s) = begin + direction s + bend s^2 / 2 for s in [0, length]; radians or metres. `direction`
+/// is a unit vector; a parabola begins and ends in the directions of its neighbours.
 struct Curve {
   Configuration begin;
   std::vector<double> direction;
@@ -32,15 +32,15 @@ struct Curve {
 
 /// Straight curves and the parabolas between them.
 struct RoundedPath {
-  std::vector<Curve> curves;  ///< none if the path stays where it is
+  std::vector<Curve> curves;  ///< empty if the path does not move
   Configuration end;
 };
 
 /// L2
 [[nodiscard]] double norm(const std::vector<double>& v);
 
-/// `path`, not empty, with continuous joints unwrapped and corners rounded by at most `tolerance`
-/// (L2 joint distance) where `verifier` lets them; null rounds none.
+/// Rounds corners of `path`, which is not empty, by at most `tolerance` (L2 joint distance) where
+/// `verifier` passes the parabola; a null `verifier` rounds none. Unwraps continuous joints.
 [[nodiscard]] RoundedPath round_corners(const Robot& robot, const Path& path, double tolerance,
                                         const MotionVerifier* verifier);
 

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The average of positions over a window of time keeps what limits of velocity and acceleration the
-// motion keeps, because each of its derivatives is the average of the motion's. Its third one is
-// the difference of two accelerations over the window. By Taylor's theorem it is off the motion by
-// at most acceleration window^2 / 24.
+// The average of positions over a window of time keeps the motion's limits of velocity and
+// acceleration, because its derivatives are averages, too. Its jerk is a difference of two
+// accelerations over the window. By Taylor's theorem it deviates by at most
+// acceleration window^2 / 24.
 #include "trajectory/speed_profile.h"
 
 #include <algorithm>
@@ -15,11 +15,9 @@
 namespace mneme::internal {
 namespace {
 
-/// Seconds: shorter windows are lost to rounding.
-constexpr double kLeastWindow = 1e-4;
-/// Accelerations are lowered by as much at a time.
-constexpr double kSlower = 0.75;
-/// How far chords may be off the motion that they are verified for: of the tolerance, or radians.
+constexpr double kLeastWindow = 1e-4;  ///< seconds; shorter windows are lost to rounding
+constexpr double kSlower = 0.75;       ///< factor on accelerations per attempt
+/// Deviation of verified chords from the motion: a share of the tolerance, and at least radians.
 constexpr double kChordError = 1.0 / 128, kLeastChordError = 2e-5;
 
 double find_window(const RateLimits& limits) {
@@ -30,12 +28,12 @@ double find_window(const RateLimits& limits) {
   return window;
 }
 
-/// Greatest distance of the averages from the motion.
+/// Bounds the distance of the average from the motion.
 double find_deviation(const RateLimits& limits) {
   return norm(limits.acceleration) * std::pow(find_window(limits), 2) / 24;
 }
 
-/// What is rounded may be straight ahead.
+/// False also for a parabola between parallel legs.
 bool is_bent(const Curve& curve) {
   return std::ranges::any_of(curve.bend, [](double bend) { return bend != 0; });
 }
@@ -53,7 +51,7 @@ void stop_at(RoundedPath& path, std::size_t i) {
   path.curves.insert(path.curves.begin() + static_cast<std::ptrdiff_t>(i) + 1, std::move(out));
 }
 
-/// From the end on, so that numbers of curves before stay what they are.
+/// From the end, so that earlier indices stay valid.
 void stop_at_all(RoundedPath& path, std::size_t first, std::size_t last) {
   for (std::size_t i = last + 1; i-- > first;) {
     if (is_bent(path.curves[i])) stop_at(path, i);
@@ -63,10 +61,10 @@ void stop_at_all(RoundedPath& path, std::size_t first, std::size_t last) {
 struct Average {
   Followed followed;
   double window_s = 0;
-  std::vector<double> accelerations;  ///< that it keeps
+  std::vector<double> accelerations;  ///< the limits that it keeps
 };
 
-/// With the accelerations that make it shortest.
+/// Lowers accelerations for as long as the shorter window makes the motion faster.
 Average follow_fastest_average(const RoundedPath& path, RateLimits limits, double tolerance) {
   const bool may_deviate = std::ranges::none_of(path.curves, is_bent);
   std::optional<Average> best;
@@ -82,7 +80,7 @@ Average follow_fastest_average(const RoundedPath& path, RateLimits limits, doubl
   }
 }
 
-/// Stops at all corners if that is faster than to be slow enough for the tolerance.
+/// Stops at all corners if that is faster than slowing down to keep the tolerance.
 void forgo_slow_corners(RoundedPath& path, const RateLimits& limits, double tolerance) {
   if (path.curves.empty() || find_deviation(limits) <= tolerance) return;
   RoundedPath stopping = path;
@@ -93,13 +91,13 @@ void forgo_slow_corners(RoundedPath& path, const RateLimits& limits, double tole
   if (duration_s(stopping) < duration_s(path)) path = std::move(stopping);
 }
 
-/// Curves one after the other, from `first` on, whose averages may meet; times are of the average.
+/// Consecutive curves whose averages may overlap. Times are those of the average.
 struct Stretch {
   std::size_t first = 0, last = 0;
   double begin_s = 0, end_s = 0;
 };
 
-/// Where the motion is not that of a straight curve.
+/// The stretches at which the average may leave the path.
 std::vector<Stretch> find_bent(const RoundedPath& path, const Average& average) {
   const std::vector<double>& begins_s = average.followed.begins_s;
   std::vector<Stretch> bent;
@@ -115,7 +113,7 @@ std::vector<Stretch> find_bent(const RoundedPath& path, const Average& average) 
 
 bool is_free(const Average& average, const Stretch& stretch, double tolerance,
              const MotionVerifier& verifier) {
-  // Between two points that are dt apart it is off their chord by acceleration dt^2 / 8.
+  // The motion deviates from a chord over dt by at most acceleration dt^2 / 8.
   const double duration_s = stretch.end_s - stretch.begin_s;
   const double error = std::max(kChordError * tolerance, kLeastChordError);
   const double longest_s = std::sqrt(8 * error / norm(average.accelerations));

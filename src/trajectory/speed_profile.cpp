@@ -13,11 +13,9 @@
 namespace mneme::internal {
 namespace {
 
-/// Fraction of the limits that is left to rounding.
-constexpr double kRoom = 1 - 1e-9;
+constexpr double kRoom = 1 - 1e-9;  ///< share of the limits that is used, for rounding
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Cells of a parabola.
-constexpr int kCells = 16;
+constexpr int kCells = 16;  ///< per parabola
 
 /// A straight curve, or a part of a parabola of constant path acceleration.
 struct Cell {
@@ -47,9 +45,8 @@ struct Slopes {
   double first = 0, last = 0;
 };
 
-/// The greatest squared path speeds at which the joint is nowhere faster than `velocity`: a line
-/// over the cell. v^2 / q'^2 is convex where q' keeps its sign: its tangent in the middle lies
-/// below.
+/// Squared path speeds at both ends of a cell such that, linear in between, the joint never exceeds
+/// `velocity`. Where q' keeps its sign v^2 / q'^2 is convex, so that its tangent is below it.
 CellLimits::Pair most_speeds(const Slopes& slopes, double velocity) {
   constexpr double kSteepest = 0.5;  // of lines, so that they stay well above 0
   const double middle = 0.5 * (slopes.first + slopes.last);
@@ -64,8 +61,8 @@ CellLimits::Pair most_speeds(const Slopes& slopes, double velocity) {
   return {most, most};
 }
 
-/// With slope q' and bend q'' of a joint, path acceleration u = (b - a) / 2h in a cell of length h
-/// and squared path speed x, its acceleration is q' u + q'' x.
+/// A joint's acceleration is q' u + q'' x, with path acceleration u = (b - a) / 2h in a cell of
+/// length h and squared path speed x.
 Cell bent_cell(const Curve& curve, double begin, double length, const RateLimits& limits) {
   const auto slopes = [&](std::size_t joint) {
     return Slopes{curve.slope(joint, begin), curve.slope(joint, begin + length)};
@@ -101,8 +98,8 @@ std::vector<Cell> make_cells(const RoundedPath& path, const RateLimits& limits) 
 
 bool begins_at_rest(const Cell& cell) { return cell.begin == 0 && cell.curve->begins_at_rest; }
 
-/// Backward: from which speeds the end of the path can be reached. The ends that go with the
-/// fastest of them are kept for the way forward.
+/// Backward pass: the fastest speeds from which the end of the path can be reached, and the speeds
+/// at the ends of the cells that belong to them.
 struct Controllable {
   Profile fastest;
   std::vector<double> ends;
@@ -123,7 +120,7 @@ Controllable find_controllable(std::span<const Cell> cells) {
   return found;
 }
 
-/// Forward: as fast as can be, but never so that the end cannot be reached.
+/// Forward pass: as fast as possible within the controllable speeds.
 Profile find_profile(std::span<const Cell> cells) {
   const Controllable controllable = find_controllable(cells);
   Profile profile(cells.size() + 1, 0.0);
@@ -134,7 +131,7 @@ Profile find_profile(std::span<const Cell> cells) {
       profile[i + 1] = std::min({cell.cap, most, begin + 2 * cell.length * cell.acceleration});
       continue;
     }
-    // Limits are convex: a slower begin allows for that share of the end, whatever rounding says.
+    // Limits are convex: a slower begin allows the same share of the end, in spite of rounding.
     const double fastest = controllable.fastest[i];
     const double share = fastest > 0 ? std::min(1.0, begin / fastest) : 0;
     profile[i + 1] = std::max(share * controllable.ends[i], cell.limits.greatest_end(begin, most));
@@ -142,7 +139,7 @@ Profile find_profile(std::span<const Cell> cells) {
   return profile;
 }
 
-/// Puts stretches together.
+/// Joins stretches.
 class Motion {
  public:
   explicit Motion(double window_s) : window_s_(window_s) {}
@@ -166,7 +163,7 @@ class Motion {
   }
 
  private:
-  /// Speeds up, goes on at the greatest speed if that is reached, and slows down.
+  /// Accelerates, continues at the greatest speed if that is reached, and decelerates.
   void add_straight(const Cell& cell, double begin, double end) {
     const double a = cell.acceleration;
     const double peak =

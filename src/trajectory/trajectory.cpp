@@ -65,8 +65,7 @@ Trajectory::Point Trajectory::follow(double time_s) const {
 std::vector<double> Trajectory::integral(double time_s) const {
   std::vector<double> sum(end_.size(), 0.0);
   if (stretches_.empty()) return sum;
-  // The last stretch that has begun and whose integral is known. It is at rest before 0, and at the
-  // end, which counts as 0.
+  // The last stretch that has begun and whose integral is known.
   const double until = std::min(time_s, end_s_);
   const auto after =
       std::ranges::upper_bound(stretches_.begin(), stretches_.begin() + std::ssize(integrals_),
@@ -105,8 +104,8 @@ Result<std::vector<Trajectory::Point>> Trajectory::sample(double dt) const {
   }
   if (!(duration_s() / dt < kMostPoints)) {
     return fail(ErrorCode::invalid,
-                "a point every {} s of a trajectory of {} s would be more than {} "
-                "points; a larger dt gives fewer",
+                "a point every {} s of a trajectory of {} s gives more than {} points; choose a "
+                "larger dt",
                 dt, duration_s(), kMostPoints);
   }
   std::vector<Point> points;
@@ -122,7 +121,7 @@ Result<Trajectory> parameterize(const Robot& robot, const Path& path, const Rate
   MNEME_TRY(check_path(robot, path));
   MNEME_TRY(internal::check_rate_limits(robot, limits));
   MNEME_TRY(internal::check_ranges(settings));
-  // Averages leave the path by half of the tolerance, corners by the other half.
+  // Averaging and rounding each use half of the tolerance.
   const bool is_smooth = internal::has_jerk_limit(limits);
   const double tolerance = is_smooth ? settings.path_tolerance / 2 : settings.path_tolerance;
   internal::RoundedPath rounded = internal::round_corners(robot, path, tolerance, verifier);

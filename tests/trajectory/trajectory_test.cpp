@@ -147,7 +147,7 @@ TEST_SUITE("unit") {
       REQUIRE_FALSE(points.has_value());
       CHECK(contains(points.error().message, "expected seconds above 0"));
     }
-    CHECK(contains(motion.sample(1e-9).error().message, "a larger dt gives fewer"));
+    CHECK(contains(motion.sample(1e-9).error().message, "choose a larger dt"));
   }
 }
 
