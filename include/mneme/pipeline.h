@@ -25,21 +25,21 @@ namespace internal {
 class MemorySampler;
 }
 
-/// How memory is used.
+/// Use of memory.
 enum class MemoryMode {
-  automatic,  ///< with the values that measure best for each kind
-  off,        ///< not at all, even with a database
-  paper,      ///< by the paper's literal rules
+  automatic,  ///< The defaults of each kind.
+  off,        ///< No use of memory, even with a database.
+  paper,      ///< The paper's literal rules.
 };
-/// "auto", "off" or "paper".
+/// Returns "auto", "off" or "paper".
 [[nodiscard]] std::string_view to_string(MemoryMode mode);
-/// The inverse of to_string(). Error: an unknown name.
+/// Inverse of to_string(). Errors: an unknown name.
 [[nodiscard]] Result<MemoryMode> parse_memory_mode(std::string_view name);
 
 struct SolveSettings {
   std::string planner = "rrt_connect";  ///< one of planners()
   std::string sampler = "gl";           ///< one of samplers()
-  /// Default of the kind: all kinds that the database holds, or the robot's own if it is empty.
+  /// Default kind: all kinds in the database, or the robot's default kind if it is empty.
   MemorySettings memory;
   MemoryMode memory_mode = MemoryMode::automatic;
   std::optional<double> lambda;
@@ -61,11 +61,11 @@ struct SolveSettings {
   Isa isa = Isa::automatic;  ///< instruction set of the kernels
   PlanSettings plan;
   LearnSettings learn;
-  IkSettings ik;  ///< of goals that are poses; their seed is that of `plan`
+  IkSettings ik;  ///< for pose goals; the seed is plan.seed
 };
 
-/// Declares the settings of this struct alone; those of `plan`, `memory`, `learn` and `ik` have
-/// their own. The kind of memory determines defaults that are not set: see kind_defaults().
+/// Declares the settings of this struct; `plan`, `memory`, `learn` and `ik` declare their own. The
+/// kind of memory determines defaults that are not set: see kind_defaults().
 template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, SolveSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
@@ -128,13 +128,17 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "wins. The path depends on this number, but not on timing. OMPL's planners take 1.");
 }
 
-/// The settings with the values of their memory mode where the caller set none. The paper's mode:
+/// Returns the settings with the values of their memory mode where none is set. The paper's mode:
 /// constant lambda of 0.5, sigma 0.1, similarity 3, all matches, all components from the start,
-/// means moved by symmetry alone and not checked, no escape walks and no anchored samples.
+/// means moved by symmetry only and not checked, no escape walks, no anchored samples.
 [[nodiscard]] SolveSettings with_memory_mode(SolveSettings settings);
 
-/// What memory is queried for, with `goals` for the problem's: the robot without attached objects.
-/// Refers to both arguments.
+/// Checks settings without a problem. Errors: a setting out of range; an unknown planner, sampler
+/// or kind of memory; a combination that cannot work.
+[[nodiscard]] Result<void> check_settings(const SolveSettings& settings);
+
+/// Returns the query to memory for a problem, with `goals` instead of its own and the robot without
+/// attached objects. Refers to both arguments.
 [[nodiscard]] inline MemoryQuery memory_query(const Problem& problem,
                                               std::span<const Configuration> goals) {
   const Configuration* start = problem.start.empty() ? nullptr : &problem.start;
@@ -146,13 +150,13 @@ void visit_settings(Settings& s, Visitor&& visit) {
 
 /// The result of Algorithm 2.
 struct GlSampler {
-  std::shared_ptr<const GaussianMixture>
-      mixture;  ///< all retrieved components, in the scene's frame; null if there are none
+  /// All retrieved components, in the scene's frame; null if there are none.
+  std::shared_ptr<const GaussianMixture> mixture;
   std::vector<PrimitiveRetrieval> primitives;
   double retrieval_time_s = 0;  ///< decomposition, lookup and synthesis
   double learning_time_s = 0;
 
-  /// Matches of all primitives.
+  /// Returns the number of matches of all primitives.
   [[nodiscard]] std::size_t retrieved_count() const {
     std::size_t count = 0;
     for (const PrimitiveRetrieval& retrieval : primitives) count += retrieval.matches.size();
@@ -160,54 +164,53 @@ struct GlSampler {
   }
 };
 
-/// Algorithm 2, "Create GL-Sampler", for the kinds of memory that the settings or the database say;
-/// components of several kinds stand one after the other. Means that a symmetry moves outside the
-/// joint limits are dropped. The database is changed only if `learn_budget_s` > 0 and a primitive
-/// has no match but what a budget cut short, and less of that than is drawn from. Learning ends
-/// `plan.timeout_s` after the call, and soon once `plan.cancel` is set.
-/// Errors: those of MemoryKind::decompose; wrong_robot if the database is of another robot; invalid
-/// if a setting is out of range, or if no kind that is asked can learn within a budget.
+/// Runs Algorithm 2, "Create GL-Sampler", for the kinds of memory in the settings or the database,
+/// one after the other. Drops means that a symmetry moves outside the joint limits. Changes the
+/// database only if `learn_budget_s` > 0 and a primitive has neither a complete match nor
+/// `max_matches` incomplete ones. Learning ends `plan.timeout_s` after the call, or soon after
+/// `plan.cancel` is set.
+/// Errors: those of MemoryKind::decompose; wrong_robot for a database of another robot; invalid for
+/// a setting out of range; unsupported if no queried kind can learn within a budget.
 [[nodiscard]] Result<GlSampler> create_gl_sampler(const Problem& problem, Database& database,
                                                   const SolveSettings& settings);
 
-/// Algorithm 1 over Algorithm 2 for a problem, as solve() draws with the sampler that the settings
-/// name. Memory is asked now; the first `retrieve_after` samples are uniform nevertheless.
+/// Returns the sampler of the settings for a problem, Algorithm 1 over Algorithm 2, as solve() uses
+/// it. Queries memory at once, but the first `retrieve_after` samples are uniform.
 [[nodiscard]] Result<std::shared_ptr<const Sampler>> make_sampler(const Problem& problem,
                                                                   Database* database,
                                                                   const SolveSettings& settings);
 
-/// What solve() inserted of a solved problem.
+/// Rows that solve() inserted from a solved problem.
 struct Remembered {
   int rows = 0;
   double time_s = 0;
-  std::string failure;  ///< why nothing could be inserted; the path is found all the same
+  std::string failure;  ///< Why nothing could be inserted; the path is valid nevertheless.
 };
 
-/// A path to be improved, or a shorter one that improving found.
+/// A step of improvement.
 struct Improved {
-  double time_s = 0;  ///< since improving began; 0 for the first path
+  double time_s = 0;  ///< since improvement began; 0 for the path to improve
   double path_length = 0;
 };
 
 struct SolveResult {
-  PlanResult plan;  ///< its planning time holds retrieval and learning, but no tables of the scene
-  GlSampler gl;     ///< empty unless the sampler is of memory and there is a database
+  PlanResult plan;  ///< its planning time includes retrieval and learning
+  GlSampler gl;     ///< empty unless the sampler queried a database
   Replay replay;
   Remembered remembered;
-  /// Of paths one after the other, from the one that improving began with to the plan's; empty if
-  /// it did not begin.
+  /// From the path to improve to the plan's path; empty without improvement.
   std::vector<Improved> improvements;
-  /// The problem's but for those in contact, those that its poses were resolved to at first, and
-  /// the one that was reached.
+  /// The problem's goals except those in contact, then configurations for its poses, then the goal
+  /// reached.
   std::vector<Configuration> goals;
-  /// For people: goals that were left out, pairs that were checked by exact geometry, and why.
+  /// For people: goals that were ignored, pairs that were checked by exact geometry, and why.
   std::vector<std::string> notes;
-  /// The problem's with the pairs that were checked by exact geometry (make_query_checker), if
-  /// there are any.
+  /// The problem's scene with the pairs that were checked by exact geometry (make_query_checker);
+  /// empty without such pairs.
   std::optional<Scene> scene;
-  double goal_time_s = 0;      ///< of planning: resolving poses
+  double goal_time_s = 0;      ///< part of planning: resolving pose goals
   double total_time_s = 0;     ///< solve() from call to return
-  double planning_time_s = 0;  ///< without what follows planning
+  double planning_time_s = 0;  ///< total without shortening, verification, improvement, insertion
   double improvement_time_s = 0;
   std::string planner;
   std::string sampler;
@@ -215,48 +218,45 @@ struct SolveResult {
   Isa isa = Isa::scalar;
 };
 
-/// The problem's scene as solve() checked it.
+/// Returns the problem's scene as solve() checked it.
 [[nodiscard]] inline const Scene& checked_scene(const Problem& problem, const SolveResult& result) {
   return result.scene ? *result.scene : problem.scene;
 }
 
-/// Resolves goals that are poses, decomposes the scene, retrieves or learns local samplers,
-/// synthesizes one sampler, plans, shortens and verifies. `database` may be null: then samplers
-/// that draw from memory draw uniformly. Errors: an unknown planner or sampler, or two that do not
-/// go together; a setting out of range; a scene that cannot be checked or decomposed; a database of
+/// Resolves pose goals, decomposes the scene, retrieves or learns local samplers, synthesizes one
+/// sampler, plans, shortens and verifies. With a null `database`, samplers of memory are uniform.
+/// Errors: those of check_settings(); a scene that cannot be checked or decomposed; a database of
 /// another robot.
 [[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database,
                                         const SolveSettings& settings);
 
-/// Refuses what solve() would of a problem and settings with a memory that holds nothing yet, so
-/// that none is made in vain. Errors: those of solve() that are known before the goals are
-/// resolved. Costs a checker of the scene.
+/// Checks problem and settings as solve() with an empty database would, before one is created.
+/// Errors: those of solve() that are known before goals are resolved. Cost: a collision checker.
 [[nodiscard]] Result<void> check_query(const Problem& problem, const SolveSettings& settings);
 
-/// The time-optimal motion along a path that solve() found for that problem with those settings:
-/// corners are rounded where that passes the verification of paths. Errors: those of
-/// parameterize().
+/// Returns the time-optimal motion along a path that solve() found for this problem and settings.
+/// Rounds corners where the result passes verification. Errors: those of parameterize().
 [[nodiscard]] Result<Trajectory> make_trajectory(const Problem& problem,
                                                  const SolveSettings& settings, const Path& path,
                                                  const RateLimits& limits,
                                                  const TrajectorySettings& timing = {});
 
-/// A source of configurations by name. To add one: a row in src/pipeline/samplers.cpp.
+/// A sampler by name. To add one: a row in src/pipeline/samplers.cpp.
 struct SamplerEntry {
   std::string_view name;
   std::string_view summary;
   /// Null: uniform within the joint limits.
   std::shared_ptr<const Sampler> (*make)(internal::MemorySampler& memory) = nullptr;
-  bool draws_from_memory = false;   ///< from a database; without one it is uniform
-  bool draws_valid_states = false;  ///< for planners that do so: see PlannerEntry
+  bool uses_memory = false;           ///< Queries a database; uniform without one.
+  bool samples_valid_states = false;  ///< For planners that do so: see PlannerEntry.
 };
-/// "gl" (Algorithm 1), "uniform" and "halton", then those that were added.
+/// Returns "gl" (Algorithm 1), "uniform", "halton", and the samplers of add_samplers().
 [[nodiscard]] std::span<const SamplerEntry> samplers();
 [[nodiscard]] std::vector<std::string> sampler_names();
-/// Adds samplers of another library; names that are known are left alone. Call it before planning:
-/// not thread-safe, and references to entries end.
+/// Adds samplers whose names are new. Call it before planning: not thread-safe, and it invalidates
+/// references to entries.
 void add_samplers(std::span<const SamplerEntry> entries);
-/// Error: an unknown name; the message lists those there are.
+/// Errors: an unknown name; the message lists the known ones.
 [[nodiscard]] Result<const SamplerEntry*> find_sampler(std::string_view name);
 
 }  // namespace mneme

@@ -27,19 +27,19 @@ enum class PlanStatus {
   node_limit,       ///< the limit on nodes, and so on memory, was reached
   cancelled,
   invalid_start,  ///< outside the limits, not a number, wrong count, or in contact: see `message`
-  invalid_goal,   ///< the same of a goal
+  invalid_goal,   ///< likewise for a goal
 };
 [[nodiscard]] std::string_view to_string(PlanStatus status);
 
-/// Watches one call of a planner, for pictures and statistics. Called by the thread that plans,
-/// whose time it takes.
+/// Watches one call of a planner, for pictures and statistics. Called by the planning thread; its
+/// time counts as planning time.
 class PlanObserver {
  public:
   virtual ~PlanObserver() = default;
-  /// A configuration that the planner drew, and its source.
+  /// Receives a sampled configuration and its source.
   virtual void on_sample(std::span<const float>, SampleSource) {}
-  /// A free motion `from` -> `to` that the planner keeps in `graph`: 0 is the tree from the start
-  /// or the roadmap, 1 the tree from the goals. It may be dropped later, if it fails verification.
+  /// Receives a free motion that the planner adds to `graph`: 0 is the tree from the start or the
+  /// roadmap, 1 the tree from the goals. It may be dropped later, if it fails verification.
   virtual void on_edge(std::span<const float> /*from*/, std::span<const float> /*to*/,
                        int /*graph*/) {}
 };
@@ -63,12 +63,11 @@ struct PlanSettings {
   std::optional<double> walk;
   std::optional<std::uint64_t> walk_after;
   bool ompl_defaults = false;
-  /// What PlannerEntry::train wrote, for planners that plan from experience of their own; without
-  /// it they know nothing.
+  /// File written by PlannerEntry::train, for planners with their own experience. Empty: none.
   std::string experience_path;
-  /// Set by another thread to stop the planner within a few milliseconds; may be null.
+  /// Another thread sets it to stop the planner within a few milliseconds; may be null.
   const std::atomic<bool>* cancel = nullptr;
-  /// Sees what the planner draws and keeps; may be null, which costs nothing.
+  /// Receives samples and edges; may be null, which costs nothing.
   PlanObserver* observer = nullptr;
 
   [[nodiscard]] Verification verification() const {
@@ -81,8 +80,8 @@ struct PlanSettings {
 };
 
 /// Declares each setting once, for command line, files, Python, documents and report:
-/// `visit(name, value, least, most, sentence)` is called for each. A value that is std::optional
-/// has no number of its own until one is given: the sentence says what happens then.
+/// calls `visit(name, value, least, most, sentence)` for each. The sentence of a std::optional
+/// value states its default.
 template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, PlanSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
@@ -150,7 +149,7 @@ struct PlanResult {
   PlanStatus status = PlanStatus::timeout;
   std::string message;  ///< why there is no path, in words; empty if solved
   Path path;            ///< empty unless solved; starts at the start and ends at the goal reached
-  std::uint64_t iterations = 0;  ///< samples drawn, escape walks, and goals that rrt drew instead
+  std::uint64_t iterations = 0;  ///< samples, escape walks, and goals that rrt sampled instead
   std::uint64_t states_checked = 0;
   std::uint64_t motions_checked = 0;
   std::uint64_t nodes = 0;     ///< of all trees, or of the roadmap
@@ -161,59 +160,55 @@ struct PlanResult {
   [[nodiscard]] bool is_solved() const { return status == PlanStatus::solved; }
 };
 
-/// Status and message of a query that no planner takes: its start or a goal is no configuration of
-/// the robot, or in contact, or there is no goal. Nothing if the query is sound. Contact is not
-/// looked for where the ends are known to be clear of it.
+/// Returns status and message of a query that cannot be planned, or nothing: its start or a goal is
+/// outside the limits, breaks a constraint or is in contact, or there is no goal. `are_ends_clear`
+/// skips the check for contact.
 [[nodiscard]] std::optional<PlanResult> refuse_query(const CollisionChecker& checker,
                                                      const PlanQuery& query,
                                                      bool are_ends_clear = false);
-/// Takes the goals in contact out of `goals` unless all of them are. A sentence about each.
+/// Removes the goals in contact from `goals`, unless all of them are. Returns a sentence for each.
 [[nodiscard]] std::vector<std::string> drop_goals_in_contact(const CollisionChecker& checker,
                                                              std::vector<Configuration>& goals);
 
-/// Metres that exact geometry must be away, beyond the margin, where spheres touch.
+/// Least distance of exact geometry, beyond the margin, where spheres touch, metres.
 inline constexpr double kSolidClearance = 1e-3;
 
-/// A checker for the way between the ends of a query.
+/// The checker of a query.
 struct QueryChecker {
   CollisionChecker checker;
-  std::vector<std::string>
-      notes;  ///< pairs that are checked by exact geometry, and why: a sentence each
-  bool are_ends_clear = false;  ///< start and goals are configurations that touch nothing
+  std::vector<std::string> notes;  ///< a sentence for each pair that is checked by exact geometry
+  bool are_ends_clear = false;     ///< True if start and goals are valid and free of contact.
 };
-/// CollisionChecker::make. Where, at the start or at a goal, nothing but spheres of links touches,
-/// and their exact geometry is kSolidClearance away, these links are checked against the obstacles
-/// and links that they touch by exact geometry (Obstacle::exact_links and Scene::exact_pairs in the
-/// checker's scene): everywhere, not only there.
+/// Makes the checker of a query. If only spheres of links are in contact at the start or a goal,
+/// and the exact geometry is kSolidClearance away, those pairs are checked by exact geometry
+/// everywhere: see Obstacle::exact_links and Scene::exact_pairs in the checker's scene. Errors:
+/// those of CollisionChecker::make.
 [[nodiscard]] Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
                                                       const CheckerSettings& settings,
                                                       const PlanQuery& ends);
 
-/// Ends a search that another one has beaten. Asked by the thread that plans.
+/// Ends a search that another one has beaten. Called by the planning thread.
 class SearchLimit {
  public:
   virtual ~SearchLimit() = default;
-  /// False if a search that has begun so many iterations must end before the next one.
+  /// Returns false if the search must end after this number of iterations.
   [[nodiscard]] virtual bool may_go_on(std::uint64_t iterations) = 0;
 };
 
-/// One call of a planner. Refers to all of it.
+/// One call of a planner. Refers to its arguments.
 struct PlanTask {
   const CollisionChecker& checker;
-  const PlanQuery& query;  ///< sound: refuse_query() has nothing to say
+  const PlanQuery& query;  ///< refuse_query() must not refuse it
   const Sampler& sampler;
   const PlanSettings& settings;
-  PathFinisher& shorten_and_verify;  ///< what a path must become and pass before it is returned
-  /// The sampler of valid states to draw through, of planners that can; empty for none.
+  PathFinisher& shorten_and_verify;
+  /// Name of a sampler of valid states, for planners with `samples_valid_states`; empty: none.
   std::string_view valid_states = {};
-  /// Goals besides those of the query, which a long search takes as they come; null: none.
-  GoalSource* further_goals = nullptr;
-  /// Null: none but those of the settings. Planners that do not ask go on to their own end.
-  SearchLimit* limit = nullptr;
+  GoalSource* further_goals = nullptr;  ///< more goals for a long search; null: none
+  SearchLimit* limit = nullptr;         ///< beyond those of the settings; null: none
 };
 
-/// A planner never throws; allocation of memory counts in its times. Errors: what it needs besides
-/// the task cannot be read.
+/// Must not throw. Errors: a file that the planner needs cannot be read.
 using Planner = std::function<Result<PlanResult>(const PlanTask& task)>;
 
 /// A single tree from the start. LaValle and Kuffner, DOI 10.1177/02783640122067453.
@@ -227,33 +222,30 @@ struct PlannerEntry {
   std::string name;
   std::string summary;
   Planner plan;
-  bool draws_valid_states = false;  ///< through the sampler that PlanTask::valid_states names
-  bool is_exclusive = false;        ///< one run at a time in a process: it shares random numbers
-  /// Writes what a planner that learns by itself makes of solved paths, whatever scene each was
-  /// solved in, to a file for PlanSettings::experience_path; empty if it does not learn.
+  bool samples_valid_states = false;  ///< Uses PlanTask::valid_states.
+  bool is_exclusive = false;          ///< At most one run at a time in a process.
+  /// Trains the planner's own experience from solved paths, of any scenes, and saves it for
+  /// PlanSettings::experience_path. Empty: not trainable.
   std::function<Result<void>(const Robot& robot, std::span<const Path> paths,
                              const std::string& file)>
       train = {};
-  bool walks = false;     ///< goes on escape walks, unless PlanSettings::walk is 0
-  bool projects = false;  ///< leads its steps back to where constraints are kept
+  bool walks = false;     ///< Makes escape walks unless PlanSettings::walk is 0.
+  bool projects = false;  ///< Keeps constraints by projection.
 };
-/// All planners: mneme's own, and those of add_planners(). To add one of mneme's own:
-/// src/planning/NAME.cpp, a declaration above, a row in src/planning/planners.cpp, a test; command
-/// line, Python, benchmark and the tests that all planners share take it from there.
+/// Returns all planners: mneme's own, and those of add_planners().
 [[nodiscard]] std::span<const PlannerEntry> planners();
 [[nodiscard]] std::vector<std::string> planner_names();
-/// Appends to the table those whose names it does not have yet. Before any other use of the table.
+/// Appends the planners whose names are new. Call it before any other use of the table.
 void add_planners(std::vector<PlannerEntry> entries);
-/// Errors: invalid, with the names there are; unsupported for one of OMPL's if they were not added.
+/// Errors: invalid for an unknown name; unsupported for one of OMPL's without OMPL's library.
 [[nodiscard]] Result<const PlannerEntry*> find_planner(std::string_view name);
 
-/// One of mneme's own planners by itself: checks start and goals, then plans, and finishes paths as
-/// the settings say.
+/// Checks start and goals, plans, shortens and verifies with one of mneme's own planners.
 [[nodiscard]] PlanResult plan_with(PlanResult (*planner)(const PlanTask&),
                                    const CollisionChecker& checker, const PlanQuery& query,
                                    const Sampler& sampler, const PlanSettings& settings = {});
 
-/// The robot's default extension range, radians.
+/// Returns the robot's default of PlanSettings::range, radians.
 [[nodiscard]] double default_range(const Robot& robot);
 
 }  // namespace mneme

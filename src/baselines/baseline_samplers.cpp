@@ -102,17 +102,17 @@ using internal::MemorySampler;
 using SharedSampler = std::shared_ptr<const Sampler>;
 
 SharedSampler pooled(MemorySampler& memory) {
-  return memory.draw_mixture(
-      [&memory] { return internal::pool_all(memory.query(), memory.asked()); });
+  return memory.from_mixture(
+      [&memory] { return internal::pool_all(memory.query(), memory.memory_query()); });
 }
 
 SharedSampler nearest_scenes(MemorySampler& memory) {
-  return memory.draw_mixture(
-      [&memory] { return internal::recall_nearest_scenes(memory.query(), memory.asked()); });
+  return memory.from_mixture(
+      [&memory] { return internal::recall_nearest_scenes(memory.query(), memory.memory_query()); });
 }
 
 SharedSampler cvae(MemorySampler& memory) {
-  return memory.draw_from([&query = memory.query()]() -> Result<SharedSampler> {
+  return memory.from_sampler([&query = memory.query()]() -> Result<SharedSampler> {
     const auto weights = MNEME_TRY(internal::load_cvae(internal::cvae_path(*query.database)));
     return internal::make_cvae_sampler(query.problem.robot, query.problem.scene, weights);
   });
@@ -122,15 +122,15 @@ constexpr std::array<SamplerEntry, 3> kBaselines = {
     {{.name = "pooled",
       .summary = "baseline: all components of the memory, without retrieval",
       .make = pooled,
-      .draws_from_memory = true},
+      .uses_memory = true},
      {.name = "nearest_scenes",
       .summary = "baseline: components of the scenes that are most similar to the whole scene",
       .make = nearest_scenes,
-      .draws_from_memory = true},
+      .uses_memory = true},
      {.name = "cvae",
       .summary = "baseline: a conditional variational autoencoder trained on the memory",
       .make = cvae,
-      .draws_from_memory = true}}};
+      .uses_memory = true}}};
 
 }  // namespace
 

@@ -261,7 +261,7 @@ std::string describe_settings(const SolveSettings& settings) {
 
 bool needs_memory(std::string_view sampler) {
   const auto entry = find_sampler(sampler);
-  return entry && (*entry)->draws_from_memory;
+  return entry && (*entry)->uses_memory;
 }
 
 Result<Suite> load_suite(const std::string& path) {

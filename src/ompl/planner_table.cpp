@@ -80,7 +80,7 @@ void add_ompl_planners() {
     entry.name = "ompl:" + name;
     entry.summary = "OMPL's " + name;
     entry.plan = [&planner](const PlanTask& task) { return ompl::run(planner, task); };
-    entry.draws_valid_states = planner.draws_valid_states;
+    entry.samples_valid_states = planner.samples_valid_states;
     entry.is_exclusive = true;
     if (planner.make != nullptr) continue;
     entry.summary += ", which plans from its own experience";

@@ -17,7 +17,7 @@ struct OmplPlanner {
   std::string_view name;
   /// Null for planners that need experience: make_experience_planner().
   ::ompl::base::PlannerPtr (*make)(const ::ompl::base::SpaceInformationPtr& information) = nullptr;
-  bool draws_valid_states = false;  ///< uses the information's sampler of valid states
+  bool samples_valid_states = false;  ///< uses the information's sampler of valid states
 };
 
 [[nodiscard]] std::span<const OmplPlanner> ompl_planners();

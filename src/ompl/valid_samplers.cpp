@@ -58,7 +58,7 @@ void add_valid_samplers() {
   std::vector<SamplerEntry> entries;
   for (const ValidSampler& sampler : kSamplers) {
     entries.push_back(
-        {.name = sampler.name, .summary = sampler.summary, .draws_valid_states = true});
+        {.name = sampler.name, .summary = sampler.summary, .samples_valid_states = true});
   }
   add_samplers(entries);
 }

@@ -10,12 +10,11 @@
 namespace mneme::internal {
 namespace {
 
-/// Of so many plans the shortest is shortened: which way round obstacles a path goes decides more
-/// than how long it is shortened, and a rough path tells it.
+/// Rough plans per round; the shortest is shortened. The side on which a path passes obstacles
+/// matters more than further shortening, and a rough path shows it.
 constexpr int kPlansPerRound = 3;
 constexpr int kPatience = 160;
-/// Relative, of lengths.
-constexpr double kLengthRounding = 1e-9;
+constexpr double kLengthRounding = 1e-9;  ///< relative
 
 class Improvement {
  public:
@@ -30,7 +29,7 @@ class Improvement {
     const auto straight_to = [&](const Configuration& goal) {
       return resolved.checker.robot().distance(resolved.ends.start, goal) * (1 + kLengthRounding);
     };
-    // It may be a goal that came while planning.
+    // The goal reached may have been found while planning.
     shortest_length_ = straight_to(result.plan.path.back());
     for (const Configuration& goal : resolved.ends.goals) {
       shortest_length_ = std::min(shortest_length_, straight_to(goal));
@@ -49,7 +48,7 @@ class Improvement {
   [[nodiscard]] double remaining_s() const {
     return query_.settings.plan.improve - stopwatch_.elapsed_s();
   }
-  /// Also if there is no shorter path.
+  /// True also if no path can be shorter.
   [[nodiscard]] bool is_over() const {
     return remaining_s() <= verification_time_s_ || length_ <= shortest_length_ ||
            is_set(query_.settings.plan.cancel);
@@ -62,7 +61,7 @@ class Improvement {
     return settings;
   }
 
-  /// The shortest of a few rough paths; empty if none is found in time.
+  /// Returns the shortest of a few rough paths; empty if none is found in time.
   Path plan_again(std::uint64_t round) {
     Path shortest;
     double least = 0;
@@ -72,7 +71,7 @@ class Improvement {
       settings.simplify = true;
       settings.patience = 0;
       PathFinisher finisher(resolved_.checker, settings.finish());
-      const auto valid_states = query_.sampler.draws_valid_states ? query_.sampler.name : "";
+      const auto valid_states = query_.sampler.samples_valid_states ? query_.sampler.name : "";
       auto planned = query_.planner.plan(
           {resolved_.checker, resolved_.ends, sampler_, settings, finisher, valid_states});
       if (!planned || !planned->is_solved()) continue;
@@ -86,7 +85,7 @@ class Improvement {
     return shortest;
   }
 
-  /// Shortens the path; takes it if it is shorter than the best one then, and passes.
+  /// Shortens the path, and takes it if it is then the shortest one that passes.
   void offer(Path path, std::uint64_t round) {
     const PlanSettings settings = settings_of(round * kPlansPerRound);
     ShortenEffort effort;
@@ -116,7 +115,7 @@ class Improvement {
     best_.motions_checked += counters.motions;
   }
 
-  /// Of seeds: what planners derive from theirs comes before.
+  /// Seeds; planners derive theirs from smaller numbers.
   static constexpr std::uint64_t kFirstTask = 1000;
 
   const ResolvedQuery& resolved_;
@@ -125,8 +124,8 @@ class Improvement {
   PlanResult& best_;
   std::vector<Improved>& curve_;
   double length_;
-  double shortest_length_ = 0;      ///< that any path can have
-  double verification_time_s_ = 0;  ///< the longest: so much is left for the next one
+  double shortest_length_ = 0;      ///< lower bound for any path
+  double verification_time_s_ = 0;  ///< the longest so far; reserved for the next one
   Stopwatch stopwatch_;
 };
 

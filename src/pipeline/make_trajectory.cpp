@@ -7,12 +7,12 @@ namespace mneme {
 Result<Trajectory> make_trajectory(const Problem& problem, const SolveSettings& settings,
                                    const Path& path, const RateLimits& limits,
                                    const TrajectorySettings& timing) {
-  // Its end, which may be none of the problem's goals, shows what exact geometry judged, too.
+  // All waypoints count as goals, so that the same pairs as in solve() are checked exactly.
   const CheckerSettings checked{settings.resolution, settings.margin, settings.isa,
                                 problem.constraints};
   const QueryChecker made =
       MNEME_TRY(make_query_checker(problem.robot, problem.scene, checked, {problem.start, path}));
-  // Whoever forgoes verification of the path does not ask for corners that cut through obstacles.
+  // Even without verification of the path, corners must not cut through obstacles.
   const Verification wanted = settings.plan.verification();
   const MotionVerifier verifier(made.checker,
                                 wanted == Verification::none ? Verification::states : wanted);

@@ -7,7 +7,7 @@
 
 namespace mneme::internal {
 
-std::shared_ptr<const Sampler> MemorySampler::draw_by_kind() {
+std::shared_ptr<const Sampler> MemorySampler::by_kind() {
   std::vector<Source> sources;
   for (const KindSettings& kind : query().kinds) {
     sources.push_back(
@@ -17,22 +17,22 @@ std::shared_ptr<const Sampler> MemorySampler::draw_by_kind() {
            });
          }});
   }
-  return draw(std::move(sources));
+  return from_sources(std::move(sources));
 }
 
-std::shared_ptr<const Sampler> MemorySampler::draw_mixture(
+std::shared_ptr<const Sampler> MemorySampler::from_mixture(
     std::function<Result<GaussianMixture>()> recall) {
-  return draw_from([this, recall = std::move(recall)]() {
+  return from_sampler([this, recall = std::move(recall)]() {
     return recall().map(
         [&](GaussianMixture mixture) { return sample(query().kinds.front(), std::move(mixture)); });
   });
 }
 
-std::shared_ptr<const Sampler> MemorySampler::draw_from(
+std::shared_ptr<const Sampler> MemorySampler::from_sampler(
     std::function<Result<std::shared_ptr<const Sampler>>()> make) {
-  if (query().kinds.empty()) return draw({});
+  if (query().kinds.empty()) return from_sources({});
   const KindSettings& kind = query().kinds.front();
-  return draw(
+  return from_sources(
       {{kind.lambda, kind.least_lambda, kind.retrieve_after, [this, make = std::move(make)] {
           const Stopwatch stopwatch;
           auto made = make();
@@ -41,32 +41,33 @@ std::shared_ptr<const Sampler> MemorySampler::draw_from(
         }}});
 }
 
-std::shared_ptr<const Sampler> MemorySampler::draw(std::vector<Source> sources) {
+std::shared_ptr<const Sampler> MemorySampler::from_sources(std::vector<Source> sources) {
   sources_ = std::move(sources);
   std::ranges::stable_sort(sources_, {}, &Source::after);
   retrieve_after_ = sources_.empty() ? 0 : sources_.front().after;
   if (timing_ == Timing::at_once) {
     for (Source& source : sources_) source.after = 0;
   }
-  return drawn_after(0);
+  return sampler_after(0);
 }
 
-std::shared_ptr<const Sampler> MemorySampler::drawn_after(int samples) {
+std::shared_ptr<const Sampler> MemorySampler::sampler_after(int samples) {
   const std::lock_guard lock(mutex_);
   const auto known = std::ranges::find(stages_, samples, [](const auto& s) { return s.first; });
   if (known != stages_.end()) return known->second;
-  while (asked_ < sources_.size() && sources_[asked_].after <= samples) ask(sources_[asked_++]);
+  while (queried_sources_ < sources_.size() && sources_[queried_sources_].after <= samples)
+    query_source(sources_[queried_sources_++]);
   std::shared_ptr<const Sampler> sampler = mixed();
-  if (asked_ < sources_.size()) {
-    const int next = sources_[asked_].after;
+  if (queried_sources_ < sources_.size()) {
+    const int next = sources_[queried_sources_].after;
     sampler = make_lazy_sampler(std::move(sampler), next - samples,
-                                [this, next] { return drawn_after(next); });
+                                [this, next] { return sampler_after(next); });
   }
   stages_.emplace_back(samples, sampler);
   return sampler;
 }
 
-/// Each source gets its lambda; several share, so that uniform samples keep their part.
+/// Several sources share lambda, so that uniform samples keep their share.
 std::shared_ptr<const Sampler> MemorySampler::mixed() const {
   std::shared_ptr<const Sampler> uniform = make_uniform_sampler(query().problem.robot);
   if (samplers_.empty()) return uniform;
@@ -78,9 +79,9 @@ std::shared_ptr<const Sampler> MemorySampler::mixed() const {
   return make_mixed_sampler(std::move(shares), std::move(uniform));
 }
 
-void MemorySampler::ask(const Source& source) {
-  marks_.push_back({source.after, gl_.primitives.size(), drawn_.size(), gl_.mixture});
-  auto sampler = source.ask();
+void MemorySampler::query_source(const Source& source) {
+  marks_.push_back({source.after, gl_.primitives.size(), components_.size(), gl_.mixture});
+  auto sampler = source.make();
   if (!sampler) {
     marks_.back().failure = sampler.error();
   } else if (*sampler != nullptr) {
@@ -96,23 +97,23 @@ Result<std::shared_ptr<const Sampler>> MemorySampler::make() {
   return sampler;
 }
 
-Result<void> MemorySampler::check(std::uint64_t draws) const {
+Result<void> MemorySampler::check(std::uint64_t samples) const {
   const auto failed = std::ranges::find_if(
-      marks_, [&](const Mark& mark) { return mark.failure && mark.is_within(draws); });
+      marks_, [&](const Mark& mark) { return mark.failure && mark.is_within(samples); });
   if (failed != marks_.end()) return tl::unexpected(*failed->failure);
   return {};
 }
 
-GlSampler MemorySampler::take(std::uint64_t draws) {
+GlSampler MemorySampler::take(std::uint64_t samples) {
   const auto too_late =
-      std::ranges::find_if(marks_, [&](const Mark& mark) { return !mark.is_within(draws); });
+      std::ranges::find_if(marks_, [&](const Mark& mark) { return !mark.is_within(samples); });
   if (too_late != marks_.end()) {
     gl_.primitives.erase(gl_.primitives.begin() + static_cast<std::ptrdiff_t>(too_late->primitives),
                          gl_.primitives.end());
-    drawn_.resize(too_late->drawn);
+    components_.resize(too_late->components);
     gl_.mixture = too_late->mixture;
   }
-  for (const auto& drawn : drawn_) add_to_found(drawn->made());
+  for (const auto& components : components_) add_to_found(components->made());
   return std::move(gl_);
 }
 
@@ -129,11 +130,11 @@ std::shared_ptr<const Sampler> MemorySampler::sample(const KindSettings& kind, R
   const Robot& robot = query().problem.robot;
   std::optional<CollisionChecker> checker;
   if (kind.drop_invalid_means) checker = resolved_.checker;
-  drawn_.push_back(std::make_shared<const DrawnComponents>(
+  components_.push_back(std::make_shared<const SampledComponents>(
       std::get<std::shared_ptr<const ComponentSource>>(std::move(recalled)), robot.joint_count(),
       std::move(checker)));
-  if (drawn_.back()->group_count() == 0) return nullptr;
-  return make_component_sampler(robot, drawn_.back(), kind.sigma);
+  if (components_.back()->group_count() == 0) return nullptr;
+  return make_component_sampler(robot, components_.back(), kind.sigma);
 }
 
 std::shared_ptr<const Sampler> MemorySampler::sample_mixture(const KindSettings& kind,

@@ -3,17 +3,17 @@
 #include "pipeline/memory_steps.h"
 
 #include "base/threads.h"
-#include "pipeline/drawn_components.h"
+#include "pipeline/sampled_components.h"
 
 #include <algorithm>
 
 namespace mneme::internal {
 namespace {
 
-/// Seconds of the time limit that learning leaves, because an insertion waits for the disk.
+/// Seconds of the time limit that learning leaves for insertion, which waits for the disk.
 constexpr double kInsertionTime = 0.01;
 
-/// A primitive is known by a complete sampler, or by the most matches that are retrieved.
+/// True with a complete sampler, or with max_matches incomplete ones.
 bool is_known(const PrimitiveRetrieval& primitive, const KindSettings& kind) {
   const auto is_complete = [](const Match& match) {
     return match.experience->sampler().is_complete;
@@ -22,7 +22,7 @@ bool is_known(const PrimitiveRetrieval& primitive, const KindSettings& kind) {
          std::ranges::any_of(primitive.matches, is_complete);
 }
 
-/// Of a lesson: another one than those had that it goes on from.
+/// Differs from the seeds of the lessons that it continues.
 std::uint64_t lesson_seed(std::uint64_t seed, const PrimitiveRetrieval& primitive) {
   return primitive.matches.empty() ? seed : derive_seed(seed, primitive.matches.size());
 }
@@ -71,7 +71,7 @@ Result<void> learn(const Query& query, const MemoryQuery& memory_query, const Ki
   const std::uint64_t seed = lesson_seed(settings.plan.seed, primitive);
   LearnResult learned = MNEME_TRY(kind.kind->learn(memory_query.robot, primitive.primitive.key,
                                                    learning, seed, budget_s, settings.plan.cancel));
-  // What a short budget left without a component may be no obstacle with a longer one.
+  // An empty result of a short budget is not kept: a longer one may find components.
   if (learned.sampler.component_count() > 0) {
     primitive.is_learned = true;
     learned.sampler.is_complete = learned.time_s < budget_s && !is_set(settings.plan.cancel);
@@ -98,12 +98,12 @@ GaussianMixture make_all(Recalled recalled, int joint_count) {
   if (auto* mixture = std::get_if<GaussianMixture>(&recalled)) return std::move(*mixture);
   auto source = std::get<std::shared_ptr<const ComponentSource>>(std::move(recalled));
   const int groups = source->group_count();
-  const DrawnComponents drawn(std::move(source), joint_count, std::nullopt);
+  const SampledComponents all(std::move(source), joint_count, std::nullopt);
   std::vector<float> mean(static_cast<std::size_t>(joint_count));
   for (int group = 0; group < groups; ++group) {
-    for (int i = 0; i < drawn.component_count(group); ++i) (void)drawn.make(group, i, mean);
+    for (int i = 0; i < all.component_count(group); ++i) (void)all.make(group, i, mean);
   }
-  return drawn.made();
+  return all.made();
 }
 
 void append(GaussianMixture& all, const GaussianMixture& more) {

@@ -3,6 +3,7 @@
 #include "pipeline/query.h"
 
 #include "base/check_ranges.h"
+#include "base/fail.h"
 #include "base/threads.h"
 #include "store/row_check.h"
 
@@ -15,24 +16,11 @@
 namespace mneme::internal {
 namespace {
 
-Result<void> check_settings(const SolveSettings& settings) {
-  for (const auto& checked :
-       {check_ranges(settings), check_ranges(settings.plan), check_ranges(settings.memory),
-        check_ranges(settings.learn), check_ranges(settings.ik)}) {
-    if (!checked) return checked;
-  }
-  if (settings.plan.improve_rounds && settings.plan.improve == 0) {
-    return fail(ErrorCode::invalid, "improve-rounds: expected a time to improve beside it");
-  }
-  return {};
-}
-
 Result<void> check_robot(const Robot& robot, const Database& database) {
-  // The very model that memory was learned with has its joints, whose own hash takes longer than
-  // all that an easy query asks of a memory.
+  // Comparing models is faster than hashing joints, which would dominate an easy query.
   if (database.signature().model_hash == robot.hash()) return {};
   const RobotSignature wanted = make_signature(robot);
-  // A file without rows that is only looked at is of every robot.
+  // A database without rows fits every robot.
   const bool is_empty = database.signature().model_hash.empty();
   if (is_empty || is_same_robot(database.signature(), wanted)) return {};
   return refuse_robot(database.info().url, database.signature(), wanted);
@@ -40,22 +28,13 @@ Result<void> check_robot(const Robot& robot, const Database& database) {
 
 bool replays(const MemoryKind* kind) { return kind->can_replay(); }
 
-/// Those that the settings name; or those that the database holds and this mneme knows; or, of an
-/// empty one, which may be yet to come (null), the one that is about to be filled. What is to be
-/// replayed or remembered as a task needs a kind that replays beside them.
+/// Returns the kind of the settings; otherwise the known kinds in the database; otherwise, for an
+/// empty or missing (null) database, the robot's default. Replay adds a kind that can replay.
 Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Database* database,
                                                     const SolveSettings& settings) {
   std::vector<const MemoryKind*> kinds;
   if (settings.memory.kind) {
-    const auto kind = find_memory_kind(*settings.memory.kind);
-    if (!kind) return tl::unexpected(kind.error());
-    if (settings.replay > 0 && !replays(*kind)) {
-      return fail(ErrorCode::invalid,
-                  fmt::format("setting 'replay': memory of the kind '{}' holds no whole paths, "
-                              "expected the kind paths",
-                              (*kind)->name));
-    }
-    kinds.push_back(*kind);
+    kinds.push_back(MNEME_TRY(find_memory_kind(*settings.memory.kind)));
     return kinds;
   }
   const std::vector<KindInfo> held =
@@ -65,8 +44,8 @@ Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Da
   }
   if (kinds.empty() && !held.empty()) {
     return fail(ErrorCode::unsupported,
-                fmt::format("{}: holds experience of the kind {}, which this mneme does not know",
-                            database->info().url, held.front().kind));
+                "{}: experience of the kind '{}' is unknown to this version of mneme",
+                database->info().url, held.front().kind);
   }
   const bool only_remembers = settings.remember_after && settings.learn_budget_s == 0;
   if (kinds.empty()) {
@@ -98,10 +77,10 @@ KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
   complete.max_matches = settings.max_matches.value_or(defaults.max_matches);
   complete.drop_invalid_means = settings.drop_invalid_means.value_or(defaults.drop_invalid_means);
   complete.retarget = settings.retarget.value_or(defaults.retarget);
-  // What is missing must be known before there is time to learn it.
+  // Learning needs the misses of a query, so that memory must be queried at once.
   const int after = settings.learn_budget_s > 0 ? 0 : share.retrieve_after;
   complete.retrieve_after = settings.retrieve_after.value_or(after);
-  // Components are drawn from in a fraction lambda of the iterations.
+  // A fraction lambda of the iterations samples from components.
   complete.widening = {settings.first_components.value_or(defaults.first_components),
                        settings.component_growth / std::max(complete.lambda, 1e-3)};
   complete.max_gap = settings.memory.max_gap.value_or(defaults.max_gap);
@@ -114,9 +93,9 @@ Result<void> check_budget(const SolveSettings& settings, const std::vector<KindS
   if (settings.learn_budget_s == 0 || std::ranges::any_of(kinds, learns)) return {};
   const MemoryKind& kind = *kinds.front().kind;
   return fail(ErrorCode::unsupported,
-              fmt::format("setting 'learn-budget': memory of the kind '{}' does not learn on a "
-                          "miss; 'remember-after' learns from solved problems",
-                          kind.name));
+              "setting 'learn-budget': memory of the kind '{}' does not learn on a miss; "
+              "'remember-after' learns from solved problems",
+              kind.name);
 }
 
 Result<std::vector<KindSettings>> complete_kinds(const Robot& robot, const Database* database,
@@ -131,45 +110,53 @@ Result<std::vector<KindSettings>> complete_kinds(const Robot& robot, const Datab
 
 bool is_memory_used(const SamplerEntry& sampler, const SolveSettings& settings) {
   if (settings.memory_mode == MemoryMode::off) return false;
-  return sampler.draws_from_memory || settings.replay > 0 || settings.remember_after;
+  return sampler.uses_memory || settings.replay > 0 || settings.remember_after;
 }
 
-/// Only a sampler that queries memory finds out what is missing there.
+/// Only a sampler that queries memory knows its misses.
 Result<void> check_learning(const SamplerEntry& sampler, const SolveSettings& settings) {
-  if (settings.learn_budget_s == 0 || sampler.draws_from_memory) return {};
-  return fail(
-      ErrorCode::invalid,
-      fmt::format("setting 'learn-budget': sampler '{}' does not query memory, expected one "
-                  "that does, such as gl",
-                  sampler.name));
+  if (settings.learn_budget_s == 0 || sampler.uses_memory) return {};
+  return fail(ErrorCode::invalid,
+              "setting 'learn-budget': sampler '{}' does not query memory, expected one that does, "
+              "such as gl",
+              sampler.name);
+}
+
+Result<void> check_constraints(const PlannerEntry& planner, const Problem& problem) {
+  if (problem.constraints.empty() || planner.projects) return {};
+  std::vector<std::string> able;
+  for (const PlannerEntry& entry : planners()) {
+    if (entry.projects) able.push_back(entry.name);
+  }
+  return fail(ErrorCode::unsupported, "planner '{}' cannot keep constraints, expected one of {}",
+              planner.name, fmt::join(able, ", "));
+}
+
+Result<void> check_replay(const SolveSettings& settings) {
+  if (!settings.memory.kind) return {};
+  const MemoryKind* kind = MNEME_TRY(find_memory_kind(*settings.memory.kind));
+  if (settings.replay == 0 || replays(kind)) return {};
+  return fail(ErrorCode::invalid,
+              "setting 'replay': memory of the kind '{}' holds no whole paths, expected the kind "
+              "paths",
+              kind->name);
 }
 
 Result<void> check_together(const PlannerEntry& planner, const SamplerEntry& sampler,
-                            const SolveSettings& settings, bool is_constrained) {
-  if (is_constrained && !planner.projects) {
-    std::vector<std::string> able;
-    for (const PlannerEntry& entry : planners()) {
-      if (entry.projects) able.push_back(entry.name);
-    }
-    return fail(ErrorCode::unsupported,
-                fmt::format("planner '{}' cannot keep constraints, expected one of {}",
-                            planner.name, fmt::join(able, ", ")));
-  }
+                            const SolveSettings& settings) {
   if (settings.threads > 1 && planner.is_exclusive) {
     return fail(ErrorCode::invalid,
-                fmt::format("setting 'threads': planner '{}' searches alone in a process, expected "
-                            "1, got {}",
-                            planner.name, settings.threads));
+                "setting 'threads': only one search of planner '{}' can run in a process, expected "
+                "1, got {}",
+                planner.name, settings.threads);
   }
-  if (planner.draws_valid_states || !sampler.draws_valid_states) return {};
+  if (planner.samples_valid_states || !sampler.samples_valid_states) return {};
   return fail(ErrorCode::invalid,
-              fmt::format("sampler '{}' is for planners that draw valid states, such as ompl:PRM, "
-                          "not '{}'",
-                          sampler.name, planner.name));
+              "sampler '{}' is for planners that sample valid states, such as ompl:PRM, not '{}'",
+              sampler.name, planner.name);
 }
 
-/// Errors: a problem that a kind does not handle. Ends that are no configurations are refused
-/// later.
+/// Errors: a problem that a kind does not handle. Invalid ends are refused later.
 Result<void> check_primitives(const Problem& problem, const std::vector<KindSettings>& kinds) {
   const auto is_wrong = [&](const Configuration& q) {
     return problem.robot.describe_violation(q, "q").has_value();
@@ -198,18 +185,18 @@ double Query::remaining_s() const {
   return std::max(0.0, settings.plan.timeout_s - stopwatch.elapsed_s());
 }
 
-Result<Query> make_query(const Problem& problem, Database* database, const SolveSettings& asked) {
-  const SolveSettings settings = with_memory_mode(asked);
-  const SamplerEntry& sampler = *MNEME_TRY(find_sampler(settings.sampler));
-  const PlannerEntry& planner = *MNEME_TRY(find_planner(settings.planner));
+Result<Query> make_query(const Problem& problem, Database* database,
+                         const SolveSettings& settings) {
   MNEME_TRY(check_settings(settings));
-  MNEME_TRY(check_together(planner, sampler, settings, !problem.constraints.empty()));
-  Query query{problem, nullptr, settings, planner, sampler, {}, {}};
+  const SamplerEntry* sampler = MNEME_TRY(find_sampler(settings.sampler));
+  const PlannerEntry* planner = MNEME_TRY(find_planner(settings.planner));
+  MNEME_TRY(check_constraints(*planner, problem));
+  Query query{problem, nullptr, with_memory_mode(settings), *planner, *sampler, {}, {}};
   if (database == nullptr) return query;
-  MNEME_TRY(check_learning(sampler, settings));
-  if (!is_memory_used(sampler, settings)) return query;
+  MNEME_TRY(check_learning(*sampler, settings));
+  if (!is_memory_used(*sampler, settings)) return query;
   MNEME_TRY(check_robot(problem.robot.without_attached(), *database));
-  query.kinds = MNEME_TRY(complete_kinds(problem.robot, database, settings));
+  query.kinds = MNEME_TRY(complete_kinds(problem.robot, database, query.settings));
   query.database = database;
   return query;
 }
@@ -218,13 +205,31 @@ Result<Query> make_query(const Problem& problem, Database* database, const Solve
 
 namespace mneme {
 
+Result<void> check_settings(const SolveSettings& settings) {
+  using internal::check_ranges;
+  const SamplerEntry* sampler = MNEME_TRY(find_sampler(settings.sampler));
+  const PlannerEntry* planner = MNEME_TRY(find_planner(settings.planner));
+  MNEME_TRY(check_ranges(settings));
+  MNEME_TRY(check_ranges(settings.plan));
+  MNEME_TRY(check_ranges(settings.memory));
+  MNEME_TRY(check_ranges(settings.learn));
+  MNEME_TRY(check_ranges(settings.ik));
+  if (settings.plan.improve_rounds && settings.plan.improve == 0) {
+    return fail(ErrorCode::invalid,
+                "setting 'improve-rounds' has no effect without 'improve': set a time to improve");
+  }
+  MNEME_TRY(internal::check_replay(settings));
+  return internal::check_together(*planner, *sampler, settings);
+}
+
 Result<void> check_query(const Problem& problem, const SolveSettings& settings) {
   const internal::Query query = MNEME_TRY(internal::make_query(problem, nullptr, settings));
   MNEME_TRY(make_query_checker(problem.robot, problem.scene, query.checker_settings(),
                                {problem.start, problem.goals}));
   MNEME_TRY(internal::check_learning(query.sampler, settings));
   if (!internal::is_memory_used(query.sampler, settings)) return {};
-  const auto kinds = MNEME_TRY(internal::complete_kinds(problem.robot, nullptr, query.settings));
+  const std::vector<internal::KindSettings> kinds =
+      MNEME_TRY(internal::complete_kinds(problem.robot, nullptr, query.settings));
   return internal::check_primitives(problem, kinds);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What solve() works on: completed and checked once, so that all other code trusts it.
+/// The input of solve(), completed and checked once.
 #pragma once
 
 #include "mneme/pipeline.h"
@@ -44,8 +44,8 @@ struct Query {
   [[nodiscard]] double remaining_s() const;
 };
 
-/// Errors: a setting out of range; an unknown planner, sampler or kind of memory, or a combination
-/// that does not work; a database of another robot; a budget for learning that nothing can use.
+/// Completes and checks a query. Errors: those of check_settings(); a planner that cannot keep the
+/// problem's constraints; a database of another robot; a budget for learning that nothing can use.
 [[nodiscard]] Result<Query> make_query(const Problem& problem, Database* database,
                                        const SolveSettings& settings);
 

@@ -15,29 +15,29 @@
 namespace mneme::internal {
 namespace {
 
-/// Iterations of the first search before the others begin: threads cost as much as some ten.
+/// Iterations of the first search before the others begin; starting threads costs about ten.
 constexpr std::uint64_t kAlone = 64;
-/// Of seeds: what else derives from the query's is far from it.
+/// Seeds of the other searches, far from all others derived from the query's.
 constexpr std::uint64_t kFirstTask = std::uint64_t{1} << 62;
 constexpr int kIndexBits = 8;
 
-/// Counts what streams draw.
+/// Counts samples.
 class CountingSampler final : public Sampler {
  public:
-  CountingSampler(const Sampler& sampler, std::uint64_t& draws)
-      : sampler_(sampler), draws_(draws) {}
+  CountingSampler(const Sampler& sampler, std::uint64_t& samples)
+      : sampler_(sampler), samples_(samples) {}
 
   [[nodiscard]] std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
-    return std::make_unique<Stream>(sampler_.start(seed), draws_);
+    return std::make_unique<Stream>(sampler_.start(seed), samples_);
   }
 
  private:
   class Stream final : public SampleStream {
    public:
-    Stream(std::unique_ptr<SampleStream> stream, std::uint64_t& draws)
-        : stream_(std::move(stream)), draws_(draws) {}
+    Stream(std::unique_ptr<SampleStream> stream, std::uint64_t& samples)
+        : stream_(std::move(stream)), samples_(samples) {}
     SampleSource next(std::span<float> q) override {
-      ++draws_;
+      ++samples_;
       return stream_->next(q);
     }
     void report(SampleSource source, SampleOutcome outcome) override {
@@ -46,11 +46,11 @@ class CountingSampler final : public Sampler {
 
    private:
     std::unique_ptr<SampleStream> stream_;
-    std::uint64_t& draws_;
+    std::uint64_t& samples_;
   };
 
   const Sampler& sampler_;
-  std::uint64_t& draws_;
+  std::uint64_t& samples_;
 };
 
 Result<PlanResult> search(const RaceTask& task, const Sampler& sampler,
@@ -59,7 +59,8 @@ Result<PlanResult> search(const RaceTask& task, const Sampler& sampler,
   const Query& query = resolved.query;
   std::optional<PoseGoalSource> further_goals = resolved.further_goals;
   PathFinisher shorten_and_verify(resolved.checker, settings.finish());
-  const std::string_view valid_states = query.sampler.draws_valid_states ? query.sampler.name : "";
+  const std::string_view valid_states =
+      query.sampler.samples_valid_states ? query.sampler.name : "";
   return query.planner.plan({resolved.checker, resolved.ends, sampler, settings, shorten_and_verify,
                              valid_states, further_goals ? &*further_goals : nullptr, limit});
 }
@@ -75,7 +76,7 @@ class Race {
     threads_.join();
     Entrant& first = winner();
     if (!*first.planned) return tl::unexpected(first.planned->error());
-    RaceResult result{**std::move(first.planned), first.draws};
+    RaceResult result{**std::move(first.planned), first.samples};
     if (plan_settings().observer != nullptr) show(first);
     return result;
   }
@@ -87,7 +88,7 @@ class Race {
     Entrant(Race& race, int number) : index(number), race_(race) {}
     bool may_go_on(std::uint64_t iterations) override {
       if (index == 0 && iterations >= kAlone) race_.start_others();
-      // Whatever it finds from now on takes an iteration more.
+      // A path found from now on needs at least one more iteration.
       is_beaten = is_beaten || rank(iterations + 1) > race_.best_.load(std::memory_order_relaxed);
       return !is_beaten;
     }
@@ -101,8 +102,8 @@ class Race {
     }
 
     int index;
-    bool is_beaten = false;  ///< and what it found after that does not count
-    std::uint64_t draws = 0;
+    bool is_beaten = false;  ///< True: paths found later do not count.
+    std::uint64_t samples = 0;
     std::optional<Result<PlanResult>> planned;
 
    private:
@@ -119,7 +120,7 @@ class Race {
     settings.timeout_s = task_.resolved.query.remaining_s();
     settings.observer = nullptr;
     if (index > 0) {
-      // The first one leaves walks for hard problems; those that race it bet on one.
+      // The first search keeps walks for hard problems; the others start with them.
       if (!settings.walk_after) settings.walk_after = 0;
       settings.seed = derive_seed(settings.seed, kFirstTask + static_cast<std::uint64_t>(index));
     }
@@ -127,7 +128,7 @@ class Race {
   }
 
   void run(Entrant& entrant) {
-    const CountingSampler sampler(task_.sampler, entrant.draws);
+    const CountingSampler sampler(task_.sampler, entrant.samples);
     entrant.planned = search(task_, sampler, settings_of(entrant.index), &entrant);
     if (!entrant.has_path()) return;
     const std::uint64_t rank = entrant.rank((*entrant.planned)->iterations);
@@ -136,8 +137,8 @@ class Race {
     }
   }
 
-  /// Those that nobody runs yet. Where threads cannot be had one runs them all, one after the
-  /// other, and the same one wins.
+  /// Runs the searches that no thread has begun. If threads cannot be started, one thread runs all
+  /// of them, with the same winner.
   void run_those_left() {
     for (std::size_t i = next_++; i < entrants_.size(); i = next_++) {
       run(entrants_[i]);
@@ -146,7 +147,7 @@ class Race {
     }
   }
 
-  /// Called by the first search's thread alone.
+  /// Called only by the thread of the first search.
   void start_others() {
     if (std::exchange(has_started_, true)) return;
     threads_ = Threads(entrants_.size() - 1, [this] { run_those_left(); });
@@ -175,10 +176,10 @@ class Race {
   const RaceTask& task_;
   double timeout_s_ = task_.resolved.query.remaining_s();
   std::deque<Entrant> entrants_;
-  std::atomic<std::uint64_t> best_ = ~std::uint64_t{0};  ///< rank of those that found a path
+  std::atomic<std::uint64_t> best_ = ~std::uint64_t{0};  ///< least rank of searches with a path
   std::atomic<std::size_t> next_ = 0;
   bool has_started_ = false;
-  Threads threads_;  ///< joined before what they use is gone
+  Threads threads_;  ///< last member: joined first
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Searches of one query at once, each from a seed of its own.
+/// Simultaneous searches for one query from different seeds.
 #pragma once
 
 #include "pipeline/resolve_goals.h"
@@ -11,25 +11,24 @@
 
 namespace mneme::internal {
 
-/// What is searched. Refers to both.
+/// Refers to its arguments.
 struct RaceTask {
   const ResolvedQuery& resolved;
   const Sampler& sampler;
 };
 
 struct RaceResult {
-  PlanResult plan;  ///< of the search that won; its counts are that search's alone
-  /// Configurations that it drew, or so many that it does not matter if there was no other search.
-  std::uint64_t draws = std::numeric_limits<std::uint64_t>::max();
+  PlanResult plan;  ///< of the winner; its counts do not include other searches
+  /// Number of samples of the winner; the largest value if it was the only search.
+  std::uint64_t samples = std::numeric_limits<std::uint64_t>::max();
 };
 
-/// Runs as many searches as SolveSettings::threads says. The first one begins alone and the others
-/// once it has taken a while; unless the settings say when, these go on escape walks at once. Of
-/// those that find a path the one wins that took the fewest iterations since then, of several the
-/// first, and all others end as soon as they cannot win any more. Which one wins depends neither on
-/// timing nor on how many threads could be started, but for the time limit. All of them share the
-/// limit on nodes. An observer sees the search that won, which is run again for it. Errors: those
-/// of the planner.
+/// Runs SolveSettings::threads searches. The others begin after kAlone iterations of the first one;
+/// unless the settings say otherwise, they walk from their first iteration on. The search that
+/// found a path in the fewest iterations since then wins; ties go to the lowest index. Searches end
+/// once they cannot win. The winner does not depend on timing or on the number of threads that
+/// could be started, except through the time limit. Searches share the limit of nodes. The winner
+/// is run again for an observer. Errors: those of the planner.
 [[nodiscard]] Result<RaceResult> race(const RaceTask& task);
 
 }  // namespace mneme::internal

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What a solved problem leaves in the memory.
+/// Insertion of solved problems into memory.
 #pragma once
 
 #include "pipeline/resolve_goals.h"
@@ -10,8 +10,8 @@
 
 namespace mneme::internal {
 
-/// Inserts what the path of a solved problem teaches, if `remember_after` allows it. Planning the
-/// path has cost `planning_states`, improving not counted.
+/// Inserts the experience of a solved problem if `remember_after` allows it. `planning_states`:
+/// number of states checked for planning the path, without improvement.
 [[nodiscard]] Remembered remember(const ResolvedQuery& resolved, const PlanResult& plan,
                                   std::uint64_t planning_states);
 

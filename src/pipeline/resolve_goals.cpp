@@ -35,8 +35,8 @@ Result<PoseGoalSource> make_source(const Query& query, const CollisionChecker& c
                               ik_settings(query), kVerificationMargin);
 }
 
-/// A checker that judges by exact geometry what else only spheres touch at some configuration for a
-/// pose; nothing if there is no such configuration.
+/// Returns a checker with more exact pairs, found at a configuration for a pose where only spheres
+/// are in contact; nothing if there is none.
 Result<std::optional<QueryChecker>> find_exact_checker(const Query& query,
                                                        const QueryChecker& checked) {
   constexpr int kMostSolutions = 64;
@@ -58,7 +58,7 @@ Result<std::optional<QueryChecker>> find_exact_checker(const Query& query,
   return std::nullopt;
 }
 
-/// Configurations for the problem's poses, among the ends of `resolved`.
+/// Adds configurations for the problem's poses to `ends`.
 Result<void> resolve_poses(const Query& query, CellChecker& made, PlanQuery& ends,
                            std::optional<PoseGoalSource>& further_goals) {
   further_goals = MNEME_TRY(make_source(query, made.checked.checker));
@@ -74,7 +74,7 @@ Result<void> resolve_poses(const Query& query, CellChecker& made, PlanQuery& end
   return {};
 }
 
-/// Why nothing was found for the poses.
+/// Explains in `refusal` why no configuration was found for the poses.
 void explain_missing_goals(const ResolvedQuery& resolved, PlanResult& refusal) {
   const Query& query = resolved.query;
   if (!query.is_over()) {
@@ -113,7 +113,7 @@ Result<ResolvedQuery> resolve_goals(const Query& query) {
     std::ranges::move(notes, std::back_inserter(resolved.notes));
   };
   const bool has_poses = resolved.further_goals.has_value();
-  // Without any goal the refusal says it.
+  // Without any goal the refusal explains it.
   if (has_poses && !resolved.ends.goals.empty()) {
     add_notes(resolved.further_goals->describe_unreached());
   }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// From the goals of a problem to configurations that a planner can be given.
+/// Goal configurations of a problem.
 #pragma once
 
 #include "pipeline/query.h"
@@ -20,20 +20,20 @@ struct ResolvedQuery {
   const Query& query;
   PlanQuery ends;
   CollisionChecker checker;
-  std::shared_ptr<StaticCell> cell;  ///< the checker's, where tasks are replayed; may be null
+  std::shared_ptr<StaticCell> cell;  ///< of the checker, for replay; may be null
   /// Source of further goals, if the problem has poses.
   std::optional<PoseGoalSource> further_goals;
-  /// For people: pairs that are checked by exact geometry, goals that were left out.
+  /// For people: pairs that are checked by exact geometry, goals that were ignored.
   std::vector<std::string> notes;
-  bool has_exact_pairs = false;  ///< pairs that are checked by exact geometry: in checker.scene()
-  std::optional<PlanResult> refusal;  ///< why start and goals cannot be planned between
+  bool has_exact_pairs = false;       ///< True if checker.scene() has more exact pairs.
+  std::optional<PlanResult> refusal;  ///< set if start or goals cannot be planned
 };
 
 /// Makes the checker, finds configurations for the problem's poses within the time limit, drops
 /// goals in contact, and checks the ends. Errors: a scene that cannot be checked; those of
 /// PoseGoalSource::make().
 [[nodiscard]] Result<ResolvedQuery> resolve_goals(const Query& query);
-/// A result without a plan yet: what the query says of itself.
+/// Returns a result without a plan.
 [[nodiscard]] SolveResult describe(const ResolvedQuery& resolved);
 
 }  // namespace mneme::internal

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/drawn_components.h"
+#include "pipeline/sampled_components.h"
 
 namespace mneme::internal {
 
-DrawnComponents::DrawnComponents(std::shared_ptr<const ComponentSource> source, int joint_count,
-                                 std::optional<CollisionChecker> checker)
+SampledComponents::SampledComponents(std::shared_ptr<const ComponentSource> source, int joint_count,
+                                     std::optional<CollisionChecker> checker)
     : source_(std::move(source)), checker_(std::move(checker)) {
   made_.joint_count = joint_count;
   std::size_t count = 0;
@@ -16,14 +16,14 @@ DrawnComponents::DrawnComponents(std::shared_ptr<const ComponentSource> source, 
   is_noted_.resize(count);
 }
 
-bool DrawnComponents::make(int group, int component, std::span<float> mean) const {
+bool SampledComponents::make(int group, int component, std::span<float> mean) const {
   if (!source_->make(group, component, mean)) return false;
   if (checker_ && !checker_->is_valid(std::span<const float>(mean))) return false;
   note(group, component, mean);
   return true;
 }
 
-void DrawnComponents::note(int group, int component, std::span<const float> mean) const {
+void SampledComponents::note(int group, int component, std::span<const float> mean) const {
   const std::size_t number =
       first_[static_cast<std::size_t>(group)] + static_cast<std::size_t>(component);
   const std::lock_guard lock(mutex_);
@@ -34,7 +34,7 @@ void DrawnComponents::note(int group, int component, std::span<const float> mean
   made_.add_factor(source_->factor(group, component));
 }
 
-GaussianMixture DrawnComponents::made() const {
+GaussianMixture SampledComponents::made() const {
   const std::lock_guard lock(mutex_);
   return made_;
 }

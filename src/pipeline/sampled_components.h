@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What one query drew from a source of components.
+/// The components that one query sampled from.
 #pragma once
 
 #include "mneme/collision.h"
@@ -16,13 +16,13 @@
 
 namespace mneme::internal {
 
-/// Makes the components of `source` unless their means are in contact, and notes those that it
-/// made. Const is parallel-safe; streams do not depend on each other.
-class DrawnComponents final : public ComponentSource {
+/// Makes the components of `source` whose means are free, and records them. Const is parallel-safe;
+/// streams do not depend on each other.
+class SampledComponents final : public ComponentSource {
  public:
-  /// Without a checker no mean is looked at.
-  DrawnComponents(std::shared_ptr<const ComponentSource> source, int joint_count,
-                  std::optional<CollisionChecker> checker);
+  /// Without a checker, means are not checked.
+  SampledComponents(std::shared_ptr<const ComponentSource> source, int joint_count,
+                    std::optional<CollisionChecker> checker);
 
   [[nodiscard]] int group_count() const override { return source_->group_count(); }
   [[nodiscard]] int first_groups() const override { return source_->first_groups(); }
@@ -37,7 +37,7 @@ class DrawnComponents final : public ComponentSource {
     return source_->factor(group, component);
   }
 
-  /// Those that were made until now, in that order.
+  /// Returns the components made so far, in that order.
   [[nodiscard]] GaussianMixture made() const;
 
  private:
@@ -45,7 +45,7 @@ class DrawnComponents final : public ComponentSource {
 
   std::shared_ptr<const ComponentSource> source_;
   std::optional<CollisionChecker> checker_;
-  std::vector<std::size_t> first_;  ///< per group the number of its first component
+  std::vector<std::size_t> first_;  ///< per group the index of its first component
   mutable std::mutex mutex_;
   mutable std::vector<std::uint8_t> is_noted_;
   mutable GaussianMixture made_;

@@ -21,15 +21,15 @@ SharedSampler halton_source(MemorySampler& memory) {
   return make_halton_sampler(memory.query().problem.robot);
 }
 
-SharedSampler gl(MemorySampler& memory) { return memory.draw_by_kind(); }
+SharedSampler gl(MemorySampler& memory) { return memory.by_kind(); }
 
-// To add a sampler: what makes it, and a row here; one of another library: add_samplers().
+// To add a sampler: its function and a row here. Other libraries use add_samplers().
 std::vector<SamplerEntry>& table() {
   static std::vector<SamplerEntry> entries = {
       {.name = "gl",
-       .summary = "what memory knows of the scene, mixed with uniform samples (Algorithm 1)",
+       .summary = "samples from memory for the scene, mixed with uniform ones (Algorithm 1)",
        .make = gl,
-       .draws_from_memory = true},
+       .uses_memory = true},
       {.name = "uniform", .summary = "uniform within the joint limits", .make = uniform_source},
       {.name = "halton", .summary = "a Halton sequence with a random shift", .make = halton_source},
   };

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Settings of solve() in files and requests, by their names.
+/// Settings of solve() by name, for files and requests.
 #pragma once
 
 #include "mneme/pipeline.h"
@@ -16,7 +16,7 @@
 
 namespace mneme::internal {
 
-/// All settings of solve(), as visit_settings tells them.
+/// Visits all settings of solve().
 template <class Settings, class Visitor>
 void visit_all_settings(Settings& settings, const Visitor& visitor) {
   visit_settings(settings, visitor);
@@ -26,7 +26,7 @@ void visit_all_settings(Settings& settings, const Visitor& visitor) {
   visit_settings(settings.ik, visitor);
 }
 
-/// Reads each of its settings that `map` has, for visit_settings. Throws InputFailure.
+/// Visitor that reads the settings in `map`. Throws InputFailure.
 class SettingsReader {
  public:
   explicit SettingsReader(const Input& map) : map_(map) {}

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The page to read first: resolve the goal -> replay a known task, or decompose the scene ->
-// retrieve or learn local samplers -> synthesize one sampler -> plan -> shorten and verify ->
-// improve -> remember.
+// Read this file first. resolve goals -> replay a known task, or: decompose the scene -> retrieve
+// or learn local samplers -> synthesize one sampler -> plan -> shorten, verify -> improve ->
+// remember.
 #include "mneme/pipeline.h"
 
 #include "pipeline/improve.h"
@@ -47,29 +47,29 @@ Result<Recalled> recall(const Query& query, const MemoryQuery& memory_query,
   return recalled;
 }
 
-/// A remembered path that fits, if known tasks are to be replayed; otherwise the work that it took.
+/// Returns the replayed path of a known task, or the work without a path.
 PlanResult replay(const ResolvedQuery& resolved, Replay& report) {
   const Query& query = resolved.query;
   const auto kind = std::ranges::find_if(query.kinds, [](const auto& k) { return k.replay > 0; });
   if (kind == query.kinds.end() || query.settings.plan.timeout_s <= 0) return {};
   PlanSettings settings = query.settings.plan;
   settings.timeout_s = query.remaining_s();
-  const MemoryQuery asked = memory_query(query.problem, resolved.ends.goals);
-  return internal::replay({*query.database, *kind->kind, kind->max_gap, kind->replay, asked,
+  const MemoryQuery ends = memory_query(query.problem, resolved.ends.goals);
+  return internal::replay({*query.database, *kind->kind, kind->max_gap, kind->replay, ends,
                            resolved.ends, resolved.checker, resolved.cell.get(), settings},
                           report);
 }
 
-/// The work of a replay that failed counts as planning; its iterations stand in the report.
+/// Counts the work of a failed replay as planning; its iterations are in the report.
 void add_work(const PlanResult& replayed, double time_s, PlanResult& plan) {
   plan.states_checked += replayed.states_checked;
   plan.motions_checked += replayed.motions_checked;
   plan.planning_time_s += time_s;
 }
 
-/// The goal that was reached may be one that was found while planning.
+/// Adds a goal that was found while planning.
 void add_reached_goal(const Robot& robot, SolveResult& result) {
-  constexpr double kSame = 1e-6;  // of a path that has been through single precision
+  constexpr double kSame = 1e-6;  // rounding to single precision
   if (!result.plan.is_solved()) return;
   const Configuration& end = result.plan.path.back();
   const auto is_end = [&](const Configuration& goal) { return robot.distance(goal, end) < kSame; };
@@ -102,13 +102,13 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
     MemorySampler memory(resolved, recall);
     const auto sampler = MNEME_TRY(memory.make());
     RaceResult planned = MNEME_TRY(internal::race({resolved, *sampler}));
-    MNEME_TRY(memory.check(planned.draws));
+    MNEME_TRY(memory.check(planned.samples));
     const std::uint64_t planning_states = planned.plan.states_checked;
     result.plan = std::move(planned.plan);
     result.plan.planning_time_s += memory.time_s();
     if (resolved.further_goals) add_reached_goal(problem.robot, result);
     improve(resolved, *sampler, result);
-    result.gl = memory.take(planned.draws);
+    result.gl = memory.take(planned.samples);
     add_work(replayed, result.replay.time_s, result.plan);
     result.remembered = remember(resolved, result.plan, planning_states);
   }
@@ -121,11 +121,11 @@ Result<GlSampler> create_gl_sampler(const Problem& problem, Database& database,
   SolveSettings from_memory = settings;
   from_memory.sampler = SolveSettings().sampler;
   const Query query = MNEME_TRY(internal::make_query(problem, &database, from_memory));
-  const MemoryQuery asked = memory_query(problem);
+  const MemoryQuery ends = memory_query(problem);
   GlSampler gl;
   GaussianMixture all;
   for (const KindSettings& kind : query.kinds) {
-    Recalled recalled = MNEME_TRY(recall(query, asked, kind, gl));
+    Recalled recalled = MNEME_TRY(recall(query, ends, kind, gl));
     internal::append(all, internal::make_all(std::move(recalled), problem.robot.joint_count()));
   }
   gl.mixture = std::make_shared<const GaussianMixture>(std::move(all));
@@ -135,7 +135,7 @@ Result<GlSampler> create_gl_sampler(const Problem& problem, Database& database,
 Result<std::shared_ptr<const Sampler>> make_sampler(const Problem& problem, Database* database,
                                                     const SolveSettings& settings) {
   SolveSettings elsewhere = settings;
-  elsewhere.plan.walk = 0;  // other libraries' planners go on no walks
+  elsewhere.plan.walk = 0;  // planners of other libraries do not walk
   const Query query = MNEME_TRY(internal::make_query(problem, database, elsewhere));
   const ResolvedQuery resolved = MNEME_TRY(internal::resolve_goals(query));
   MemorySampler memory(resolved, recall, MemorySampler::Timing::at_once);

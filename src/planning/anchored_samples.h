@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Configurations to grow towards.
+/// Samples to grow towards.
 #pragma once
 
 #include "planning/planner_run.h"
@@ -11,8 +11,8 @@
 
 namespace mneme::internal {
 
-/// The sampler's samples. In place of uniform ones, as often as the settings say, samples around
-/// the newest node, where the search is. Kin of expansive trees: Hsu, Latombe and Motwani,
+/// Replaces uniform samples, with the probability of the settings, by samples around the newest
+/// node, where the search is. Similar to expansive trees: Hsu, Latombe and Motwani,
 /// DOI 10.1142/S0218195999000285. Not thread-safe.
 class AnchoredSamples {
  public:

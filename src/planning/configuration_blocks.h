@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Configurations in the layout that the kernels for nearest neighbours read.
+/// Configurations in the layout of the nearest-neighbour kernels.
 #pragma once
 
 #include "planning/nearest_kernels.h"
@@ -23,7 +23,7 @@ class ConfigurationBlocks {
     return values_[offset(place) + joint * kBlockSize];
   }
 
-  /// Appends a block of empty places, which are never near.
+  /// Appends a block of empty places, which are never the nearest.
   void append() {
     values_.insert(values_.end(), kBlockSize * joints_, 0.0f);
     values_.insert(values_.end(), kBlockSize, std::numeric_limits<float>::infinity());

@@ -9,7 +9,7 @@ namespace mneme::internal {
 
 namespace {
 
-/// Configurations from which on a query of the tree costs less than a scan.
+/// Number of configurations from which a tree query costs less than a scan.
 constexpr int kLeastForTree = 2048;
 
 }  // namespace
@@ -46,8 +46,7 @@ void ConfigurationSet::measure(std::span<const float> q) {
 }
 
 void ConfigurationSet::find_nearest(int count, std::vector<int>& indices) {
-  // A heap of the nearest so far, farthest on top: nearly all configurations fail the first
-  // comparison.
+  // A heap with the farthest of the nearest on top: nearly all candidates fail one comparison.
   heap_.clear();
   for (int i = 0; i < measured_; ++i) {
     const std::pair<float, int> candidate = {distances_[static_cast<std::size_t>(i)], i};

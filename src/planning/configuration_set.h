@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A growing set of configurations with nearest-neighbour queries: by linear scan while it is
-/// small, by a tree when it is not.
+/// A growing set of configurations with nearest-neighbour queries: a linear scan, or a tree once
+/// the set is large.
 #pragma once
 
 #include "mneme/base.h"
@@ -40,8 +40,7 @@ class ConfigurationSet {
   [[nodiscard]] std::pair<int, float> nearest(std::span<const float> q) const;
   /// Measures the squared distances from `q` to all configurations, for the queries below. O(size).
   void measure(std::span<const float> q);
-  /// Indices of the `count` configurations nearest to what was measured from, nearest first, fewer
-  /// if there are fewer. O(size).
+  /// Finds up to `count` configurations nearest to the last measured `q`, nearest first. O(size).
   void find_nearest(int count, std::vector<int>& indices);
   /// The nearest of `candidates`, all of them measured; -1 if there are none.
   [[nodiscard]] int find_nearest_of(std::span<const int> candidates) const;
@@ -56,8 +55,8 @@ class ConfigurationSet {
   int size_ = 0;
   std::vector<float> rows_;
   ConfigurationBlocks blocks_;
-  mutable NearestTree tree_;  ///< of the first configurations, maybe not all
-  int measured_ = 0;          ///< configurations that `distances_` speaks of
+  mutable NearestTree tree_;  ///< of the first tree_.size() configurations
+  int measured_ = 0;          ///< number of valid distances_
   std::vector<float> distances_;
   std::vector<std::pair<float, int>> heap_;
 };

@@ -8,9 +8,8 @@
 
 namespace mneme::internal {
 
-/// True if nothing is close to `q`, a configuration of the robot. The kernels decide, because they
-/// are what the planner sees; exact distances, which cost a thousand times more, have their say
-/// close to contact.
+/// True if `q`, a valid configuration, keeps kVerificationMargin. The kernels decide, as for the
+/// planner; exact distances cost a thousand times more.
 [[nodiscard]] bool is_clear(const CollisionChecker& checker, const Configuration& q);
 
 }  // namespace mneme::internal

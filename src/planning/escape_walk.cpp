@@ -11,9 +11,8 @@ namespace {
 constexpr double kPlanarProbability = 0.15, kSpatialProbability = 0.1;
 constexpr std::uint64_t kPlanarStart = 0, kSpatialStart = 3000;
 constexpr int kLongestWalk = 30;
-/// Candidates for each step: a vector costs as much as one.
-constexpr int kCandidates = 16;
-// Shares of the limb's length.
+constexpr int kCandidates = 16;  ///< per step: a vector costs as much as one state
+// Relative to the limb's length.
 constexpr double kLeastStep = 0.01, kMostStep = 0.05;
 constexpr double kClearance = 0.01;
 /// Radians over a walk as long as the limb.
@@ -72,7 +71,7 @@ void EscapeWalk::begin() {
   step_.jitter = jitter_;
 }
 
-/// Unit vectors times what grows with the candidate's number: the first ones go straight on.
+/// Random directions; their size grows with the candidate's number, so that the first go straight.
 void EscapeWalk::sample_jitter() {
   for (int i = 0; i < kCandidates; ++i) {
     const std::span<float> v(jitter_.data() + 3 * i, 3);

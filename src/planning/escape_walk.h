@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Ways out of where a tree is stuck.
+/// Escape walks out of narrow places.
 #pragma once
 
 #include "mneme/collision.h"
@@ -16,22 +16,22 @@
 
 namespace mneme::internal {
 
-/// Walks of small steps that pull a limb of the robot back along itself, as one leaves a shelf or a
-/// row of obstacles, while all of the robot keeps off obstacles. Straight motions hardly ever leave
-/// a narrow passage; these bend along it. All lengths are shares of the limb's, so that one rule
-/// serves all robots. Not thread-safe.
+/// Small steps that pull a limb of the robot back along itself, as out of a shelf, and push all
+/// links away from obstacles. Straight motions hardly ever leave a narrow passage; walks bend along
+/// it. Lengths are relative to the limb's length, so that one rule serves all robots. Not
+/// thread-safe.
 class EscapeWalk {
  public:
   explicit EscapeWalk(PlannerRun& run);
 
-  /// True, as often as the settings say, if it is time for a walk.
+  /// True with the probability of the settings, once enough iterations have passed.
   [[nodiscard]] bool is_due();
-  /// Walks from the newest node of `tree` until no step is free; each step becomes a node. The last
-  /// one, or -1 if there is none.
+  /// Walks from the newest node of `tree` until no step is free; each step becomes a node. Returns
+  /// the last new node, or -1.
   int extend(Tree& tree);
 
  private:
-  /// Samples what stays the same along a walk.
+  /// Samples the constants of a walk.
   void begin();
   /// One step from `node`; the new node, or -1.
   int advance(Tree& tree, int node);
@@ -43,7 +43,7 @@ class EscapeWalk {
   double probability_;
   std::uint64_t first_iteration_;
   WalkStep step_;
-  std::vector<float> drift_sizes_;  ///< per joint: slides drift half as many metres
+  std::vector<float> drift_sizes_;  ///< per joint, radians or half as many metres
   std::vector<float> drift_, jitter_, candidates_;
   std::vector<std::uint8_t> is_valid_;
 };

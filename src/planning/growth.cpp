@@ -43,7 +43,7 @@ bool Growth::sample_steps(const Tree& tree) {
     steps_.push_back({node, tree.step(node, q, end), source});
   }
   if (steps_.empty()) return false;
-  // The motion to a single one has it checked at no cost.
+  // The motion check of a single step covers its end.
   is_valid_[0] = 1;
   if (steps_.size() > 1) {
     run_.check_states({ends_.data(), steps_.size() * joints}, {is_valid_.data(), steps_.size()});

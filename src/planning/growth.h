@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Where a tree grows next.
+/// Growth of a tree.
 #pragma once
 
 #include "planning/anchored_samples.h"
@@ -15,36 +15,35 @@
 
 namespace mneme::internal {
 
-/// Decides where a tree grows next: towards a sample or around the newest node, or on
-/// an escape walk. Steps towards samples come in batches whose ends are validated a vector at a
-/// time: in narrow passages nearly all steps are blocked, and nearly all of those already at their
-/// ends, so that a blocked step costs one lane instead of a vector. Not thread-safe.
+/// Decides where a tree grows next: towards a sample, around the newest node, or on an escape walk.
+/// Steps towards samples come in batches whose ends are checked a vector at a time. In narrow
+/// passages most steps are blocked at their ends; they then cost one lane instead of a vector. Not
+/// thread-safe.
 class Growth {
  public:
   explicit Growth(PlannerRun& run);
 
-  /// Samples steps of `tree`: one after a success, more the longer there has been none.
-  /// Samples outside the domain of their nearest node are rejected. After kPatience rejections in a
-  /// row a step starts at a random node instead, wherever its sample is, so that no tree starves.
-  /// False if a limit is reached before the first step.
+  /// Samples steps of `tree`: one after a success, more the longer there has been none. Rejects
+  /// samples outside the domain of their nearest node; after kPatience rejections in a row a step
+  /// starts at a random node instead. Returns false if a limit is reached before the first step.
   bool sample_steps(const Tree& tree);
 
   [[nodiscard]] int size() const { return static_cast<int>(steps_.size()); }
-  /// Takes step `i` of the batch and goes on towards its sample until blocked; the last new node,
-  /// or -1 if the step itself is blocked.
+  /// Takes step `i` and continues towards its sample until blocked. Returns the last new node, or
+  /// -1 if the step is blocked.
   int take(int i, Tree& tree);
-  // For a step towards a sample; a walk has none of it.
-  /// The node that step `i` starts at.
+  // The rest is not defined for an escape walk.
+  /// The node at which step `i` starts.
   [[nodiscard]] int node(int i) const { return step(i).node; }
   [[nodiscard]] std::span<const float> sample(int i) const { return row(samples_, i); }
   [[nodiscard]] std::span<const float> end(int i) const { return row(ends_, i); }
   /// True if step `i` ends at its sample.
   [[nodiscard]] bool is_sample_reached(int i) const { return step(i).is_sample_reached; }
-  /// Also true of the only step of a batch, which is not looked at before it is taken.
+  /// Always true if the batch has one step: its motion check covers its end.
   [[nodiscard]] bool is_end_valid(int i) const {
     return is_valid_[static_cast<std::size_t>(i)] != 0;
   }
-  /// Tells the sampler what became of the sample of step `i`.
+  /// Reports the outcome of step `i` to the sampler.
   void settle(int i, SampleOutcome outcome);
 
  private:

@@ -19,7 +19,7 @@ namespace mneme::internal {
 namespace HWY_NAMESPACE {
 namespace {
 
-/// The query, one vector per joint, and which joints wrap.
+/// The query, one vector per joint.
 class Query {
  public:
   HWY_INLINE Query(int joint_count, const float* q, const float* periods)
@@ -33,9 +33,9 @@ class Query {
     half_norm_ = 0.5f * sum;
   }
 
-  /// Half the squared distances of the configurations at `column`, one per lane, less that of the
-  /// query from zero: |x|^2 / 2 - q x takes half the instructions of |x - q|^2. With `kJoints` > 0
-  /// that is the number of joints, so that the loop unrolls and the query stays in registers.
+  /// Returns |x|^2 / 2 - q x of the configurations x at `column`, one per lane: it orders them like
+  /// |x - q|^2 in half the instructions. With `kJoints` > 0, the number of joints, the loop unrolls
+  /// and the query stays in registers.
   template <int kJoints>
   HWY_INLINE V score(const float* column) const {
     const Tag d;
@@ -44,7 +44,7 @@ class Query {
     for (int j = 0; j < joint_count; ++j) {
       score = hn::NegMulAdd(hn::LoadU(d, column + j * kBlockSize), values_[j], score);
     }
-    // Exchanges the squares of the joints that wrap, of which most robots have few.
+    // Corrects the squares of continuous joints, of which most robots have few.
     for (int i = 0; i < wrapped_count_; ++i) {
       const auto [j, period] = wrapped_[i];
       const V difference = hn::Sub(hn::LoadU(d, column + j * kBlockSize), values_[j]);
@@ -70,7 +70,7 @@ class Query {
     return sum;
   }
 
-  /// The squared distance that belongs to a score; rounding may leave it just below zero.
+  /// The squared distance of a score. Rounding may leave it just below zero.
   HWY_INLINE V squared_distance(V score) const {
     const V half = hn::Max(hn::Add(score, splat(half_norm_)), hn::Zero(Tag()));
     return hn::Add(half, half);
@@ -95,7 +95,7 @@ class Query {
   Wrapped wrapped_[kMaxJoints];
 };
 
-/// The least score so far and where it was found, in each lane.
+/// The least score and its index, in each lane.
 class Least {
   using TagOfIndex = hn::RebindToSigned<Tag>;
 
@@ -104,7 +104,7 @@ class Least {
   HWY_INLINE Least()
       : score_(splat(std::numeric_limits<float>::infinity())), base_(hn::Zero(TagOfIndex())) {}
 
-  /// The index is that of the first lane.
+  /// `index` belongs to the first lane.
   HWY_INLINE void take(V score, int index) {
     const TagOfIndex di;
     const M is_less = hn::Lt(score, score_);
@@ -113,7 +113,7 @@ class Least {
   }
 
   template <int kJoints>
-  HWY_INLINE void look_into(const Query& query, const float* block, int index) {
+  HWY_INLINE void compare(const Query& query, const float* block, int index) {
     for (int offset = 0; offset < kBlockSize; offset += kLanes) {
       take(query.score<kJoints>(block + offset), index + offset);
     }
@@ -141,7 +141,7 @@ std::pair<int, float> nearest_of(const float* blocks, int block_count, int joint
   const int stride = kBlockSize * (joint_count + 1);
   Least least;
   for (int block = 0; block < block_count; ++block, blocks += stride) {
-    least.look_into<kJoints>(query, blocks, block * kBlockSize);
+    least.compare<kJoints>(query, blocks, block * kBlockSize);
   }
   return {least.index(), hn::GetLane(query.squared_distance(least.score()))};
 }
@@ -161,15 +161,15 @@ std::pair<int, float> nearest_in_leaves_of(const LeafTable& leaves, const Query&
     }
     boxes += 2 * kBlockSize * leaves.joint_count;
   }
-  const auto look_into = [&](int leaf) {
+  const auto compare = [&](int leaf) {
     const float* block = leaves.blocks + leaf * (kLeafSize / kBlockSize) * stride;
     for (int i = 0; i < kLeafSize; i += kBlockSize, block += stride) {
-      least.look_into<kJoints>(query, block, leaf * kLeafSize + i);
+      least.compare<kJoints>(query, block, leaf * kLeafSize + i);
     }
     return query.squared_distance(least.score());
   };
   const int first = nearest_box.index();
-  V bound = look_into(first);
+  V bound = compare(first);
   box_distances[first] = std::numeric_limits<float>::infinity();
   for (int begin = 0; begin < leaves.leaf_count; begin += kLanes) {
     for (;;) {
@@ -178,13 +178,13 @@ std::pair<int, float> nearest_in_leaves_of(const LeafTable& leaves, const Query&
       if (lane < 0) break;
       const int leaf = begin + static_cast<int>(lane);
       box_distances[leaf] = std::numeric_limits<float>::infinity();
-      bound = look_into(leaf);
+      bound = compare(leaf);
     }
   }
   return {least.index(), hn::GetLane(bound)};
 }
 
-/// Calls `function` with the number of joints as a constant if it is that of a common arm.
+/// Calls `function` with the number of joints as a constant for common arms, otherwise with 0.
 template <class Function>
 auto with_joints(int joint_count, const Function& function) {
   switch (joint_count) {

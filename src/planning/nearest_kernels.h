@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Distances from one configuration to many, a vector at a time.
+/// Kernels for distances from one configuration to many.
 #pragma once
 
 #include "mneme/base.h"
@@ -11,22 +11,21 @@
 
 namespace mneme::internal {
 
-/// Configurations are stored in blocks of this many: all first joints, all second joints, and so
-/// on, then half of their squared norms. Lanes without a configuration have an infinite norm, so
-/// that they are never near.
+/// Configurations per block. A block holds all first joints, all second joints, and so on, then
+/// half of the squared norms. Empty lanes have an infinite norm, so that they are never the
+/// nearest.
 inline constexpr int kBlockSize = 16;
-/// Most joints of a configuration.
 inline constexpr int kMaxJoints = 64;
 
 /// Half the width of a box that is never near.
 inline constexpr float kNoBox = -1e18f;
 
-/// Configurations per leaf: fewer make more boxes, more are looked at in vain.
+/// Configurations per leaf. Smaller: more boxes; larger: more configurations compared in vain.
 inline constexpr int kLeafSize = 64;
 
 /// Leaf i has kLeafSize / kBlockSize blocks and lies in box i. Boxes are stored kBlockSize at a
-/// time: the centers of all in the first joint, half their widths in it, the centers in the second
-/// joint, and so on. Places for boxes behind the last have kNoBox for half of their widths.
+/// time: their centers in the first joint, their half widths in it, their centers in the second
+/// joint, and so on. Unused places have the half width kNoBox.
 struct LeafTable {
   const float* blocks = nullptr;
   const float* boxes = nullptr;
@@ -35,18 +34,17 @@ struct LeafTable {
   const float* periods = nullptr;  ///< as below
 };
 
-/// Squared distances are right within 1e-6 of the configurations' squared norms.
+/// Squared distances are accurate to 1e-6 of the configurations' squared norms.
 struct NearestKernels {
   /// Index and squared distance of the configuration nearest to `q` among the first `block_count`
-  /// blocks; the lowest index among equals. `periods` has 2 pi for joints that wrap and 0 for the
-  /// others.
+  /// blocks; the lowest index among equals. `periods`: 2 pi for continuous joints, 0 for others.
   std::pair<int, float> (*nearest)(const float* blocks, int block_count, int joint_count,
                                    const float* q, const float* periods) = nullptr;
   /// All squared distances, kBlockSize per block.
   void (*distances)(const float* blocks, int block_count, int joint_count, const float* q,
                     const float* periods, float* squared_distances) = nullptr;
-  /// Like `nearest`, over the leaves; any index among equals. `box_distances` is room for as many
-  /// values as there are places for boxes.
+  /// Like `nearest`, over the leaves; any index among equals. `box_distances` is scratch space, one
+  /// value per place for a box.
   std::pair<int, float> (*nearest_in_leaves)(const LeafTable& leaves, const float* q,
                                              float* box_distances) = nullptr;
 };

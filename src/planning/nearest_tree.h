@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A growing set of configurations with nearest-neighbour queries by boxes around its leaves.
+/// A tree for nearest-neighbour queries.
 #pragma once
 
 #include "planning/configuration_blocks.h"
@@ -15,9 +15,9 @@
 
 namespace mneme::internal {
 
-/// A k-d tree with a block of configurations per leaf (Bentley, DOI 10.1145/361002.361007). Queries
-/// do not descend it: they measure the boxes around all leaves, a vector of leaves at a time, and
-/// look into those that come into question. Not thread-safe, not even for queries alone.
+/// A k-d tree with blocks of configurations as leaves (Bentley, DOI 10.1145/361002.361007). Queries
+/// do not descend it: they measure the boxes of all leaves, a vector at a time, and scan the leaves
+/// that are near enough. Not thread-safe, not even for queries alone.
 class NearestTree {
  public:
   /// `space` must outlive the tree.
@@ -45,7 +45,7 @@ class NearestTree {
 
   int add_leaf();
   void put(int leaf, std::span<const float> q, int number);
-  /// Moves the upper half of a full leaf into a new one; the node that divides them.
+  /// Moves the upper half of a full leaf into a new one. Returns the node that divides them.
   Node split(int leaf);
   void write_box(int leaf);
 
@@ -55,9 +55,9 @@ class NearestTree {
   int root_ = ~0;
   std::vector<Node> nodes_;
   std::vector<Leaf> leaves_;
-  ConfigurationBlocks blocks_;  ///< one per leaf
-  std::vector<int> numbers_;    ///< of the configurations, per place in the blocks
-  std::vector<float> boxes_;    ///< as the kernels read them
+  ConfigurationBlocks blocks_;
+  std::vector<int> numbers_;  ///< of the configurations, per place in the blocks
+  std::vector<float> boxes_;  ///< see LeafTable
   std::vector<float> distances_;
 };
 

@@ -11,14 +11,13 @@
 namespace mneme::internal {
 namespace {
 
-/// Iterations and motions per look at the clock, which costs a tenth of a fast iteration.
+/// Iterations and motions per reading of the clock, which costs a tenth of a fast iteration.
 constexpr std::uint64_t kWorkPerClockCheck = 32;
-/// Shapes in a scene from which on a motion takes so long that the clock is looked at more often.
+/// Number of shapes from which motions take so long that the clock is read more often.
 constexpr std::uint64_t kManyShapes = 1000;
-/// Shorter steps round to no movement at all, or take longer to cross the space than a time limit.
+/// Shorter steps round to zero, or take longer to cross the space than any time limit.
 constexpr double kLeastRange = 1e-3;
-/// Radians of L2 joint distance.
-constexpr float kFirstDomainRadius = 4;
+constexpr float kFirstDomainRadius = 4;  ///< radians of L2 joint distance
 
 std::uint64_t work_per_clock_check(const Scene& scene) {
   std::uint64_t shapes = 0;
@@ -109,7 +108,7 @@ bool PlannerRun::must_stop() {
   return is_stopped_;
 }
 
-/// True if verification will pass a motion; its branch would be found again and again otherwise.
+/// True if verification will pass a motion. Otherwise its branch would be found again and again.
 bool PlannerRun::would_pass(std::span<const float> from, std::span<const float> to) {
   const auto is_end = [&](std::span<const float> q) {
     const auto is_same = [&](const std::vector<float>& end) { return std::ranges::equal(q, end); };

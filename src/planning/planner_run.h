@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The part that all planners share around their algorithm: limits, and finishing of paths.
+/// The shared part of all planners: limits, counters, and finishing of paths.
 #pragma once
 
 #include "mneme/planning.h"
@@ -20,8 +20,7 @@ namespace mneme::internal {
 
 using FloatPath = std::vector<std::vector<float>>;
 
-/// Random streams of one run. The sampler takes the seed itself and the first tasks derived from
-/// it.
+/// Random streams of one run. Smaller numbers belong to the sampler.
 enum class RngStream : std::uint64_t { goals = 16, relief, anchors, walks };
 
 /// One call of a planner. Not thread-safe.
@@ -32,13 +31,13 @@ class PlannerRun {
   PlannerRun& operator=(const PlannerRun&) = delete;
 
   [[nodiscard]] const JointSpace& space() const { return space_; }
-  /// Length of a step; shorter in a long search unless the settings name it.
+  /// Length of a step; half in a long search, unless it is set.
   [[nodiscard]] float range() const { return is_long_search() ? long_range_ : range_; }
-  /// Squared radius of a tree node's domain once it could not be extended; infinite for planar
-  /// arms, whose passages are found sooner without.
+  /// Squared radius of a tree node's domain after it could not be extended; infinite for planar
+  /// arms, which find passages faster without domains.
   [[nodiscard]] float first_domain() const { return first_domain_; }
-  /// True once an arm in space has searched for so long that its passage must be narrow: domains no
-  /// longer count then, because what they keep out may be the way.
+  /// True once a spatial arm has searched so long that its passage must be narrow. Domains are
+  /// ignored then, because they may exclude it.
   [[nodiscard]] bool is_long_search() const {
     return result_.iterations > kLongSearch && std::isfinite(first_domain_);
   }
@@ -49,20 +48,20 @@ class PlannerRun {
   [[nodiscard]] Isa isa() const { return checker_.isa(); }
   [[nodiscard]] const std::vector<float>& start() const { return start_; }
   [[nodiscard]] const FloatPath& goals() const { return goals_; }
-  /// Every so many iterations, asks for further goals: goals() from the index that is returned on
-  /// are new.
+  /// Adds further goals every kGoalPeriod iterations. Returns the index of the first new one in
+  /// goals().
   [[nodiscard]] std::size_t take_further_goals();
 
   [[nodiscard]] std::uint64_t iterations() const { return result_.iterations; }
-  /// Counts iterations, `most` or what the limit leaves of them, and returns how many: 0 once a
-  /// limit is reached or the run is cancelled.
+  /// Counts and returns `most` iterations, or the number that the limit leaves: 0 once a limit is
+  /// reached or the run is cancelled.
   int begin_iterations(int most = 1);
-  /// True once the time is up, the run is cancelled or there are as many nodes as may be. Cheap:
-  /// for the loops within an iteration too.
+  /// True once the time is up, the run is cancelled or the limit of nodes is reached. Cheap enough
+  /// for inner loops.
   [[nodiscard]] bool must_stop();
-  /// Counts nodes that trees or the roadmap gain, or lose: how many there may be is limited.
+  /// Counts nodes that trees or the roadmap gain, or lose, against the limit.
   void count_nodes(int gained) { node_count_ += gained; }
-  /// A sample that the observer does not see, because it may be replaced.
+  /// Samples without showing it to the observer, because it may be replaced.
   SampleSource next_sample(std::span<float> q) { return stream_->next(q); }
   SampleSource sample(std::span<float> q) {
     const SampleSource source = next_sample(q);
@@ -73,7 +72,7 @@ class PlannerRun {
   void show_sample(std::span<const float> q, SampleSource source) const {
     if (settings_.observer != nullptr) settings_.observer->on_sample(q, source);
   }
-  /// Tells the observer, if there is one, about an edge of tree or roadmap number `graph`.
+  /// Shows the observer, if any, an edge of tree or roadmap number `graph`.
   void show_edge(std::span<const float> from, std::span<const float> to, int graph) const {
     if (settings_.observer != nullptr) settings_.observer->on_edge(from, to, graph);
   }
@@ -87,11 +86,11 @@ class PlannerRun {
     counters_.states += is_valid.size();
     checker_.check_states(configurations, is_valid);
   }
-  /// True if a straight motion from the start reaches a goal, and the path passes: then finish().
+  /// True if a straight motion from the start to a goal passes: call finish() then.
   [[nodiscard]] bool find_direct_path();
 
-  /// Offers a path from the start to a goal: -1 if it passes, shortened or not, and is what
-  /// finish() returns; otherwise the first motion that fails.
+  /// Offers a path from the start to a goal. Returns -1 if it passes, and keeps it for finish();
+  /// otherwise the index of the first motion that fails.
   [[nodiscard]] int find_invalid_motion(const FloatPath& path);
 
   /// Ends the run with the path that passed last.
@@ -102,16 +101,15 @@ class PlannerRun {
  private:
   /// Iterations. Ordinary problems take fewer.
   static constexpr std::uint64_t kLongSearch = 300'000;
-  /// Iterations between two looks for further goals, which cost as much as some ten iterations.
+  /// Iterations between two calls for further goals, each of which costs about ten iterations.
   static constexpr std::uint64_t kGoalPeriod = 1000;
-  /// More goals would slow down the search for the nearest one.
   static constexpr std::size_t kMostGoals = 64;
 
   [[nodiscard]] bool would_pass(std::span<const float> from, std::span<const float> to);
   [[nodiscard]] bool is_cancelled() const;
   [[nodiscard]] bool is_time_up() const;
   [[nodiscard]] bool is_full() const;
-  /// With the query's own start and goal at its ends, not rounded to single precision.
+  /// Replaces the ends by the query's start and goal, which are not rounded to single precision.
   [[nodiscard]] Path to_query_path(const FloatPath& path) const;
   void refuse(PlanStatus status, std::string message);
   void add_goal(const Configuration& goal);
@@ -141,7 +139,7 @@ class PlannerRun {
   std::uint64_t next_clock_check_ = 0;  ///< in iterations and motions
 };
 
-/// Tries the straight way, then the algorithm: a class that is made of a run and has solve().
+/// Tries the straight motion, then `Algorithm(run).solve()`.
 template <class Algorithm>
 [[nodiscard]] PlanResult run_planner(const PlanTask& task) {
   PlannerRun run(task);

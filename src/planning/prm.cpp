@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // PRM: Kavraki, Svestka, Latombe and Overmars, DOI 10.1109/70.508439, grown until start and goal
-// meet. As there, milestones that are connected already are not connected again, so that the
-// roadmap is a forest. Departure: each milestone also tries the components of start and goals,
-// which is what a query waits for.
+// meet. As in the paper, milestones of one component are not connected again, so that the roadmap
+// is a forest. Departure: each milestone also tries the components of start and goals.
 #include "mneme/planning.h"
 
 #include "planning/anchored_samples.h"
@@ -18,9 +17,7 @@ namespace mneme {
 namespace internal {
 namespace {
 
-/// Samples are drawn and validated this many at a time, because a vector of states costs as much as
-/// one.
-constexpr int kBatch = 16;
+constexpr int kBatch = 16;  ///< samples per check: a vector of states costs as much as one
 
 class Prm {
  public:
@@ -58,7 +55,7 @@ class Prm {
  private:
   static constexpr int kStart = 0;
 
-  /// Milestones for the goals from the index `first` on.
+  /// Adds milestones for the goals from index `first` on.
   void add_goals(std::size_t first) {
     for (std::size_t i = first; i < run_.goals().size(); ++i) {
       ends_.push_back(milestones_.size());
@@ -67,14 +64,13 @@ class Prm {
   }
 
   /// Connects a new milestone to near ones of other components, and to the nearest ones in the
-  /// components of start and goals, wherever they are; returns the number of connections.
-  /// Neighbours that are connected already cost no motion check, so more of them are looked at than
-  /// are tried.
+  /// components of start and goals. Returns the number of connections. Neighbours in the same
+  /// component cost no motion check, so more are found than tried.
   int add_milestone(std::span<const float> q) {
-    constexpr int kLookedAtPerTry = 2;
+    constexpr int kFoundPerTry = 2;
     const int most_tries = std::max(1, run_.settings().neighbours);
     milestones_.measure(q);
-    milestones_.find_nearest(kLookedAtPerTry * most_tries, neighbours_);
+    milestones_.find_nearest(kFoundPerTry * most_tries, neighbours_);
     const int milestone = milestones_.add(q);
     run_.count_nodes(1);
     component_.push_back(milestone);
@@ -129,7 +125,7 @@ class Prm {
     moved->clear();
   }
 
-  /// The milestone of the goal that a verified path leads to, which is then in path_, or -1.
+  /// Returns the milestone of a goal that a verified path reaches, and writes path_; otherwise -1.
   int find_connected_goal() {
     for (const int goal : std::span(ends_).subspan(1)) {
       while (component_of(kStart) == component_of(goal)) {

@@ -28,7 +28,7 @@ struct SpheresOnly {
   ExactContact behind;
 };
 
-/// Contacts at `q`, which has some, if all are of spheres whose exact geometry is clear.
+/// The contacts at `q`, if each is of spheres only; otherwise none.
 std::vector<SpheresOnly> find_sphere_contacts(const CollisionChecker& checker,
                                               const Configuration& q) {
   const Configuration inside = checker.robot().normalized(q);
@@ -47,18 +47,18 @@ std::string describe(const SpheresOnly& found, const std::string& end) {
   const double excess = 1e3 * found.behind.excess, distance = 1e3 * found.behind.distance;
   if (found.behind.approximated_links == 2) {
     return fmt::format(
-        "{}: links '{}' and '{}' touch with their spheres only, which together stick out by up to "
-        "{:.2g} mm; they are checked by exact geometry, {:.2g} mm apart",
+        "{}: links '{}' and '{}' touch only with their spheres, which together stick out by up to "
+        "{:.2g} mm; this pair is checked by exact geometry, {:.2g} mm apart",
         end, contact.link, contact.other, excess, distance);
   }
   return fmt::format(
-      "{}: link '{}' comes close to {} '{}' with {}spheres only, which stick out by up to {:.2g} "
-      "mm; they are checked by exact geometry, {:.2g} mm away",
+      "{}: link '{}' touches {} '{}' only with {}spheres, which stick out by up to {:.2g} mm; this "
+      "pair is checked by exact geometry, {:.2g} mm away",
       end, contact.link, contact.is_self ? "link" : "obstacle", contact.other,
       contact.is_self ? "" : "its ", excess, distance);
 }
 
-/// False if it is known.
+/// Returns false if the pair is known already.
 bool add_exact(const Contact& contact, Scene& scene) {
   if (!contact.is_self) {
     std::vector<std::string>& links = scene.find(contact.other)->exact_links;

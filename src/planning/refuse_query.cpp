@@ -39,7 +39,7 @@ std::string describe(const Robot& robot, const Contact& contact) {
     return fmt::format("link '{}' is {:.2g} m from {} '{}'", contact.link, contact.distance, kind,
                        contact.other);
   }
-  // Depth ends at the middle of a sphere and the axis of a capsule, however far these are inside.
+  // Depth is measured up to the center of a sphere and the axis of a capsule.
   const double depth = -contact.distance;
   const bool is_deeper = depth >= least_radius(robot, contact.link) ||
                          (contact.is_self && depth >= least_radius(robot, contact.other));
@@ -56,13 +56,13 @@ std::string describe(const ExactContact& behind) {
   return fmt::format(" ({}; the exact geometry is {} away)", spheres, millimetres(behind.distance));
 }
 
-/// Why a configuration is refused, and what would help.
+/// The reason for a refusal, and the way out.
 struct Refusal {
   std::string reason;
   std::string advice = {};
 };
 
-/// `room` is the least distance between the exact geometry, metres per approximated link.
+/// `room`: least distance of the exact geometry, metres per approximated link.
 std::string advise(double room) {
   constexpr double kFinest = 0.001;
   const double excess = kFinest * std::floor(room / kFinest);
@@ -72,7 +72,7 @@ std::string advise(double room) {
       excess);
 }
 
-/// Spheres of links can be finer; those of attached objects are as they are.
+/// Spheres of links can be made finer; those of attached objects cannot.
 bool can_be_finer(const Robot& robot, const Contact& contact) {
   return std::ranges::none_of(robot.attached(), [&](const ApproximatedObject& approximated) {
     const std::string& name = approximated.object.name;
@@ -80,7 +80,7 @@ bool can_be_finer(const Robot& robot, const Contact& contact) {
   });
 }
 
-/// Contacts first, then what is only within the margin.
+/// Names contacts first, then pairs within the margin.
 Refusal describe_contacts(const CollisionChecker& checker, const Configuration& q,
                           std::vector<Contact> contacts) {
   constexpr std::size_t kMostNamed = 4;
@@ -103,7 +103,7 @@ Refusal describe_contacts(const CollisionChecker& checker, const Configuration& 
   return {std::move(text), advise(room)};
 }
 
-/// The contacts of `q`, a configuration of the robot, or nothing.
+/// Describes the contacts of `q`, a valid configuration, if any.
 std::optional<Refusal> find_contact(const CollisionChecker& checker, const Configuration& q) {
   if (internal::is_clear(checker, q)) return std::nullopt;
   const Configuration inside = checker.robot().normalized(q);
@@ -113,7 +113,7 @@ std::optional<Refusal> find_contact(const CollisionChecker& checker, const Confi
   return std::nullopt;
 }
 
-/// Which constraint `q` breaks, or nothing.
+/// Describes the constraint that `q` breaks, if any.
 std::optional<std::string> find_tilt(const CollisionChecker& checker, const Configuration& q) {
   const Configuration inside = checker.robot().normalized(q);
   for (const OrientationConstraint& constraint : checker.constraints()) {
@@ -125,7 +125,7 @@ std::optional<std::string> find_tilt(const CollisionChecker& checker, const Conf
   return std::nullopt;
 }
 
-/// Why `q` cannot be planned from or to, or nothing.
+/// The reason why `q` cannot be a start or goal, if any.
 std::optional<std::string> find_problem(const CollisionChecker& checker, const Configuration& q,
                                         const std::string& what, bool is_clear) {
   if (auto violation = checker.robot().describe_violation(q, what)) return violation;
@@ -172,7 +172,7 @@ std::vector<std::string> drop_goals_in_contact(const CollisionChecker& checker,
     const bool is_sound = !checker.robot().describe_violation(goals[i], "goal");
     const auto contact = is_sound ? find_contact(checker, goals[i]) : std::nullopt;
     if (contact) {
-      notes.push_back(name_of_goal(i, goals.size()) + contact->reason + ": left out");
+      notes.push_back(name_of_goal(i, goals.size()) + contact->reason + "; this goal is ignored");
     } else {
       kept.push_back(goals[i]);
     }

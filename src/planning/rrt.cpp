@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// RRT with goal bias: LaValle and Kuffner, DOI 10.1177/02783640122067453. Departure: nodes that
-// grew towards a sample of memory try to reach each goal, because memory leads through passages
-// that the node nearest to a goal does not see.
+// RRT with goal bias: LaValle and Kuffner, DOI 10.1177/02783640122067453. Departure: a node that
+// grew towards a sample of memory tries to reach each goal, because memory leads through passages.
 #include "mneme/planning.h"
 
 #include "planning/planner_run.h"
@@ -40,13 +39,13 @@ class Rrt {
   }
 
  private:
-  /// A goal instead of a sample, as often as the goal bias says, otherwise -1.
+  /// A random goal with the probability of the goal bias, otherwise -1.
   int sample_goal() {
     if (rng_.uniform() >= run_.settings().goal_bias) return -1;
     return static_cast<int>(rng_.index(static_cast<std::uint32_t>(run_.goals().size())));
   }
 
-  /// The node nearest to a goal, or -1 if that node has been tried: it would be blocked again.
+  /// The node nearest to a goal, or -1 if it has been tried before.
   int untried_node_near(int goal) {
     const auto i = static_cast<std::size_t>(goal);
     const int node = tree_.nearest(run_.goals()[i]);
@@ -55,7 +54,7 @@ class Rrt {
     return node;
   }
 
-  /// One step towards a sample, and on to the goals that the new node may reach.
+  /// Steps towards a sample, then tries goals from the new node.
   bool is_goal_reached_by_growing(std::vector<float>& q) {
     const SampleSource source = run_.sample(q);
     bool is_sample_reached = false;
@@ -73,7 +72,7 @@ class Rrt {
     for (int goal = 0; goal < static_cast<int>(run_.goals().size()); ++goal) {
       if (!tries_all && !is_in_range(node, goal)) continue;
       if (is_goal_reached(node, goal)) return true;
-      // The node may be gone, or have another index.
+      // The node may have been removed or renumbered.
       if (removals_ != removals) return false;
     }
     return false;
@@ -86,7 +85,7 @@ class Rrt {
            run_.range();
   }
 
-  /// Goes towards the goal as far as it gets; true if the path to it survives verification.
+  /// Extends towards the goal until blocked; true if a path to it passes verification.
   bool is_goal_reached(int node, int goal) {
     const std::vector<float>& target = run_.goals()[static_cast<std::size_t>(goal)];
     const int last = tree_.connect(node, target);
@@ -106,7 +105,7 @@ class Rrt {
   PlannerRun& run_;
   Tree tree_;
   Rng rng_;
-  std::vector<int> tried_from_;  ///< per goal the node that was last extended towards it
+  std::vector<int> tried_from_;  ///< per goal the last node extended towards it
   int removals_ = 0;             ///< of branches that failed verification
   std::vector<float> delta_;
   FloatPath path_;

@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// RRT-Connect: Kuffner and LaValle, DOI 10.1109/ROBOT.2000.844730. Departures: several goals are
-// roots of one tree; the smaller tree grows, so that the one in the open does not fill up while the
-// other one is still in a passage, and as far towards the sample as it gets; nodes that cannot be
-// extended have bounded domains; a path whose motions fail verification costs the tree the failing
-// branch, and planning goes on.
+// RRT-Connect: Kuffner and LaValle, DOI 10.1109/ROBOT.2000.844730. Departures:
+// - Several goals are roots of one tree.
+// - The smaller tree grows, so that a tree in the open does not fill up while the other one is
+// still
+//   in a passage. It grows towards a sample until blocked.
+// - Nodes that could not be extended have bounded domains.
+// - If a motion of a path fails verification, its branch is removed and planning continues.
 #include "mneme/planning.h"
 
 #include "planning/growth.h"
@@ -48,7 +50,7 @@ class RrtConnect {
         if (is_path_verified(is_forward ? node : facing, is_forward ? facing : node)) {
           return run_.finish(node_count());
         }
-        // The nodes that the rest of the batch starts at may be gone.
+        // The start nodes of later steps may have been removed.
         while (++i < growth_.size()) growth_.settle(i, SampleOutcome::rejected);
       }
     }
@@ -56,8 +58,7 @@ class RrtConnect {
 
  private:
   /// Joins the branches that meet at `start_node` and `goal_node`. If a motion fails verification,
-  /// removes the branch behind it; the motion that joins the trees belongs to neither and is
-  /// dropped.
+  /// removes the branch after it; the motion between the trees belongs to neither.
   bool is_path_verified(int start_node, int goal_node) {
     path_ = start_tree_.path_to(start_node);
     const int start_edges = static_cast<int>(path_.size()) - 1;

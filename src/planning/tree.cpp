@@ -12,7 +12,7 @@ namespace {
 /// Factor on squared radii, as in VAMP.
 constexpr float kDomainGrowth = 1.0002f;
 constexpr float kLeastDomain = 1;
-/// Share of the range: a projected step that gains less ends in circles.
+/// Least progress of a projected step, as a share of the range; less would walk in circles.
 constexpr float kLeastProgress = 0.1f;
 
 }  // namespace
@@ -61,7 +61,7 @@ bool Tree::step(int node, std::span<const float> q, std::span<float> end) const 
   return false;
 }
 
-/// `length` is what the step had to go.
+/// `length`: distance to `q` before the step.
 void Tree::project(std::span<const float> q, float length, std::span<float> end) const {
   std::vector<float> projected(end.begin(), end.end()), delta(end.size());
   if (!run_.checker().project(projected)) return;

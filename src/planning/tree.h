@@ -31,28 +31,27 @@ class Tree {
   [[nodiscard]] int nearest(std::span<const float> q) const { return nodes_.nearest(q).first; }
   /// The nearest node, or -1 if `q` lies outside its domain and the search is not long.
   [[nodiscard]] int nearest_in_domain(std::span<const float> q) const;
-  /// Adapts the domain of `node` to whether a step from it was free: the first one that was not
-  /// bounds the domain, further ones shrink it, success lets it grow. Dynamic-domain RRT: Jaillet,
-  /// Yershova, LaValle and Simeon, DOI 10.1109/IROS.2005.1545607.
+  /// Adapts the domain of `node` after a step: the first failure bounds it, further ones shrink it,
+  /// success lets it grow. Dynamic-domain RRT: Jaillet, Yershova, LaValle and Simeon,
+  /// DOI 10.1109/IROS.2005.1545607.
   void adapt_domain(int node, bool is_extended);
 
-  /// Writes the end of one step of at most the range from `node` towards `q`; true if that is `q`.
-  /// Under constraints the end is led back to where they are kept; if that is no way towards `q` it
-  /// stays outside, where no motion is valid.
+  /// Writes the end of a step of at most the range from `node` towards `q`; true if it is `q`.
+  /// Under constraints the end is projected onto them, if that is progress towards `q`; otherwise
+  /// it stays outside, where no motion is valid.
   bool step(int node, std::span<const float> q, std::span<float> end) const;
-  /// One step of at most the range from `node` towards `q`: the new node, or -1 if the motion is
-  /// blocked. `is_reached` tells whether the step ends at `q`.
+  /// Takes that step. Returns the new node, or -1 if the motion is blocked. Sets `is_reached` if
+  /// the step ends at `q`.
   int extend(int node, std::span<const float> q, bool& is_reached);
-  /// Steps from `node` towards `q` until blocked. Returns the last node before `q` if `q` is in
-  /// sight of it
-  /// (`q` itself is not added), otherwise -1.
+  /// Steps from `node` towards `q` until blocked. Returns the last node before `q`, which is not
+  /// added, or -1 if `q` is not reached.
   int connect(int node, std::span<const float> q);
 
   /// Configurations from the root to `node`.
   [[nodiscard]] FloatPath path_to(int node) const;
-  /// The node at `depth` edges from the root on the way to `node`.
+  /// The ancestor of `node` that is `depth` edges from the root.
   [[nodiscard]] int ancestor_at(int node, int depth) const;
-  /// Removes `node`, which is no root, with all its descendants. O(size).
+  /// Removes `node`, which must not be a root, and its descendants. O(size).
   void remove(int node);
 
  private:

@@ -166,7 +166,7 @@ TEST_SUITE("unit") {
         {{"bench", "run", files.problem(), "--samplers", ","}, 2, {"--samplers"}},
         {{"bench", "run", files.problem(), "--samplers", "gaussian"},
          1,
-         {"draw valid states", "ompl:PRM"}},
+         {"sample valid states", "ompl:PRM"}},
         {{"bench", "run", files.problem(), "--db-memory", "1"}, 2, {"--db-memory", "--db"}},
         {{"bench", "run", files.problem(), "--seeds", "0"}, 2, {"--seeds"}},
         {{"bench", "run", files.problem(), "--resume"}, 2, {"--csv"}},

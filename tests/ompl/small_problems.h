@@ -68,7 +68,7 @@ inline std::vector<std::string> valid_sampler_names() {
   add_ompl_planners();
   std::vector<std::string> names;
   for (const SamplerEntry& sampler : samplers()) {
-    if (sampler.draws_valid_states) names.emplace_back(sampler.name);
+    if (sampler.samples_valid_states) names.emplace_back(sampler.name);
   }
   return names;
 }

@@ -133,7 +133,7 @@ TEST_SUITE("flow") {
     for (const Whose whose : kAll) {
       Problem problem = below_a_plate(0.003, whose);
       const std::string note = ": link '" + name_of(whose, "forearm") +
-                               "' comes close to obstacle 'plate' with its spheres only";
+                               "' touches obstacle 'plate' only with its spheres";
       for (const std::string end : {"start", "goal"}) {
         if (end == "goal") std::swap(problem.start, problem.goals[0]);
         for (const char* planner : {"rrt_connect", "rrt", "prm"}) {
@@ -160,7 +160,7 @@ TEST_SUITE("flow") {
         REQUIRE(result.plan.is_solved());
         REQUIRE(result.notes.size() == 1);
         CHECK(result.notes[0].starts_with("start: links 'base' and '" + name_of(whose, "hand") +
-                                          "' touch with their spheres only, which together stick "
+                                          "' touch only with their spheres, which together stick "
                                           "out by up to "));
         CHECK(result.notes[0].ends_with("; they are checked by exact geometry, 4 mm apart"));
         CHECK(checked_scene(problem, result).exact_pairs.size() == 1);

@@ -111,7 +111,8 @@ TEST_SUITE("unit") {
     settings.plan.improve_rounds = 3;
     const auto result = solve(planar_problem("threaded_b0"), nullptr, settings);
     REQUIRE_FALSE(result.has_value());
-    CHECK(result.error().message == "improve-rounds: expected a time to improve beside it");
+    CHECK(result.error().message ==
+          "setting 'improve-rounds' has no effect without 'improve': set a time to improve");
   }
 }
 

@@ -69,7 +69,7 @@ TEST_SUITE("unit") {
     const internal::Query query = fixture.query();
     const internal::ResolvedQuery goals = resolved(query);
     internal::MemorySampler memory(goals, near_start);
-    const auto sampler = memory.draw_by_kind();
+    const auto sampler = memory.by_kind();
     CHECK(memory.check().has_value());
     CHECK(!is_uniform(draw_sources(*sampler->start(1), 50)));
     CHECK(memory.take().mixture->component_count() == 3);
@@ -81,7 +81,7 @@ TEST_SUITE("unit") {
     const internal::Query query = fixture.query();
     const internal::ResolvedQuery goals = resolved(query);
     internal::MemorySampler memory(goals, near_start);
-    const auto sampler = memory.draw_by_kind();
+    const auto sampler = memory.by_kind();
     const auto first = sampler->start(1), second = sampler->start(2);
     CHECK(is_uniform(draw_sources(*first, 20)));
     CHECK(!is_uniform(draw_sources(*first, 50)));
@@ -98,7 +98,7 @@ TEST_SUITE("unit") {
         goals, [](const auto&, const auto&, const auto&, auto&) -> Result<GaussianMixture> {
           return fail(ErrorCode::io, "the disk is gone");
         });
-    const auto sampler = memory.draw_by_kind();
+    const auto sampler = memory.by_kind();
     REQUIRE(!memory.check().has_value());
     CHECK(memory.check().error().message == "the disk is gone");
     CHECK(is_uniform(draw_sources(*sampler->start(1), 50)));
@@ -113,7 +113,7 @@ TEST_SUITE("unit") {
         goals, [](const auto&, const auto&, const auto&, auto&) -> Result<GaussianMixture> {
           return fail(ErrorCode::io, "the disk is gone");
         });
-    const auto sampler = memory.draw_by_kind();
+    const auto sampler = memory.by_kind();
     CHECK(is_uniform(draw_sources(*sampler->start(1), 50)));
     CHECK(!memory.check().has_value());
     CHECK(!memory.check(21).has_value());
@@ -127,7 +127,7 @@ TEST_SUITE("unit") {
     internal::MemorySampler memory(goals, [](const auto&, const auto&, const auto&, auto&) {
       return GaussianMixture{8, {}, {}, {}, {}};
     });
-    const auto sampler = memory.draw_by_kind();
+    const auto sampler = memory.by_kind();
     CHECK(memory.check().has_value());
     CHECK(is_uniform(draw_sources(*sampler->start(1), 50)));
     CHECK(memory.take().mixture->component_count() == 0);
@@ -149,7 +149,7 @@ TEST_SUITE("flow") {
       asked.push_back(kind.kind->name);
       return near_start(same, memory_query, kind, gl);
     });
-    const auto stream = memory.draw_by_kind()->start(1);
+    const auto stream = memory.by_kind()->start(1);
     CHECK(asked == std::vector<std::string_view>{"pairs"});
     draw_sources(*stream, kind_named("paths").defaults.share.retrieve_after + 1);
     CHECK(asked == std::vector<std::string_view>{"pairs", "paths"});

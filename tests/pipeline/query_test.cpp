@@ -333,7 +333,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("samplers of valid states are refused with planners that draw none") {
     const SamplerEntry near_walls = {
-        .name = "near_walls", .summary = "valid states only", .draws_valid_states = true};
+        .name = "near_walls", .summary = "valid states only", .samples_valid_states = true};
     add_samplers({&near_walls, 1});
     SolveSettings settings;
     settings.sampler = "near_walls";

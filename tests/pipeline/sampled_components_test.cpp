@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/drawn_components.h"
+#include "pipeline/sampled_components.h"
 #include "support/planar_memory.h"
 
 namespace mneme::test {
 namespace {
 
-using internal::DrawnComponents;
+using internal::SampledComponents;
 
 /// Two groups of two components: planar8 stretched out into the direction (group, component).
 class Pointers final : public ComponentSource {
@@ -31,7 +31,7 @@ class Pointers final : public ComponentSource {
 
 TEST_SUITE("unit") {
   TEST_CASE("what was made is noted once, in that order, with all that belongs to it") {
-    const DrawnComponents drawn(std::make_shared<Pointers>(), 8, std::nullopt);
+    const SampledComponents drawn(std::make_shared<Pointers>(), 8, std::nullopt);
     std::vector<float> q(8);
     CHECK(drawn.made().component_count() == 0);
     CHECK(drawn.make(1, 1, q));
@@ -50,7 +50,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("means in contact are not made where they are looked at") {
     const CollisionChecker checker = make_checker(planar8(), make_circle_scene("", {{5, 0, 1}}));
-    const DrawnComponents drawn(std::make_shared<Pointers>(), 8, checker);
+    const SampledComponents drawn(std::make_shared<Pointers>(), 8, checker);
     std::vector<float> q(8);
     CHECK(!drawn.make(0, 0, q));
     CHECK(drawn.make(0, 1, q));

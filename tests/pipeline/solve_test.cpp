@@ -170,12 +170,12 @@ TEST_SUITE("flow") {
     settings.memory.max_gap = 5;
     for (const PlannerEntry& planner : planners()) {
       for (const SamplerEntry& entry : samplers()) {
-        if (entry.draws_valid_states) continue;
+        if (entry.samples_valid_states) continue;
         const std::string_view sampler = entry.name;
         INFO(planner.name, " with ", sampler);
         settings.planner = planner.name;
         settings.sampler = sampler;
-        settings.learn_budget_s = entry.draws_from_memory ? 1 : 0;
+        settings.learn_budget_s = entry.uses_memory ? 1 : 0;
         const SolveResult result = solve_soundly(problem, &database, settings);
         REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
         CHECK(result.planner == planner.name);

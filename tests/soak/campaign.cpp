@@ -49,7 +49,7 @@ SolveSettings settings_of(int plan, const CampaignSettings& campaign, const Robo
   const bool has_paths = plan % 2 == 1;  // as Memory::database()
   if (has_paths) settings.memory = test::of_kind("paths");
   const bool may_learn =
-      robot.is_planar() && !has_paths && find_sampler(settings.sampler).value()->draws_from_memory;
+      robot.is_planar() && !has_paths && find_sampler(settings.sampler).value()->uses_memory;
   settings.learn_budget_s = may_learn ? 0.01 : 0;
   settings.learn.starts_per_link = 1;
   settings.learn.paths_per_start = 1;
