@@ -116,8 +116,6 @@ def attached_of(scene):
         where = f"attached object '{held['id']}'"
         if (held.get("header") or {}).get("frame_id", link) not in ("", link):
             raise Unsupported(f"{where}: expected it in the frame of the link that carries it, {link}")
-        if held.get("meshes"):
-            raise Unsupported(f"{where}: expected boxes, spheres and cylinders, got a mesh")
         attached.append({"name": held["id"], "link": link, "touch": list(item.get("touch_links", [])),
                          "shapes": shapes_of(held, where)})
     return attached

@@ -86,7 +86,6 @@ def test_what_a_plan_would_leave_out_is_refused(messages):
     refused("visibility", lambda request, _: request["goal_constraints"][0].update(visibility_constraints=[{}]))
     refused("frame of the link", lambda _, scene: scene["robot_state"]["attached_collision_objects"][0]["object"][
         "header"].update(frame_id="base_link"))
-    refused("got a mesh", lambda _, scene: scene["robot_state"]["attached_collision_objects"][0]["object"].update(meshes=[{}]))
     refused("may touch everything", lambda _, scene: scene["allowed_collision_matrix"].update(
         default_entry_names=["table"], default_entry_values=[True]))
 

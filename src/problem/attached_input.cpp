@@ -67,10 +67,10 @@ class AttachedReader {
   void read_into(const Input& input, const ObstacleSpelling& spelling, AttachedObject& object) {
     refuse_file(input, spelling);
     const Input type = input.at("type");
-    if (type.is_text() && type.text() == "mesh") {
+    if (type.is_text() && type.text() == "mesh" && !input.find("triangles")) {
       object.meshes.push_back(read_mesh(input, spelling));
     } else {
-      // Only points and the like have warnings, and they cannot be attached.
+      // Only shapes of files have warnings.
       std::vector<std::string> warnings;
       object.shapes.push_back(read_shape(input, spelling, warnings));
     }

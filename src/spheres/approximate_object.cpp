@@ -99,7 +99,7 @@ class ObjectSpheres {
 
   void operator()(const Sphere& sphere) { result_.spheres.push_back(sphere); }
   void operator()(const Capsule& capsule) { result_.capsules.push_back(capsule); }
-  /// Refused before.
+  /// Points and cubes are refused before, and meshes are added at the end.
   template <class Part>
   void operator()(const CompoundShape<Part>& /*compound*/) {}
   void operator()(const Box& box) {
@@ -161,17 +161,6 @@ class ObjectSpheres {
   double excess_ = 0;  ///< metres that the spheres stick out at most
 };
 
-/// The object's meshes as the solids of a link with its spheres.
-Result<Link> approximate_meshes(const AttachedObject& object, const SphereSettings& settings) {
-  Robot::Parts parts;
-  Link& link = parts.links.emplace_back();
-  link.name = object.name;
-  link.solids.assign(object.meshes.begin(), object.meshes.end());
-  const internal::SphereCache cache(internal::cache_directory());
-  return internal::approximate_robot(std::move(parts), settings, cache)
-      .map([](const internal::CachedSpheres& made) { return made.robot.parts.links.front(); });
-}
-
 tl::unexpected<Error> refuse(const AttachedObject& object, std::string_view what,
                              ErrorCode code = ErrorCode::invalid) {
   return fail(code, fmt::format("attached object '{}': {}", object.name, what));
@@ -184,10 +173,13 @@ Result<ApproximatedObject> approximate_object(AttachedObject object,
   MNEME_TRY(internal::check_ranges(settings));
   if (object.shapes.empty() && object.meshes.empty()) return refuse(object, "it has no shapes");
   ObjectSpheres spheres(settings);
+  bool has_mesh = !object.meshes.empty();
   for (const Shape& shape : object.shapes) {
-    if (internal::is_compound(shape)) {
-      return refuse(object, fmt::format("it has the shape {}; expected a sphere, box, cylinder or "
-                                        "capsule, or a mesh in a file",
+    const Mesh* mesh = std::get_if<Mesh>(&shape);
+    has_mesh = has_mesh || mesh != nullptr;
+    if (internal::is_compound(shape) && (mesh == nullptr || mesh->radius > 0)) {
+      return refuse(object, fmt::format("it has the shape {}; expected a sphere, box, cylinder, "
+                                        "capsule, or mesh without a radius",
                                         shape_name(shape)));
     }
     if (const std::string_view flaw = internal::find_flaw(shape); !flaw.empty()) {
@@ -195,11 +187,12 @@ Result<ApproximatedObject> approximate_object(AttachedObject object,
     }
     std::visit(spheres, shape);
   }
-  if (!object.meshes.empty()) {
-    const Result<Link> link = approximate_meshes(object, settings);
-    if (!link) return refuse(object, link.error().message, link.error().code);
-    const SphereApproximation& made = *link->approximation;
-    spheres.add(link->spheres, made.surface.parts->list(), made.excess);
+  if (has_mesh) {
+    const auto surface = internal::mesh_surface(object);
+    if (!surface) return refuse(object, surface.error().message, surface.error().code);
+    const internal::SphereCache cache(internal::cache_directory());
+    const LinkSpheres made = internal::approximate_surface(*surface, settings, cache).spheres;
+    spheres.add(made.spheres, *surface, made.max_excess);
   }
   return spheres.finish(std::move(object));
 }

@@ -108,6 +108,15 @@ std::optional<LinkSpheres> SphereCache::find(const std::string& key) const {
   }
 }
 
+CachedSurface approximate_surface(const TriangleMesh& surface, const SphereSettings& settings,
+                                  const SphereCache& cache) {
+  const std::string key = sphere_key(surface, settings);
+  if (auto known = cache.find(key)) return {*std::move(known), true, false};
+  CachedSurface result{approximate_solid(surface, settings)};
+  result.is_stored = cache.store(key, result.spheres);
+  return result;
+}
+
 bool SphereCache::store(const std::string& key, const LinkSpheres& spheres) const {
   std::error_code error;
   if (!directory_.empty()) std::filesystem::create_directories(directory_, error);
@@ -120,34 +129,26 @@ namespace {
 
 /// The outcome for one link.
 struct Attempt {
-  LinkSpheres spheres;
+  CachedSurface made;
   TriangleMesh surface;
-  bool is_found = false;
-  bool is_stored = false;
 };
 
 Result<Attempt> attempt(const Link& link, const SphereSettings& settings,
                         const SphereCache& cache) {
   TriangleMesh surface = MNEME_TRY(link_surface(link));
-  Attempt result{{}, std::move(surface)};
-  const std::string key = sphere_key(result.surface, settings);
-  std::optional<LinkSpheres> known = cache.find(key);
-  result.is_found = known.has_value();
-  result.spheres =
-      result.is_found ? *std::move(known) : approximate_solid(result.surface, settings);
-  if (!result.is_found) result.is_stored = cache.store(key, result.spheres);
-  result.spheres.link = link.name;
-  return result;
+  CachedSurface made = approximate_surface(surface, settings, cache);
+  made.spheres.link = link.name;
+  return Attempt{std::move(made), std::move(surface)};
 }
 
 /// Puts the spheres in the place of the solids.
 void replace_solids(Link& link, Attempt made) {
-  const std::vector<Sphere>& spheres = made.spheres.spheres;
+  const std::vector<Sphere>& spheres = made.made.spheres.spheres;
   link.solids.clear();
   link.spheres.insert(link.spheres.end(), spheres.begin(), spheres.end());
   link.approximation = {{{}, std::make_shared<Parts<Triangle>>(std::move(made.surface)), 0},
                         static_cast<int>(spheres.size()),
-                        made.spheres.max_excess};
+                        made.made.spheres.max_excess};
 }
 
 /// Calls `work(i)` for each i < count, in any order, from as many threads as the machine has,
@@ -220,9 +221,9 @@ Result<CachedSpheres> approximate_robot(Robot::Parts parts, const SphereSettings
   CachedSpheres result;
   for (std::size_t i = 0; i < links.size(); ++i) {
     Attempt made = MNEME_TRY(std::move(attempts[i]));
-    result.robot.links.push_back(made.spheres);
-    result.found += made.is_found ? 1 : 0;
-    result.stored += made.is_stored ? 1 : 0;
+    result.robot.links.push_back(made.made.spheres);
+    result.found += made.made.is_found ? 1 : 0;
+    result.stored += made.made.is_stored ? 1 : 0;
     replace_solids(*links[i], std::move(made));
   }
   result.robot.parts = std::move(parts);

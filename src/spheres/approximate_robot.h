@@ -37,6 +37,17 @@ class SphereCache {
   std::string directory_;
 };
 
+/// The spheres of a surface.
+struct CachedSurface {
+  LinkSpheres spheres;  ///< without the link's name
+  bool is_found = false;
+  bool is_stored = false;
+};
+/// approximate_solid(), from the cache if possible.
+[[nodiscard]] CachedSurface approximate_surface(const TriangleMesh& surface,
+                                                const SphereSettings& settings,
+                                                const SphereCache& cache);
+
 struct CachedSpheres {
   RobotSpheres robot;
   int found = 0;   ///< links that were in the cache

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <span>
 #include <string>
 
 namespace mneme::internal {
@@ -113,14 +114,22 @@ struct Triangulate {
   }
 };
 
-Result<TriangleMesh> refuse_huge(const Link& link, TriangleMesh surface) {
+/// Says why a surface cannot be approximated; empty if it can.
+std::string describe_flaw(const TriangleMesh& surface) {
+  const double area = surface_area(surface);
+  if (!(std::isfinite(area) && area > 0)) {
+    return fmt::format("has an area of {} m2, expected a surface to approximate", area);
+  }
   const AxisBox bounds = box_around(surface);
   const double longest = (bounds.high - bounds.low).maxCoeff();
-  if (longest <= kLongest) return surface;
-  return fail(ErrorCode::invalid,
-              fmt::format("link '{}': its collision geometry is {:.0f} m long, expected at most {} "
-                          "m; one in millimetres needs a scale of 0.001",
-                          link.name, longest, kLongest));
+  if (longest <= kLongest) return {};
+  return fmt::format(
+      "is {:.0f} m long, expected at most {} m; one in millimetres needs a scale of 0.001", longest,
+      kLongest);
+}
+
+void append(std::span<const Triangle> triangles, TriangleMesh& surface) {
+  surface.insert(surface.end(), triangles.begin(), triangles.end());
 }
 
 }  // namespace
@@ -132,14 +141,29 @@ Result<TriangleMesh> link_surface(const Link& link) {
     if (!part) {
       return fail(part.error().code, fmt::format("link '{}': {}", link.name, part.error().message));
     }
-    surface.insert(surface.end(), part->begin(), part->end());
+    append(*part, surface);
   }
-  const double area = surface_area(surface);
-  if (std::isfinite(area) && area > 0) return refuse_huge(link, std::move(surface));
+  const std::string flaw = describe_flaw(surface);
+  if (flaw.empty()) return surface;
   return fail(ErrorCode::invalid,
-              fmt::format("link '{}': its collision geometry has an area of {} m2, expected a "
-                          "surface to approximate",
-                          link.name, area));
+              fmt::format("link '{}': its collision geometry {}", link.name, flaw));
+}
+
+Result<TriangleMesh> mesh_surface(const AttachedObject& object) {
+  TriangleMesh surface;
+  for (const MeshFile& file : object.meshes) {
+    append(MNEME_TRY(read_triangles(file.path, file.scale, file.pose)), surface);
+  }
+  for (const Shape& shape : object.shapes) {
+    const Mesh* mesh = std::get_if<Mesh>(&shape);
+    if (mesh == nullptr) continue;
+    for (const Triangle& t : mesh->parts->list()) {
+      surface.push_back({mesh->pose * t.a, mesh->pose * t.b, mesh->pose * t.c});
+    }
+  }
+  const std::string flaw = describe_flaw(surface);
+  if (!flaw.empty()) return fail(ErrorCode::invalid, "its mesh " + flaw);
+  return surface;
 }
 
 }  // namespace mneme::internal

@@ -29,5 +29,7 @@ using TriangleMesh = std::vector<Triangle>;
 /// The triangles of all solids of `link`, in its frame. Errors name the link, and the mesh file if
 /// that is wrong (read_triangles()); solids that are not finite or have no surface.
 [[nodiscard]] Result<TriangleMesh> link_surface(const Link& link);
+/// The same of the meshes of an object, in files and among its shapes.
+[[nodiscard]] Result<TriangleMesh> mesh_surface(const AttachedObject& object);
 
 }  // namespace mneme::internal

@@ -124,6 +124,12 @@ TEST_SUITE("flow") {
     const Reply reply = post(*client, "/v1/plan", body);
     CHECK(reply.body["status"] == "invalid_start");
     CHECK(reply.body["message"].get<std::string>().find("rod") != std::string::npos);
+    const std::vector<double> triangles = {3, 0, -1, 5, 0,  -1, 4, 1,  1,  3, 0,  -1,
+                                           4, 1, 1,  4, -1, 0,  5, 0,  -1, 4, -1, 0,
+                                           4, 1, 1,  3, 0,  -1, 4, -1, 0,  5, 0,  -1};
+    body["attached"] = {
+        {{"name", "rod"}, {"link", "link_8"}, {"type", "mesh"}, {"triangles", triangles}}};
+    CHECK(post(*client, "/v1/plan", body).body["status"] == "invalid_start");
   }
 
   TEST_CASE("several threads for one plan find what one process finds with as many") {

@@ -128,6 +128,27 @@ TEST_SUITE("unit") {
     CHECK(missing.error().message.find("none.stl") != std::string::npos);
   }
 
+  TEST_CASE("triangles are approximated as a mesh file of them") {
+    const test::TemporaryDirectory directory;
+    const std::string path = directory / "cube.stl";
+    const internal::TriangleMesh triangles = internal::triangulate(make_box(Vec3::Constant(0.1)));
+    write_file(path, to_text_stl(triangles));
+    const Transform pose{Eigen::Matrix3d::Identity(), {0, 0, 0.3}};
+    Mesh mesh{pose, std::make_shared<Parts<Triangle>>(triangles), 0};
+    const ApproximatedObject made = require_spheres({"cube", "hand", {mesh}, {}, {}});
+    const ApproximatedObject of_file =
+        require_spheres({"cube", "hand", {}, {{path, Vec3::Ones(), pose}}, {}});
+    REQUIRE(made.spheres.size() == of_file.spheres.size());
+    for (std::size_t i = 0; i < made.spheres.size(); ++i) {
+      CHECK((made.spheres[i].center - of_file.spheres[i].center).norm() < 1e-6);
+    }
+    CHECK(made.approximation->surface.parts->list().size() == 12);
+    mesh.radius = 0.01;
+    const auto inflated = approximate_object({"cube", "hand", {mesh}, {}, {}});
+    REQUIRE(!inflated.has_value());
+    CHECK(inflated.error().message.find("mesh without a radius") != std::string::npos);
+  }
+
   TEST_CASE("objects without shape or size are refused by name") {
     const auto refusal = [](const AttachedObject& object) {
       const auto made = approximate_object(object);
