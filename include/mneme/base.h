@@ -21,7 +21,7 @@
 
 namespace mneme {
 
-/// The type of a setting's value, without the std::optional of one that may be left out.
+/// The type of a setting's value: T for T and for std::optional<T>.
 template <class T>
 struct SettingTraits {
   using Value = T;
@@ -39,31 +39,31 @@ using SettingValue = typename SettingTraits<std::remove_const_t<T>>::Value;
 /// joint.
 using Configuration = std::vector<double>;
 
-/// What kind of thing is wrong with the world. The programs map each kind to an exit code.
+/// The kind of an error. The programs map each kind to an exit code.
 enum class ErrorCode {
-  io,           ///< a file cannot be read, written or created
-  parse,        ///< a file's text is malformed, or a value in it has the wrong type or range
-  unsupported,  ///< well-formed, but this version of mneme does not handle it
-  invalid,      ///< an argument is out of range, or two inputs do not fit together
-  wrong_robot,  ///< a database holds the experience of another robot
-  corrupt,      ///< a database or one of its rows is damaged
+  io,           ///< A file cannot be read, written or created.
+  parse,        ///< Text is malformed, or a value in it has the wrong type or range.
+  unsupported,  ///< Well-formed input that this version of mneme does not handle.
+  invalid,      ///< An argument is out of range, or two inputs do not fit together.
+  wrong_robot,  ///< A database holds the experience of another robot.
+  corrupt,      ///< A database or one of its rows is damaged.
 };
 
-/// The enumerator's own name, as services and Python report it.
+/// Returns the name of the enumerator, as the service and Python report it.
 [[nodiscard]] std::string_view to_string(ErrorCode code);
 
-/// A wrong input: `message` names the file, line or object and says what was expected.
+/// An error: `message` names the file, line or object and says what was expected.
 struct Error {
   ErrorCode code = ErrorCode::invalid;
   std::string message;
 };
 
-/// A value, or the reason why there is none. The library never throws across its boundary, but for
-/// std::bad_alloc: where memory runs out in a thread of its own, too, the caller gets it.
+/// A value or an error. The only exception that the library lets out is std::bad_alloc; the caller
+/// receives it also when memory runs out in one of the library's threads.
 template <class T>
 using Result = tl::expected<T, Error>;
 
-/// Builds the failed side of any `Result`.
+/// Returns an error that converts to any `Result`.
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string message) {
   return tl::unexpected<Error>(Error{code, std::move(message)});
 }
@@ -75,9 +75,9 @@ T take_value(Result<T>&& result) {
 }
 }  // namespace internal
 
-/// The value of a Result, or returns its error from the enclosing function:
-/// `const Scene scene = MNEME_TRY(load_scene(path));`, or as a statement for Result<void>. The
-/// whole of an initializer or a statement, never a part of a larger expression.
+/// Evaluates to the value of a Result, or returns its error from the enclosing function:
+/// `const Scene scene = MNEME_TRY(load_scene(path));`. Use it as a whole initializer or statement,
+/// not inside a larger expression.
 #define MNEME_TRY(...)                                                       \
   __extension__({                                                            \
     auto try_result = (__VA_ARGS__);                                         \
@@ -85,14 +85,14 @@ T take_value(Result<T>&& result) {
     ::mneme::internal::take_value(std::move(try_result));                    \
   })
 
-/// "; did you mean 'x'?" if one of `names` is close to `word`, whatever the case and with or
-/// without underscores; otherwise nothing.
+/// Returns "; did you mean 'x'?" if one of `names` is close to `word`, otherwise "". Case and
+/// underscores do not count.
 [[nodiscard]] std::string did_you_mean(std::string_view word, std::span<const std::string> names);
 
-/// Receives one line of log text without a line break. Called from the thread that works.
+/// Receives one line of log text without a line break, in the thread that does the work.
 using LogCallback = std::function<void(std::string_view line)>;
 
-/// Seconds of wall-clock time since it was made.
+/// Measures wall-clock time since its construction.
 class Stopwatch {
  public:
   [[nodiscard]] double elapsed_s() const {
@@ -104,7 +104,7 @@ class Stopwatch {
 };
 
 /// Pseudo-random stream: xoshiro256++ (Blackman and Vigna, DOI 10.1145/3460772), seeded by
-/// splitmix64. The sequence depends on the seed alone. Not thread-safe: one stream per thread.
+/// splitmix64. The sequence depends only on the seed. Not thread-safe: use one stream per thread.
 class Rng {
  public:
   explicit Rng(std::uint64_t seed);
@@ -131,8 +131,8 @@ class Rng {
   }
   /// Standard normal, by the ziggurat method (Marsaglia and Tsang, DOI 10.18637/jss.v005.i08).
   double normal();
-  /// Of mean 0 and deviation 1, shaped like a normal distribution within +-4.9, and eight times as
-  /// fast: a sum of eight uniform bytes (Irwin and Hall).
+  /// Approximately normal with mean 0 and deviation 1: a sum of eight uniform bytes (Irwin and
+  /// Hall), within +-4.9. 8x faster than normal().
   float bell();
 
  private:
@@ -142,30 +142,32 @@ class Rng {
   std::array<std::uint64_t, 4> state_;
 };
 
-/// Seed of sub-task `task` of a job seeded with `seed`: independent of thread count and order.
+/// Returns the seed of sub-task `task` of a job with the seed `seed`, so that results do not depend
+/// on threads and order.
 [[nodiscard]] std::uint64_t derive_seed(std::uint64_t seed, std::uint64_t task);
 
 /// The instruction sets that the kernels are compiled for.
 enum class Isa { automatic, scalar, sse, avx2, avx512 };
 
-/// The best instruction set of this machine, or the one that the environment variable MNEME_ISA
-/// names (scalar, sse, avx2, avx512) if this machine has it.
+/// Returns the instruction set that MNEME_ISA names (scalar, sse, avx2, avx512) if this machine has
+/// it, otherwise the best one of this machine.
 [[nodiscard]] Isa default_isa();
-/// True if this machine can run `isa`.
+/// Returns true if this machine can run `isa`.
 [[nodiscard]] bool is_available(Isa isa);
 [[nodiscard]] std::string_view to_string(Isa isa);
-/// The inverse of to_string; an unknown name, or one that this machine lacks, is an error.
+/// The inverse of to_string. Errors: invalid for an unknown name; unsupported if this machine lacks
+/// the instruction set.
 [[nodiscard]] Result<Isa> parse_isa(std::string_view name);
 
-/// The directories that hold robots/ and scenes/, best first: share/mneme of the installation that
-/// this code is part of, that of the running program, the source tree, share/mneme of the prefix
-/// that mneme was configured for, and those of XDG_DATA_DIRS. Only those that exist.
+/// Returns the existing directories with robots/ and scenes/ in search order: share/mneme beside
+/// this library, share/mneme beside the running program, the source tree, share/mneme of the
+/// configured prefix, then mneme in each directory of XDG_DATA_DIRS.
 [[nodiscard]] std::vector<std::string> data_directories();
 
-/// The file of a scene or problem that came with mneme, such as "planar/threaded_b2.yaml".
+/// Returns the path of a bundled scene or problem, such as "planar/threaded_b2.yaml". Error: io.
 [[nodiscard]] Result<std::string> find_scene(const std::string& name);
 
-/// mneme's own version, such as "0.2.0".
+/// Returns the version of mneme, such as "0.2.0".
 [[nodiscard]] std::string_view version();
 
 }  // namespace mneme

@@ -6,7 +6,7 @@
 
 namespace mneme::internal {
 
-/// The indices of links and joints are int, those of containers are not.
+/// Converts an index of a link or joint, which is an int, to one of a container.
 [[nodiscard]] constexpr std::size_t as_index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace mneme::internal

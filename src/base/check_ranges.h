@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Settings against the ranges that visit_settings declares beside them.
+/// Checks settings against the ranges that their visit_settings declares.
 #pragma once
 
 #include "mneme/base.h"
@@ -13,12 +13,12 @@
 
 namespace mneme::internal {
 
-/// Error: invalid, naming the first setting that is not within its declared range.
+/// Error: invalid; names the first setting outside its range.
 template <class Settings>
 [[nodiscard]] Result<void> check_ranges(const Settings& settings) {
   std::string problem;
   const auto check = [&](const char* name, const auto& value, auto least, auto most) {
-    // Written so that a value that is not a number fails too.
+    // NaN fails, too.
     if (problem.empty() && !(value >= least && value <= most)) {
       problem = fmt::format("setting '{}' is {}: expected {} to {}", name, value, least, most);
     }

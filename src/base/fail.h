@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// fail() with the format of a message, and how readers of files leave at the first fault: they
-/// throw inside, and return a Result.
+/// fail() with a format string, and exceptions inside readers: they throw InputFailure at the first
+/// fault and return a Result.
 #pragma once
 
 #include "mneme/base.h"
@@ -14,7 +14,8 @@
 
 namespace mneme {
 
-/// `fail(ErrorCode::io, "{}: cannot be read", path)`: the failed side of any `Result`.
+/// Returns an error that converts to any `Result`: `fail(ErrorCode::io, "{}: cannot be read",
+/// path)`.
 template <class First, class... Rest>
 [[nodiscard]] tl::unexpected<Error> fail(ErrorCode code, fmt::format_string<First, Rest...> what,
                                          First&& first, Rest&&... rest) {
@@ -25,7 +26,7 @@ template <class First, class... Rest>
 
 namespace mneme::internal {
 
-/// Thrown by everything that reads input, and turned into an Error by without_throwing().
+/// Thrown by readers of input; without_throwing() turns it into an Error.
 struct InputFailure {
   Error error;
 };
@@ -35,7 +36,7 @@ template <class... Args>
   throw InputFailure{{code, fmt::format(what, std::forward<Args>(args)...)}};
 }
 
-/// The result of `read`, or the error that it threw.
+/// Returns the result of `read`, or the error of the InputFailure that it threw.
 template <class Read>
 auto without_throwing(Read&& read) -> Result<decltype(read())> {
   try {
@@ -50,7 +51,7 @@ auto without_throwing(Read&& read) -> Result<decltype(read())> {
   }
 }
 
-/// The value, or InputFailure with the error.
+/// Returns the value, or throws InputFailure with the error.
 template <class T>
 T value_or_throw(Result<T> result) {
   if (!result) throw InputFailure{std::move(result.error())};

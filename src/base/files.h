@@ -1,29 +1,68 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Files as text, and directories of what is installed.
+/// Files that are read as text or appear whole, and directories of an installation.
 #pragma once
 
 #include "mneme/base.h"
 
 #include <cstddef>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace mneme::internal {
 
 inline constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;
 
-/// The bytes of the file `path`, which may have at most `max_bytes`.
+/// Returns the bytes of a file. Errors: io; unsupported for more than `max_bytes`.
 [[nodiscard]] Result<std::string> read_text_file(const std::string& path,
                                                  std::size_t max_bytes = kMaxFileBytes);
 
-/// share/mneme of the prefix that `file` is installed under: the directory that holds the innermost
-/// bin or lib on its path. Empty if there is none, or if the path is relative.
+/// Returns PREFIX/share/mneme for a file in PREFIX/bin/.. or PREFIX/lib/..; the innermost bin or
+/// lib counts. Empty without one, and for a relative path.
 [[nodiscard]] std::filesystem::path shared_data_of(const std::filesystem::path& file);
 
-/// Where to keep what can be computed again: $XDG_CACHE_HOME/mneme or ~/.cache/mneme, which may not
-/// exist yet. Empty if there is neither.
+/// Returns $XDG_CACHE_HOME/mneme or ~/.cache/mneme, which need not exist. Empty if neither variable
+/// holds an absolute path.
 [[nodiscard]] std::string cache_directory();
+
+/// Returns the directories that an environment variable lists, separated by colons.
+[[nodiscard]] std::vector<std::string> directories_of_variable(const char* variable);
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using UniqueFile = std::unique_ptr<std::FILE, CloseFile>;
+
+/// Writes `path.unfinished` and renames it to `path` at the end. Links and special files, such as
+/// /dev/stdout, are written directly. Errors name `path`.
+class NewFile {
+ public:
+  /// Error: io, also while another process or another NewFile writes `path`.
+  [[nodiscard]] static Result<NewFile> create(const std::string& path);
+  NewFile(NewFile&&) noexcept = default;
+  NewFile& operator=(NewFile&&) = delete;
+  /// Removes an unfinished file.
+  ~NewFile();
+
+  [[nodiscard]] Result<void> write(std::string_view bytes);
+  /// Syncs the file to disk and renames it, so that it survives a loss of power.
+  [[nodiscard]] Result<void> finish();
+
+ private:
+  NewFile() = default;
+  [[nodiscard]] tl::unexpected<Error> error() const;
+  std::string path_;
+  std::string written_path_;  // empty once it is finished
+  UniqueFile file_;
+};
+
+/// Syncs the directory of `path`, so that new names survive a loss of power where the file system
+/// supports it.
+void sync_directory_of(const std::string& path);
 
 }  // namespace mneme::internal

@@ -35,6 +35,16 @@ std::string cache_directory() {
   return home.empty() ? "" : home + "/.cache/mneme";
 }
 
+std::vector<std::string> directories_of_variable(const char* variable) {
+  std::vector<std::string> directories;
+  const char* value = std::getenv(variable);
+  std::istringstream list(value == nullptr ? "" : value);
+  for (std::string directory; std::getline(list, directory, ':');) {
+    if (!directory.empty()) directories.push_back(directory);
+  }
+  return directories;
+}
+
 }  // namespace mneme::internal
 
 namespace mneme {
@@ -56,12 +66,11 @@ fs::path program_file() {
 }
 
 std::vector<fs::path> system_data() {
-  const char* variable = std::getenv("XDG_DATA_DIRS");
-  std::istringstream list(variable == nullptr || *variable == '\0' ? "/usr/local/share:/usr/share"
-                                                                   : variable);
+  std::vector<std::string> listed = internal::directories_of_variable("XDG_DATA_DIRS");
+  if (listed.empty()) listed = {"/usr/local/share", "/usr/share"};
   std::vector<fs::path> directories;
-  for (std::string directory; std::getline(list, directory, ':');) {
-    if (fs::path(directory).is_absolute()) directories.push_back(fs::path(directory) / "mneme");
+  for (const fs::path directory : listed) {
+    if (directory.is_absolute()) directories.push_back(directory / "mneme");
   }
   return directories;
 }
@@ -94,8 +103,9 @@ Result<std::string> find_scene(const std::string& name) {
   }
   return fail(
       ErrorCode::io,
-      fmt::format("there is no scene '{}' in {}", name,
-                  tried.empty() ? "share/mneme/scenes: mneme is not installed whole" : tried));
+      fmt::format(
+          "there is no scene '{}' in {}", name,
+          tried.empty() ? "share/mneme/scenes: the installation of mneme is incomplete" : tried));
 }
 
 std::string_view version() { return MNEME_VERSION; }

@@ -22,7 +22,7 @@ constexpr std::array<NamedIsa, 4> kIsas{{{Isa::scalar, "scalar", HWY_SCALAR},
                                          {Isa::avx512, "avx512", HWY_AVX3}}};
 
 bool is_available(const NamedIsa& entry) {
-  // Asking the processor is slow on virtual machines: tens of microseconds.
+  // The query takes tens of microseconds on virtual machines.
   static const std::int64_t supported = hwy::SupportedTargets();
   return entry.isa == Isa::scalar || (supported & entry.target) != 0;
 }

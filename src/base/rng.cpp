@@ -19,13 +19,13 @@ std::uint64_t mix(std::uint64_t z) {
 }
 
 constexpr std::size_t kLayerCount = 256;
-/// Where the tail begins, for which 256 layers of equal area close exactly at the density's peak.
+/// Start of the tail: with it, 256 layers of equal area end exactly at the peak of the density.
 constexpr double kTailStart = 3.6541528853610088;
 
 double density(double x) { return std::exp(-0.5 * x * x); }
 
 /// Layer `i` is the rectangle [0, width[i]) x [height[i], height[i + 1]) around the unnormalised
-/// density; layer 0 is the strip below, whose width counts the tail's area as well.
+/// density. Layer 0 is the strip below; its width includes the area of the tail.
 struct Ziggurat {
   std::array<double, kLayerCount + 1> width;
   std::array<double, kLayerCount + 1> height;

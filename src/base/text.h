@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Text that every engine and file format can hold, fields of CSV files, and names like one that
-/// was misspelt.
+/// UTF-8, fields of CSV files, and names similar to a misspelt one.
 #pragma once
 
 #include <cstddef>
@@ -15,22 +14,23 @@ namespace mneme::internal {
 
 struct CodePoint {
   char32_t value = 0;
-  std::size_t size = 0;  ///< bytes; 0 if there is none
+  std::size_t size = 0;  ///< in bytes; 0 for no code point
 };
 
-/// The code point at the start of `text`, which is not empty: none if it is not UTF-8, or a NUL.
+/// Returns the code point at the start of `text`, which is not empty. Size 0: NUL or not UTF-8.
 [[nodiscard]] CodePoint first_code_point(std::string_view text);
-/// The code points of `text`, or nothing if it is not UTF-8 or holds a NUL.
+/// Returns the code points of `text`, or nothing if it is not UTF-8 or contains NUL.
 [[nodiscard]] std::optional<std::u32string> decode_utf8(std::string_view text);
-/// `text` with a question mark for every byte that decode_utf8 would not take.
+/// Returns `text` with a question mark for each NUL and each byte that is not UTF-8.
 [[nodiscard]] std::string storable_text(std::string_view text);
 
-/// A field of a CSV file (RFC 4180), quoted where it must be.
+/// Returns a field of a CSV file (RFC 4180), quoted if necessary.
 [[nodiscard]] std::string escape_csv(std::string_view text);
 
-/// Number of letters to insert, delete or replace to make `b` of `a`, whatever their case.
+/// Returns the number of letters to insert, delete or replace to turn `a` into `b`. Case does not
+/// count.
 [[nodiscard]] int edit_distance(std::string_view a, std::string_view b);
-/// The `count` names that take the least edits to `name`, nearest first.
+/// Returns the `count` names with the smallest edit distances to `name`, nearest first.
 [[nodiscard]] std::vector<std::string> close_names(const std::string& name,
                                                    std::vector<std::string> names,
                                                    std::size_t count);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Threads, as far as the system has them, and flags by which other threads end what takes long.
+/// Worker threads, and flags that cancel long work.
 #pragma once
 
 #include <atomic>
@@ -13,7 +13,7 @@
 
 namespace mneme::internal {
 
-/// Threads that each call `work`: up to `count`, fewer or none where the system refuses. The
+/// Up to `count` threads that each call `work`; fewer or none if the system refuses more. The
 /// destructor joins them.
 class Threads {
  public:
@@ -21,8 +21,8 @@ class Threads {
   Threads(std::size_t count, std::function<void()> work);
 
   [[nodiscard]] std::size_t size() const { return threads_.size(); }
-  /// Joins all threads, then rethrows the first exception that ended one of them: memory may run
-  /// out in any thread, and the caller of the library is to know.
+  /// Joins all threads, then rethrows the first exception that ended one of them, such as
+  /// std::bad_alloc.
   void join();
 
  private:
@@ -31,7 +31,7 @@ class Threads {
   std::vector<std::jthread> threads_;
 };
 
-/// False without a flag.
+/// Returns the flag; false for a null pointer.
 [[nodiscard]] inline bool is_set(const std::atomic<bool>* flag) {
   return flag != nullptr && flag->load(std::memory_order_relaxed);
 }

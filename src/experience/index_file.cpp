@@ -3,7 +3,6 @@
 #include "experience/index_file.h"
 
 #include "base/files.h"
-#include "base/new_file.h"
 #include "engines/open_store.h"
 
 #include <fmt/format.h>

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Picks the instance of a kernel that was compiled for an instruction set, without any global
-/// state.
+/// Selects the instance of a kernel that was compiled for an instruction set. No global state.
 #pragma once
 
 #include "mneme/base.h"
@@ -13,7 +12,7 @@
 
 namespace mneme::internal {
 
-/// Highway's target bit of an instruction set; `automatic` is that of default_isa().
+/// Returns Highway's target bit of an instruction set; `automatic` stands for default_isa().
 [[nodiscard]] inline std::int64_t target_of(Isa isa) {
   switch (isa) {
     case Isa::avx512:
@@ -32,8 +31,8 @@ namespace mneme::internal {
 
 }  // namespace mneme::internal
 
-/// Ends the file of a kernel, in its HWY_ONCE part: defines `TYPE NAME(Isa isa)`, what FUNCTION,
-/// one without arguments in that file, returns as it was compiled for the instruction set.
+/// Defines `TYPE NAME(Isa isa)`, which calls the instance of FUNCTION() that was compiled for
+/// `isa`. Place it at the end of a kernel's file, in the HWY_ONCE part.
 #define MNEME_EXPORT(TYPE, NAME, FUNCTION)                    \
   namespace mneme::internal {                                 \
   HWY_EXPORT(FUNCTION);                                       \

@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Vectors of points and the few functions on lanes that Highway 1.0.3 lacks. Included once per
-// target.
+// Vectors of points, and functions on lanes that Highway 1.0.3 lacks. Included once per target.
 #if defined(MNEME_SIMD_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_SIMD_LANES_INL_H_
 #undef MNEME_SIMD_LANES_INL_H_
@@ -104,8 +103,8 @@ HWY_INLINE V pick_lanes(const V3& p, const Pick& pick) {
   return result;
 }
 
-/// The least and greatest coordinates of all lanes' points. Both arrays hold a whole vector, whose
-/// first three values count.
+/// Writes the least and greatest coordinates over all lanes. Both arrays have room for a whole
+/// vector; the first three values count.
 HWY_INLINE void store_extent(const V3& p, float* HWY_RESTRICT lower, float* HWY_RESTRICT upper) {
   hn::Store(pick_lanes(p, [](V a, V b) { return hn::Min(a, b); }), Tag(), lower);
   hn::Store(pick_lanes(p, [](V a, V b) { return hn::Max(a, b); }), Tag(), upper);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/upkeep.h"
 
-#include "base/new_file.h"
+#include "base/files.h"
 #include "engines/open_store.h"
 #include "store/row_check.h"
 #include "upkeep/store_upkeep.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/new_file.h"
+#include "base/files.h"
 #include "support/support.h"
 
 namespace mneme::test {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/new_file.h"
+#include "base/files.h"
 
 #include <fmt/format.h>
 
@@ -8,11 +8,34 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <array>
 #include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <system_error>
 
 namespace mneme::internal {
+
+Result<std::string> read_text_file(const std::string& path, std::size_t max_bytes) {
+  const UniqueFile file(std::fopen(path.c_str(), "rb"));
+  if (file == nullptr) {
+    return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  }
+  std::string text;
+  std::array<char, 65536> block;
+  while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
+    text.append(block.data(), count);
+    if (text.size() > max_bytes) {
+      return fail(ErrorCode::unsupported,
+                  fmt::format("{}: expected a file of at most {} bytes", path, max_bytes));
+    }
+  }
+  if (std::ferror(file.get()) != 0) {
+    return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+  }
+  return text;
+}
+
 namespace {
 
 bool is_named(int file, const std::string& path) {
@@ -22,9 +45,9 @@ bool is_named(int file, const std::string& path) {
          opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
-/// Opens a file that only one writer at a time has, and may be what a killed one left. Where files
-/// cannot be locked, they have to take turns by themselves. Negative, with errno, if it cannot be
-/// opened; EWOULDBLOCK if another writer has it.
+/// Opens or creates a file and locks it, also one that a killed process left. Returns a negative
+/// number and errno on failure: EWOULDBLOCK if another writer holds the lock. File systems without
+/// locks are not protected.
 int open_alone(const std::string& path) {
   for (;;) {
     const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
@@ -44,7 +67,7 @@ int open_alone(const std::string& path) {
 Result<NewFile> NewFile::create(const std::string& path) {
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
-  // /dev/stdout is a link, whatever it leads to: a rename would replace the link itself.
+  // A rename would replace the link itself: /dev/stdout is one.
   const bool is_link = std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored));
   const bool is_special =
       is_link || (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status));
