@@ -5,7 +5,7 @@
 #include "base/as_index.h"
 #include "check/link_distances.h"
 #include "geometry/solids.h"
-#include "robot/link_shapes.h"
+#include "robot/kinematics.h"
 
 #include <algorithm>
 #include <limits>

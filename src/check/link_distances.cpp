@@ -4,7 +4,6 @@
 
 #include "base/as_index.h"
 #include "robot/kinematics.h"
-#include "robot/link_shapes.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 
 #include "memory/moved_means.h"
 #include "memory/near_pairs.h"
-#include "robot/link_shapes.h"
+#include "robot/kinematics.h"
 
 #include <fmt/format.h>
 

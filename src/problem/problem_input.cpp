@@ -7,7 +7,7 @@
 #include "base/as_index.h"
 #include "base/files.h"
 #include "check/link_distances.h"
-#include "robot/link_shapes.h"
+#include "robot/kinematics.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

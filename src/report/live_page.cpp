@@ -5,7 +5,7 @@
 #include "mneme/report.h"
 
 #include "base/as_index.h"
-#include "robot/link_shapes.h"
+#include "robot/kinematics.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

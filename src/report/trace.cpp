@@ -9,7 +9,7 @@
 #include "check/link_distances.h"
 #include "geometry/mesh_file.h"
 #include "report/picture.h"
-#include "robot/link_shapes.h"
+#include "robot/kinematics.h"
 #include "robot/visuals.h"
 
 #include <algorithm>

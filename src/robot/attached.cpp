@@ -5,7 +5,6 @@
 #include "base/as_index.h"
 #include "base/fail.h"
 #include "robot/kinematics.h"
-#include "robot/link_shapes.h"
 #include "robot/robot_tree.h"
 #include "robot/self_pairs.h"
 
@@ -26,7 +25,7 @@ tl::unexpected<Error> refusal(const AttachedObject& object, fmt::format_string<A
               fmt::format(what, std::forward<Args>(args)...));
 }
 
-/// Adds the object as a link, and the joint that holds it.
+/// Adds the object as a link with a fixed joint.
 Result<void> add_link(const ApproximatedObject& added, std::vector<Link>& links,
                       std::vector<Joint>& joints) {
   const AttachedObject& object = added.object;
@@ -58,7 +57,7 @@ Result<void> add_link(const ApproximatedObject& added, std::vector<Link>& links,
   return {};
 }
 
-/// Pairs of links of which at least one says that they may touch.
+/// Pairs that `may_touch` of an object allows.
 Result<internal::LinkPairs> find_allowed(std::span<const ApproximatedObject> objects,
                                          std::span<const Link> links) {
   internal::LinkPairs allowed;
@@ -67,9 +66,8 @@ Result<internal::LinkPairs> find_allowed(std::span<const ApproximatedObject> obj
     for (const std::string& name : object.may_touch) {
       const auto other = find_link(links, name);
       if (!other) {
-        return refusal(
-            object, "it may touch '{}', but there is no link and no attached object of this name",
-            name);
+        return refusal(object, "it may touch '{}', but no link or attached object has this name",
+                       name);
       }
       allowed.push_back(std::minmax({*find_link(links, object.name), *other}));
     }

@@ -19,7 +19,7 @@ namespace {
 
 using internal::kLimitTolerance;
 
-/// `angle` in [-pi, pi), without rounding.
+/// `angle` in [-pi, pi), exactly.
 double wrapped(double angle) {
   const double result = std::remainder(angle, 2 * std::numbers::pi);
   return result >= std::numbers::pi ? -std::numbers::pi : result;
@@ -52,9 +52,9 @@ Result<Configuration> Robot::configuration_of(const GivenConfiguration& given) c
       const std::string& joint = group_joint(i).name;
       const auto value = state.values.find(joint);
       if (value == state.values.end()) {
-        fault = fmt::format(
-            "state \"{}\" is of group {} and has no value of joint {}, which is planned for",
-            wanted, state.group, joint);
+        fault =
+            fmt::format("state \"{}\" of group {} has no value for joint {} of the planning group",
+                        wanted, state.group, joint);
         break;
       }
       q.push_back(value->second);

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kVersion = 2;
 
-/// The bytes to be hashed, little-endian.
+/// Collects the bytes to hash, little-endian.
 class Bytes {
  public:
   void add(std::uint64_t word) {
@@ -27,8 +27,7 @@ class Bytes {
   }
   void add(int value) { add(static_cast<std::uint64_t>(value)); }
   void add(double value) {
-    // Rounding makes the hash independent of the last bits of sin and cos, which differ between C
-    // libraries.
+    // The last bits of sin and cos differ between C libraries.
     const double rounded = std::abs(value) < 1e6 ? std::round(value * 1e9) : value * 1e9;
     add(std::bit_cast<std::uint64_t>(rounded == 0 ? 0.0 : rounded));
   }
@@ -107,8 +106,7 @@ std::string hash_robot(std::span<const Link> links, std::span<const Joint> joint
 
 namespace {
 
-/// Joints that move the group's joints or are among them: those of the group in its order, then
-/// those that follow them, in tree order.
+/// Joints of the group in its order, then followers that carry a joint of the group, in tree order.
 std::vector<int> carrying_joints(std::span<const Joint> joints, std::span<const int> group) {
   const std::vector<bool> is_moving = find_moving(joints, group);
   std::vector<bool> is_above(joints.size() + 1, false);  // of each link
@@ -125,7 +123,7 @@ std::vector<int> carrying_joints(std::span<const Joint> joints, std::span<const 
   return carrying;
 }
 
-/// Where a link is: in the frame that the carrying joint of this number moves, or of the root.
+/// Pose of a link in the frame that the carrying joint `carrier` moves, or the root's (-1).
 struct Mount {
   int carrier = -1;
   Transform pose;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The configuration space in single precision, for the inner loops of samplers and planners.
+/// The configuration space in single precision, for inner loops of samplers and planners.
 #pragma once
 
 #include "mneme/robot.h"
@@ -21,7 +21,7 @@ class JointSpace {
       const Joint& joint = robot.group_joint(i);
       lower_.push_back(round_within(joint.lower, std::numeric_limits<float>::infinity()));
       upper_.push_back(round_within(joint.upper, -std::numeric_limits<float>::infinity()));
-      // Limits so close that no float lies between them.
+      // No float lies between two very close limits.
       if (lower_.back() > upper_.back()) lower_.back() = upper_.back();
       periods_.push_back(joint.type == JointType::continuous ? kTurn : 0.0f);
     }
@@ -30,10 +30,10 @@ class JointSpace {
   [[nodiscard]] int joint_count() const { return static_cast<int>(lower_.size()); }
   [[nodiscard]] float lower(int joint) const { return lower_[static_cast<std::size_t>(joint)]; }
   [[nodiscard]] float upper(int joint) const { return upper_[static_cast<std::size_t>(joint)]; }
-  /// Per joint 2 pi if it is continuous, otherwise 0.
+  /// Per joint: 2 pi if it is continuous, otherwise 0.
   [[nodiscard]] std::span<const float> periods() const { return periods_; }
 
-  /// `value` wrapped if the joint is continuous, clamped to its limits otherwise.
+  /// Returns `value` wrapped for a continuous joint, clamped to the limits otherwise.
   [[nodiscard]] float into_limits(int joint, float value) const {
     const auto i = static_cast<std::size_t>(joint);
     if (periods_[i] > 0) return wrapped(value);
@@ -54,16 +54,14 @@ class JointSpace {
  private:
   static constexpr float kTurn = 6.28318530718f;
 
-  /// The nearest float that lies not on the other side of a limit than `inside`: configurations
-  /// must keep to their limits in double precision too.
+  /// Rounds a limit towards `inside`: configurations keep to their limits in double precision, too.
   static float round_within(double limit, float inside) {
     const auto rounded = static_cast<float>(limit);
     const bool is_beyond = inside > 0 ? rounded < limit : rounded > limit;
     return is_beyond ? std::nextafter(rounded, inside) : rounded;
   }
 
-  /// Most values need no turn, and rounding is a call of a function where the compiler may use no
-  /// more than the baseline instruction set.
+  /// The first line is a fast path: rounding is a function call for the baseline instruction set.
   static float wrapped(float value) {
     if (std::abs(value) <= kTurn / 2) return value;
     return value - kTurn * std::nearbyint(value / kTurn);
@@ -72,7 +70,7 @@ class JointSpace {
   std::vector<float> lower_, upper_, periods_;
 };
 
-/// Standard deviations per joint for `sigma` in radians: half as many metres for prismatic joints.
+/// Returns standard deviations per joint: `sigma` radians, 0.5 `sigma` metres if prismatic.
 [[nodiscard]] inline std::vector<float> joint_deviations(const Robot& robot, double sigma) {
   constexpr double kMetresPerRadian = 0.5;
   std::vector<float> sigmas;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// How joints move links: forward kinematics over a sorted tree, and what moves what.
+/// Forward kinematics over a sorted tree, moving joints and links, and the shapes of links.
 #pragma once
 
 #include "mneme/robot.h"
@@ -12,45 +12,64 @@
 
 namespace mneme::internal {
 
-/// Radians or metres beyond a limit that are taken for a rounding error.
+/// True if the joint moves and follows no other.
+[[nodiscard]] inline bool is_free(const Joint& joint) {
+  return joint.type != JointType::fixed && !joint.mimic;
+}
+
+/// Radians or metres beyond a limit that count as a rounding error.
 inline constexpr double kLimitTolerance = 1e-5;
 
-/// Pose of the joint's child in its frame at `value`.
+/// Returns the pose of the child link in the joint frame at `value`.
 [[nodiscard]] Transform joint_motion(const Joint& joint, double value);
 
-/// Values of all joints: `group[i]` takes the value `q[i]`; other joints follow or stand at their
-/// fixed values.
+/// Returns the values of all joints: `q[i]` for `group[i]`, the values of followers, fixed values
+/// of the others.
 [[nodiscard]] std::vector<double> joint_values(std::span<const Joint> joints,
                                                std::span<const int> group,
                                                std::span<const double> q);
 
-/// Poses of all links in the root link's frame, with the joints at joint_values(). Links and
-/// joints are in tree order.
+/// Returns the poses of all links in the root link's frame. Links and joints are in tree order.
 [[nodiscard]] std::vector<Transform> forward_kinematics(std::span<const Joint> joints,
                                                         std::span<const int> group,
                                                         std::span<const double> q);
 
-/// Per joint whether joints of `group` move it, itself or by way of one that it follows.
+/// Returns per joint true if it is in `group` or follows one of its joints.
 [[nodiscard]] std::vector<bool> find_moving(std::span<const Joint> joints,
                                             std::span<const int> group);
-/// Per link whether a joint of the group moves it, itself or by a joint that follows one.
+/// Returns per link true if a moving joint (see find_moving()) carries it.
 [[nodiscard]] std::vector<bool> find_moving_links(const Robot& robot);
 
-/// Joints that carry the link, from it to the root.
+/// Returns the joints that carry the link, from it to the root.
 [[nodiscard]] std::vector<int> joints_to(const Robot& robot, int link);
 
-/// A joint's value is `rate` times that of a joint of the group, plus `offset`.
+/// The value of a joint as a function of the group: rate * q[joint] + offset.
 struct Drive {
-  int joint = 0;  ///< of the group
+  int joint = 0;  ///< Position in the group.
   double rate = 1, offset = 0;
 };
-/// Nothing if the joint stays at its fixed value, as one does that follows another at rate 0.
+/// Returns nothing if the joint keeps its fixed value, also as a follower with rate 0.
 [[nodiscard]] std::optional<Drive> find_drive(const Robot& robot, int joint);
 
-/// True if all joints of the group, and all that follow them, turn about the z axis of a frame
-/// whose z axis is parallel to the root's, and all shapes are centred in z = 0; to within 1e-9. It
-/// is enough to look at one configuration, since such joints keep z.
+/// Returns true if all moving joints rotate about an axis parallel to the root's z axis, and all
+/// shapes are centred in z = 0; to within 1e-9. One configuration suffices: such joints keep z.
 [[nodiscard]] bool moves_in_plane(std::span<const Link> links, std::span<const Joint> joints,
                                   std::span<const int> group);
+
+[[nodiscard]] bool has_shapes(const Link& link);
+
+/// Returns spheres, as capsules of length 0, then capsules, in the link's frame.
+[[nodiscard]] std::vector<Capsule> shapes_of(const Link& link);
+/// The same in frame W.
+[[nodiscard]] std::vector<Capsule> shapes_of(const Link& link, const Transform& X_WL);
+
+[[nodiscard]] Capsule moved(const Capsule& capsule, const Transform& X_WL);
+
+/// Returns a sphere around all shapes, centred in the bounding box of their axes; a point at the
+/// origin without shapes.
+[[nodiscard]] Sphere bound_of(std::span<const Capsule> shapes);
+
+/// Returns a distance in metres from the root's origin that no shape exceeds within the limits.
+[[nodiscard]] double farthest_reach(const Robot& robot);
 
 }  // namespace mneme::internal

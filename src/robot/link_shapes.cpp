@@ -1,9 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/link_shapes.h"
-
-#include "base/as_index.h"
 #include "robot/kinematics.h"
+#include "base/as_index.h"
 
 #include <algorithm>
 #include <cmath>

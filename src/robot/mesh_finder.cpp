@@ -1,17 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/fail.h"
+#include "base/files.h"
 #include "robot/urdf_reader.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <optional>
-#include <sstream>
 
 namespace mneme::internal {
 namespace {
@@ -55,16 +54,6 @@ Result<std::string> no_file(const std::vector<std::string>& tried) {
 }
 
 }  // namespace
-
-std::vector<std::string> directories_of_variable(const char* variable) {
-  std::vector<std::string> directories;
-  const char* value = std::getenv(variable);
-  std::istringstream list(value == nullptr ? "" : value);
-  for (std::string directory; std::getline(list, directory, ':');) {
-    if (!directory.empty()) directories.push_back(directory);
-  }
-  return directories;
-}
 
 MeshFinder::MeshFinder(const std::string& urdf_path, const std::vector<std::string>& package_paths)
     : urdf_directory_(as_directory(fs::path(urdf_path).parent_path()).string()),

@@ -4,6 +4,7 @@
 
 #include "base/as_index.h"
 #include "base/fail.h"
+#include "robot/kinematics.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -36,14 +37,14 @@ Result<std::vector<int>> find_all(std::span<const Joint> joints, const Names& na
   for (const std::string& name : names) {
     const int joint = MNEME_TRY(find_free_joint(joints, name));
     if (std::ranges::find(group, joint) != group.end()) {
-      return fail(ErrorCode::invalid, "joint '{}' stands twice in the planning group", name);
+      return fail(ErrorCode::invalid, "joint '{}' appears twice in the planning group", name);
     }
     group.push_back(joint);
   }
   return group;
 }
 
-/// The joints of "base_link:tip_link", or nothing if these are no two links.
+/// The joints of "base_link:tip_link", or nothing if one of these links does not exist.
 std::optional<Names> find_chain(const Robot::Parts& parts, const std::string& name) {
   const std::size_t colon = name.find(':');
   if (colon == std::string::npos) return std::nullopt;
@@ -70,14 +71,13 @@ Result<Names> find_named(const Robot::Parts& parts, const std::string& name) {
   }
   if (joints->empty()) {
     return fail(ErrorCode::invalid,
-                "group '{}' has no joint that can be planned for; those of the robot "
-                "are: {}",
-                name, fmt::join(free_names(parts.joints), ", "));
+                "group '{}' has no joint to plan for; the robot's movable joints are: {}", name,
+                fmt::join(free_names(parts.joints), ", "));
   }
   return *joints;
 }
 
-/// The only group of the SRDF that fits. Groups of the same joints count as one.
+/// The only movable group that is no end effector. Groups of equal joints count as one.
 Result<Names> find_only(const Robot::Parts& parts) {
   std::vector<JointGroup> fitting;
   for (const JointGroup& group : parts.groups) {
@@ -88,18 +88,15 @@ Result<Names> find_only(const Robot::Parts& parts) {
   if (fitting.size() == 1) return fitting.front().joints;
   if (fitting.empty()) {
     return fail(ErrorCode::invalid,
-                "no group of the SRDF ({}) can move and is no end effector's; name the "
+                "no group of the SRDF ({}) is movable and not an end effector; name the "
                 "joints to plan for",
                 fmt::join(group_names(parts.groups), ", "));
   }
-  return fail(ErrorCode::invalid,
-              "the SRDF has several groups that can be planned for: {}; name one",
+  return fail(ErrorCode::invalid, "the SRDF has several groups to plan for: {}; name one",
               fmt::join(group_names(fitting), ", "));
 }
 
 }  // namespace
-
-bool is_free(const Joint& joint) { return joint.type != JointType::fixed && !joint.mimic; }
 
 Result<int> find_free_joint(std::span<const Joint> joints, const std::string& name) {
   const auto found = std::ranges::find(joints, name, &Joint::name);
@@ -121,7 +118,7 @@ Result<int> find_free_joint(std::span<const Joint> joints, const std::string& na
 Names joints_between(std::span<const Link> links, std::span<const Joint> joints, int base,
                      int tip) {
   std::vector<bool> is_between(joints.size(), false);
-  // A child's index is above its parent's, so the larger of the two is never above the other.
+  // In tree order the larger index is never an ancestor of the other.
   while (base != tip) {
     int& lower = std::max(base, tip) == tip ? tip : base;
     const int joint = links[as_index(lower)].parent_joint;

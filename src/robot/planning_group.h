@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Which joints to plan for.
+/// Selection of the joints to plan for.
 #pragma once
 
 #include "mneme/robot.h"
@@ -12,19 +12,16 @@
 
 namespace mneme::internal {
 
-/// True if the joint moves and follows no other.
-[[nodiscard]] bool is_free(const Joint& joint);
-
-/// The index of a joint that moves and follows no other, or a message that lists those that do.
+/// Returns the index of a movable joint that follows no other. The error lists all such joints.
 [[nodiscard]] Result<int> find_free_joint(std::span<const Joint> joints, const std::string& name);
 
-/// Names of the joints on the way from one link to another, in tree order, that move and follow no
-/// other. Links and joints are in tree order.
+/// Returns the names of the free joints (see is_free()) between two links, in tree order. Links and
+/// joints are in tree order.
 [[nodiscard]] std::vector<std::string> joints_between(std::span<const Link> links,
                                                       std::span<const Joint> joints, int base,
                                                       int tip);
 
-/// Indices of the joints that `options` ask for, in the order of a configuration; see RobotOptions.
+/// Returns the indices of the joints that `options` select, in the order of a configuration.
 /// `parts` are in tree order.
 [[nodiscard]] Result<std::vector<int>> choose_group(const Robot::Parts& parts,
                                                     const RobotOptions& options);

@@ -57,7 +57,6 @@ Result<void> set_fixed_values(std::vector<Joint>& joints, std::span<const int> g
                   name, value);
     }
     Joint& joint = joints[internal::as_index(i)];
-    // Beyond its limits the joint stands where it was seen, not where they would have it.
     joint.fixed_value = value;
     const double within = within_limits(joint, value);
     if (joint.type == JointType::continuous ||
@@ -66,8 +65,8 @@ Result<void> set_fixed_values(std::vector<Joint>& joints, std::span<const int> g
       continue;
     }
     warnings.push_back(fmt::format(
-        "the fixed value {} of joint '{}' is outside its limits [{}, {}]; it is taken as it is",
-        value, name, joint.lower, joint.upper));
+        "the fixed value {} of joint '{}' is outside its limits [{}, {}]; it is used anyway", value,
+        name, joint.lower, joint.upper));
   }
   for (Joint& joint : joints) {
     if (!joint.mimic) continue;
@@ -82,9 +81,8 @@ Result<void> refuse_solids(std::span<const Link> links) {
       std::ranges::find_if(links, [](const Link& each) { return !each.solids.empty(); });
   if (link == links.end()) return {};
   return fail(ErrorCode::unsupported,
-              "link '{}' has collision geometry besides spheres and capsules; "
-              "approximate it by spheres first (`mneme robot spheres`, "
-              "load_approximated_robot)",
+              "link '{}' has boxes, cylinders or meshes; approximate them by spheres first "
+              "(`mneme robot spheres`, load_approximated_robot)",
               link->name);
 }
 
@@ -109,19 +107,19 @@ Result<internal::LinkPairs> find_allowed(const Robot::Parts& parts, std::span<co
   return pairs;
 }
 
-/// Limits that a revolute joint hardly has, unless they are degrees.
+/// Very wide limits are probably degrees.
 void warn_of_wide_limits(std::span<const Joint> joints, std::vector<std::string>& warnings) {
   constexpr double kWidest = 4 * std::numbers::pi;
   for (const Joint& joint : joints) {
     if (joint.type != JointType::revolute || joint.mimic) continue;
     if (joint.lower >= -kWidest && joint.upper <= kWidest) continue;
     warnings.push_back(
-        fmt::format("joint '{}': its limits [{}, {}] are beyond two turns; expected radians",
+        fmt::format("joint '{}': its limits [{}, {}] exceed two turns; expected radians",
                     joint.name, joint.lower, joint.upper));
   }
 }
 
-/// Values of followers are not limited: a plan may lead them beyond what their own limits say.
+/// Limits of followers are not checked during planning.
 void warn_of_followers(std::span<const Joint> joints, std::span<const int> group,
                        std::vector<std::string>& warnings) {
   constexpr double kTolerance = 1e-6;

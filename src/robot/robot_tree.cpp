@@ -35,8 +35,7 @@ std::optional<std::string> describe_fault(const std::vector<Joint>& joints, cons
   return std::nullopt;
 }
 
-/// Follows the chain from `first` to a joint that follows none. A chain longer than all joints is a
-/// loop.
+/// Follows the chain from `first` to a free joint. Nothing for a loop.
 std::optional<Mimic> folded(const std::vector<Joint>& joints, const Mimic& first) {
   Mimic result = first;
   for (std::size_t step = 0; step < joints.size(); ++step) {
@@ -56,8 +55,8 @@ std::optional<std::string> describe_jump(const Joint& joint, const Joint& leader
     return std::nullopt;
   }
   return fmt::format(
-      "it jumps where the continuous joint '{}' that it follows wraps round; expected a turning "
-      "joint and a whole multiplier, not {}",
+      "it jumps where the continuous joint '{}' that it follows wraps around; expected a rotating "
+      "joint and an integer multiplier, got {}",
       leader.name, multiplier);
 }
 
@@ -89,7 +88,7 @@ std::optional<std::pair<int, std::string>> fold_mimics(std::vector<Joint>& joint
 
 namespace {
 
-/// Bounds the memory for pairs of links, which are quadratic in number.
+/// Bounds the memory for pairs of links.
 constexpr std::size_t kMaxLinkCount = 4096;
 constexpr double kMinAxisNorm = 1e-9;
 
@@ -104,7 +103,7 @@ std::optional<std::size_t> find_doubled_name(const std::vector<Part>& parts) {
   return std::nullopt;
 }
 
-/// Metres. Far beyond any robot, and near enough for sums of lengths to be finite and exact.
+/// Metres: far beyond any robot, and sums of lengths stay accurate.
 constexpr double kFarthest = 1e6;
 
 bool is_position(const Vec3& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthest; }
@@ -216,7 +215,7 @@ Fault assign_parents(Robot::Parts& parts) {
   return std::nullopt;
 }
 
-/// The loop that is met on the way up from `link`, which has no root above it.
+/// The loop above `link`, which has no root.
 PartsFault describe_loop(const Robot::Parts& parts, int link) {
   const auto parent_of = [&](int child) {
     return parts.joints[as_index(parts.links[as_index(child)].parent_joint)].parent_link;
@@ -250,7 +249,7 @@ tl::expected<int, PartsFault> find_root(const Robot::Parts& parts) {
   return root;
 }
 
-/// Joints depth first; iterative, because a chain may be long.
+/// Joints depth first; iterative, since chains may be long.
 std::vector<int> joints_in_order(const Robot::Parts& parts, int root) {
   std::vector<std::vector<int>> below(parts.links.size());
   for (std::size_t i = parts.joints.size(); i-- > 0;) {
@@ -268,7 +267,7 @@ std::vector<int> joints_in_order(const Robot::Parts& parts, int root) {
   return order;
 }
 
-/// Joint with unit axis, and the limits that its type implies.
+/// The joint with a unit axis and its type's limits.
 Joint canonical(Joint joint) {
   if (joint.type != JointType::fixed) joint.axis.normalize();
   if (joint.type == JointType::continuous) {

@@ -14,13 +14,13 @@ namespace mneme::internal {
 
 using LinkPairs = std::vector<std::pair<int, int>>;
 
-/// Pairs of links whose rigid bodies one moving joint connects.
+/// Returns pairs of links whose rigid bodies are connected by one moving joint.
 [[nodiscard]] LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,
                                         std::span<const int> group);
 
-/// Pairs of links with shapes, first < second, that the joints of `group` and those that follow
-/// them move against each other, except `allowed` ones (in any order); only those whose second link
-/// is `first_second` or a later one. Other joints weld links into bodies.
+/// Returns pairs of links with shapes, first < second, that move relative to each other, except
+/// `allowed` ones (in any order). Joints that do not move weld links into bodies. Only pairs whose
+/// second link is `first_second` or later.
 [[nodiscard]] LinkPairs derive_self_pairs(std::span<const Link> links,
                                           std::span<const Joint> joints, std::span<const int> group,
                                           const LinkPairs& allowed, int first_second = 0);

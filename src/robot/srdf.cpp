@@ -3,6 +3,7 @@
 #include "robot/srdf.h"
 
 #include "base/as_index.h"
+#include "robot/kinematics.h"
 #include "robot/planning_group.h"
 #include "robot/xml_reader.h"
 

@@ -14,13 +14,13 @@
 
 namespace mneme::internal {
 
-/// A name in an SRDF, and where it stands.
+/// A name in an SRDF with its line.
 struct SrdfName {
   std::string name;
   int line = 0;
 };
 
-/// Two links: the ends of a chain, or what may touch.
+/// Two links: the ends of a chain, or a pair that may touch.
 struct SrdfPair {
   SrdfName first, second;
 };
@@ -52,12 +52,12 @@ struct Srdf {
   std::vector<std::string> warnings;  ///< such as text between elements
 };
 
-/// Strict about XML, elements and attributes, but not about text between elements; names need not
-/// exist in a robot.
+/// Reads an SRDF without a robot. Text between elements is a warning; unknown elements and
+/// attributes are errors.
 [[nodiscard]] Result<Srdf> read_srdf(std::string_view text, const std::string& source);
 
-/// Adds the groups, their states, allowed pairs and warnings of an SRDF to `parts`, which are in
-/// tree order. Names that the robot lacks are left aside with one warning each.
+/// Adds the groups, states, allowed pairs and warnings of an SRDF to `parts`, which are in tree
+/// order. Each name that the robot lacks is ignored with a warning.
 [[nodiscard]] Result<void> apply_srdf(std::string_view text, const std::string& source,
                                       Robot::Parts& parts);
 

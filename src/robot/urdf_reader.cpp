@@ -87,7 +87,7 @@ void read_collision(XmlReader& xml, const MeshFinder& meshes, const XmlElement& 
 
 namespace {
 
-/// Reads the parts of a robot from URDF, and remembers the lines on which they stand.
+/// Reads the parts of a robot and keeps their lines for messages.
 class UrdfReader {
  public:
   UrdfReader(const std::string& source, const std::vector<std::string>& package_paths)

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// From a URDF to the parts of a robot, and from the names of meshes in it to files.
+/// Reads URDF, and finds the files of meshes.
 #pragma once
 
 #include "mneme/base.h"
@@ -15,18 +15,14 @@
 
 namespace mneme::internal {
 
-/// The directories that an environment variable lists, separated by colons.
-[[nodiscard]] std::vector<std::string> directories_of_variable(const char* variable);
-
-/// Finds the meshes of one URDF. `package://NAME/PATH` is looked for in the directories that are
-/// given, then in those of ROS_PACKAGE_PATH, each of which may be the package's folder or hold it,
-/// then in the folders NAME that the URDF itself is in. `file:///PATH` is absolute; other names are
-/// relative to the URDF.
+/// Finds the meshes of one URDF. Searches `package://NAME/PATH` in the given directories, then in
+/// those of ROS_PACKAGE_PATH: each is the package's folder or contains it. Last come the folders
+/// NAME above the URDF. `file:///PATH` is absolute; other names are relative to the URDF.
 class MeshFinder {
  public:
   MeshFinder(const std::string& urdf_path, const std::vector<std::string>& package_paths);
 
-  /// The path of a file that exists. The message of an error lists where it was looked for.
+  /// Returns the path of an existing file. The error lists the paths that were tried.
   [[nodiscard]] Result<std::string> find(const std::string& name) const;
 
  private:
@@ -36,15 +32,15 @@ class MeshFinder {
   std::vector<std::string> package_paths_;
 };
 
-/// The pose that the child <origin> of `element` gives; the identity without one.
+/// Returns the pose of the child <origin> of `element`; the identity without one.
 [[nodiscard]] Transform read_origin(XmlReader& xml, const XmlElement& element);
 
 /// Adds the shape or solid of a <collision> to `link`.
 void read_collision(XmlReader& xml, const MeshFinder& meshes, const XmlElement& element,
                     Link& link);
 
-/// The links and joints, checked and in tree order. `source` names the text in messages; meshes are
-/// relative to it.
+/// Returns links and joints, checked and in tree order. `source` names the text in messages; meshes
+/// are relative to it.
 [[nodiscard]] Result<Robot::Parts> read_urdf(std::string_view urdf, const std::string& source,
                                              const std::vector<std::string>& package_paths);
 

@@ -47,7 +47,7 @@ std::optional<Shape> shape_of(const Solid& solid) {
   return Mesh{{}, std::make_shared<Parts<Triangle>>(*std::move(triangles)), 0};
 }
 
-/// The one shape of a <visual>, which is written as that of a <collision>.
+/// The shape of a <visual> or <collision>.
 std::optional<Shape> read_shape(const XmlElement& visual, const MeshFinder& meshes) {
   XmlReader xml("");
   Link link;
@@ -74,7 +74,7 @@ bool add_shapes(const XmlElement& link, const char* kind, const MeshFinder& mesh
   if (name == nullptr) return false;
   for (const XmlElement* element : children(link, kind)) {
     auto shape = read_shape(*element, meshes);
-    // Spheres and capsules that are checked are seen as such anyway.
+    // Checked spheres and capsules are displayed anyway.
     if (!shape || (is_checked && (std::holds_alternative<Sphere>(*shape) ||
                                   std::holds_alternative<Capsule>(*shape)))) {
       continue;

@@ -18,8 +18,8 @@ struct Visual {
   std::string color;  ///< "#rrggbb", or empty
 };
 
-/// The <visual> elements of the URDF at `path`, whose meshes are found as by read_robot. What
-/// cannot be read is left out: a picture without it is better than none.
+/// Returns the <visual> elements of a URDF, with meshes found as by read_robot(). Elements that
+/// cannot be read are skipped.
 [[nodiscard]] std::vector<Visual> read_visuals(const std::string& path,
                                                const std::vector<std::string>& package_paths);
 

@@ -18,8 +18,8 @@
 namespace mneme::internal {
 namespace {
 
-/// Roll, pitch and yaw. Roll is taken from what yaw leaves over, so that their sum is right where
-/// the pitch is near a quarter turn and either alone is arbitrary.
+/// Roll, pitch and yaw. Roll is computed from the rotation after yaw, so that their sum is accurate
+/// near a pitch of 90 degrees, where each alone is arbitrary.
 Vec3 rpy_of(const Eigen::Matrix3d& r) {
   const double yaw = std::atan2(r(1, 0), r(0, 0));
   const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
@@ -143,7 +143,7 @@ std::string motion_to_xml(const Joint& joint, const Robot::Parts& parts) {
   if (joint.type != JointType::continuous) {
     text += fmt::format("lower=\"{}\" upper=\"{}\" ", joint.lower, joint.upper);
   }
-  // Readers want an effort where there are limits; mneme does not use it.
+  // Other readers require an effort.
   text += fmt::format("effort=\"1\" velocity=\"{}\"", joint.velocity);
   if (joint.acceleration) text += fmt::format(" acceleration=\"{}\"", *joint.acceleration);
   text += "/>\n";

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Values as they stand in the XML of URDF and SRDF.
+/// Values in the XML of URDF and SRDF.
 #pragma once
 
 #include "mneme/geometry.h"
@@ -11,13 +11,13 @@
 
 namespace mneme::internal {
 
-/// `text` as an attribute's value in double quotes.
+/// Returns `text` escaped for an attribute in double quotes.
 [[nodiscard]] std::string xml_escaped(std::string_view text);
 
-/// Three numbers that read back to the same bits, apart from the sign of zero.
+/// Returns three numbers that read back to the same bits, except for the sign of zero.
 [[nodiscard]] std::string xml_vector(const Vec3& v);
 
-/// `<origin xyz rpy/>`, without what is zero; nothing for the identity.
+/// Returns `<origin xyz rpy/>` without attributes that are zero; nothing for the identity.
 [[nodiscard]] std::string xml_origin(const Transform& pose);
 
 }  // namespace mneme::internal

@@ -51,7 +51,7 @@ std::optional<double> parse_number(std::string_view word) {
   return is_number && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-/// tinyxml2's own words for its error, such as "mismatched element".
+/// The name of tinyxml2's error, such as "mismatched element".
 std::string describe(const tinyxml2::XMLDocument& document) {
   if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING) return "an element that does not end";
   if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING_TEXT) return "text that no tag follows";

@@ -28,12 +28,12 @@ using XmlElement = tinyxml2::XMLElement;
 /// Longer URDF and SRDF texts are refused.
 inline constexpr std::size_t kMaxRobotTextSize = std::size_t{64} << 20;
 
-/// The child elements in order; only those called `name` if it is given.
+/// Returns the child elements in order; only those called `name` if it is given.
 [[nodiscard]] std::vector<const XmlElement*> children(const XmlElement& element,
                                                       const char* name = nullptr);
 
 /// Reads names, numbers and vectors from elements. Throws InputFailure with
-/// "SOURCE:LINE: CONTEXT: what" where an element is not as it should be.
+/// "SOURCE:LINE: CONTEXT: what" at a faulty element.
 class XmlReader {
  public:
   /// How text between elements is treated.
@@ -42,7 +42,7 @@ class XmlReader {
       : source_(std::move(source)), stray_text_(stray_text) {}
 
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
-  /// Names the part that is being read, such as "link 'elbow'", in messages.
+  /// Names the current part, such as "link 'elbow'", in messages.
   void set_context(std::string context) { context_ = std::move(context); }
   [[noreturn]] void fail(int line, std::string_view what, ErrorCode code = ErrorCode::parse) const;
   /// The same with the element's line and "<NAME>: " before `what`.

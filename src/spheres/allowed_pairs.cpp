@@ -4,8 +4,7 @@
 
 #include "base/as_index.h"
 #include "check/link_distances.h"
-#include "robot/link_shapes.h"
-#include "robot/planning_group.h"
+#include "robot/kinematics.h"
 #include "spheres/approximate_robot.h"
 
 #include <fmt/format.h>

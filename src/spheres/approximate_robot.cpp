@@ -11,8 +11,6 @@
 #include "spheres/approximate_solid.h"
 #include "spheres/triangle_mesh.h"
 #include "robot/kinematics.h"
-#include "robot/link_shapes.h"
-#include "robot/planning_group.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

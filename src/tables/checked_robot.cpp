@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tables/make_tables.h"
-#include "robot/link_shapes.h"
+#include "robot/kinematics.h"
 
 #include <map>
 #include <memory>

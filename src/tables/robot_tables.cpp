@@ -6,7 +6,6 @@
 #include "geometry/axis_box.h"
 #include "tables/shape_groups.h"
 #include "robot/kinematics.h"
-#include "robot/link_shapes.h"
 
 #include <Eigen/Geometry>
 

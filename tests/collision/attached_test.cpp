@@ -7,7 +7,6 @@
 #include "collision/random_worlds.h"
 #include "collision/sweeps.h"
 #include "robot/kinematics.h"
-#include "robot/link_shapes.h"
 
 #include <doctest/doctest.h>
 

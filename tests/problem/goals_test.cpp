@@ -167,8 +167,8 @@ TEST_SUITE("unit") {
           ":6: key goal: expected a state that the SRDF of robot lifter names "
           "(up, open), got \"home\"");
     CHECK(failure("open") ==
-          ":6: key goal: state \"open\" is of group gripper and has no value of "
-          "joint lift, which is planned for");
+          ":6: key goal: state \"open\" of group gripper has no value for "
+          "joint lift of the planning group");
     CHECK(failure("{lift: 0, turn: 0}") ==
           ":6: key goal: expected a value of each joint of the planning group, got none of grip");
     CHECK(failure("{lift: 0, spin: 0}") ==

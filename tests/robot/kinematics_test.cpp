@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/joint_space.h"
 #include "robot/kinematics.h"
-#include "robot/link_shapes.h"
 #include "robot/small_robots.h"
 #include "support/support.h"
 

@@ -214,7 +214,7 @@ TEST_SUITE("unit") {
                    "joint 'j3': its multiplier inf"));
   }
 
-  TEST_CASE("what follows a continuous joint must not jump where that wraps round") {
+  TEST_CASE("a follower must not jump where its continuous leader wraps around") {
     const auto follow_continuous = [](JointType type, double multiplier) {
       Robot::Parts parts = make_chain(2);
       parts.joints[0].type = JointType::continuous;
@@ -310,7 +310,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("several groups and none named is an error that lists them") {
     CHECK(contains(refusal(two_arms({{"left", {"j1"}}, {"right", {"j3"}}})),
-                   "several groups that can be planned for: left, right; name one"));
+                   "several groups to plan for: left, right; name one"));
   }
 
   TEST_CASE("groups that cannot be planned for are errors") {
