@@ -15,22 +15,20 @@
 
 namespace mneme {
 
-/// Metres from the origin; checkers refuse shapes that reach farther (docs/design/numerics.md).
+/// Metres from the origin; checkers refuse shapes beyond (docs/design/numerics.md).
 inline constexpr double kFarthestShape = 1e4;
 
-/// Error: unsupported, if a cloud of so many points, those that are not finite included, is more
-/// than an obstacle may have: 4 million.
+/// Error: unsupported for more than 4 million points. Points that are not finite count.
 [[nodiscard]] Result<void> check_point_count(std::string_view obstacle, std::size_t points);
 
-/// A named rigid body of one or more shapes, in the frame of the robot's root link. Metres.
+/// A named rigid body of one or more shapes, in the frame of the robot's root link, in metres.
 struct Obstacle {
   std::string name;
   std::vector<Shape> shapes;
-  /// Names of links, and of objects attached to them, that may touch it: they are not checked
-  /// against it, with a margin neither.
+  /// Links and attached objects that may touch it: they are not checked against it.
   std::vector<std::string> may_touch = {};
-  /// Names of links that are checked against it by exact geometry (Link::approximation), exactly
-  /// and slowly, instead of by their spheres. Not written to files.
+  /// Links that are checked against it by exact geometry (Link::approximation) instead of spheres:
+  /// precise, but slow. Not written to files.
   std::vector<std::string> exact_links = {};
 
   bool operator==(const Obstacle&) const = default;
@@ -40,60 +38,59 @@ struct Obstacle {
 struct Scene {
   std::string name;
   std::vector<Obstacle> obstacles;
-  /// Notes on parts left aside while reading its files, such as points that are not finite.
+  /// Warnings from reading its files, such as points that are not finite.
   std::vector<std::string> warnings = {};
-  /// Names of two links, one of them with a sphere approximation at least, that are checked against
-  /// each other by exact geometry, as those of Obstacle::exact_links. Not written to files.
+  /// Pairs of links that are checked against each other by exact geometry; at least one of the two
+  /// has a sphere approximation. Not written to files.
   std::vector<std::pair<std::string, std::string>> exact_pairs = {};
 
-  /// Nothing if there is no obstacle of this name.
+  /// Returns null if there is no obstacle of this name.
   [[nodiscard]] const Obstacle* find(std::string_view obstacle) const;
   [[nodiscard]] Obstacle* find(std::string_view obstacle);
 
-  // Edits cost what they change: what is kept with points, meshes and octrees stays, but for one
-  // wider than the robot's reach that is moved. Each succeeds or leaves the scene as it was. Errors
-  // name an obstacle that is not there, is there already, or has a shape without size or parts.
+  // Edits either succeed or leave the scene unchanged. Search structures of clouds, meshes and
+  // octrees are kept, except for one wider than the robot's reach that is moved. Errors: an unknown
+  // obstacle, a name that is taken, a shape without size or parts.
 
   [[nodiscard]] Result<void> add(Obstacle obstacle);
   [[nodiscard]] Result<void> remove(std::string_view obstacle);
-  /// Moves it by X, a motion in the frame of the root link: each pose becomes X times itself.
+  /// Moves an obstacle by X in the frame of the root link: each pose becomes X * pose.
   [[nodiscard]] Result<void> move(std::string_view obstacle, const Transform& X);
-  /// Replaces the points of a cloud from the one at `first` on, given in its frame. The grid that
-  /// checkers use is changed in place if no checker and no other scene holds the cloud, otherwise
-  /// copied first. `points` must not lie within the cloud's own. Errors, besides: the obstacle is
-  /// no cloud, or ends before; coordinates that are not finite.
+  /// Replaces the points of a cloud from index `first` on, in the cloud's frame. `points` must not
+  /// alias the cloud's own. The checkers' grid is updated in place, or copied first if another
+  /// scene or checker shares the cloud. Errors: the obstacle is not one cloud, the range is beyond
+  /// its points, coordinates that are not finite.
   [[nodiscard]] Result<void> replace_points(std::string_view obstacle, std::size_t first,
                                             std::span<const CloudPoint> points);
 
   bool operator==(const Scene&) const = default;
 };
 
-/// A scene in a frame that may differ from the robot's root link.
+/// A scene whose frame may differ from the robot's root link.
 struct FramedScene {
   Scene scene;
-  std::string frame;  ///< a link that is fixed to the root; empty for the root itself
-  /// That it was read from, but for meshes, clouds and octrees.
+  std::string frame;  ///< A link that is fixed to the root; empty for the root itself.
+  /// The files that it was read from, without meshes, clouds and octrees.
   std::vector<std::string> files = {};
 };
 
-/// Reads a scene file or MoveIt's planning scene (docs/file_formats.md), whose objects must then
-/// share one frame: without a robot it is taken for that of its root link. Errors name file, line
-/// and key; names of obstacles must differ.
+/// Reads a scene file or MoveIt's planning scene (docs/file_formats.md). The objects of a planning
+/// scene must share one frame, which counts as that of the root link. Errors name file, line and
+/// key: malformed text, repeated names.
 [[nodiscard]] Result<Scene> load_scene(const std::string& path);
-/// The same with the name of that frame.
+/// The same with the name of the frame.
 [[nodiscard]] Result<FramedScene> load_framed_scene(const std::string& path);
 /// The same for YAML text; `source` names it in messages.
 [[nodiscard]] Result<Scene> parse_scene(std::string_view yaml, const std::string& source);
-/// Text that parse_scene reads back to the same scene; only rotations may differ, by rounding. It
-/// reads no more than 4 million numbers: larger compound shapes are for files of their own.
+/// Returns YAML that parse_scene() reads back to the same scene; rotations may differ by rounding.
+/// parse_scene() reads at most 4 million values: keep larger clouds and meshes in separate files.
 [[nodiscard]] std::string to_yaml(const Scene& scene);
 
-/// Text of MoveIt's planning scene that load_framed_scene reads back to the same. Errors: a shape
-/// other than spheres, boxes and cylinders; a contact that is allowed; a scene without the name of
-/// its frame.
+/// Returns MoveIt's planning scene as YAML, which load_framed_scene() reads back to the same scene.
+/// Errors: a shape other than spheres, boxes and cylinders; an allowed contact; no name of a frame.
 [[nodiscard]] Result<std::string> to_moveit_yaml(const FramedScene& scene);
 
-/// A planar scene: one sphere per circle, centred in the plane z = 0; rows are x, y, radius.
+/// Returns a planar scene with a sphere in the plane z = 0 per circle; rows are x, y, radius.
 [[nodiscard]] Scene make_circle_scene(std::string name,
                                       const std::vector<std::array<double, 3>>& circles);
 

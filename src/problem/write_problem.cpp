@@ -4,7 +4,7 @@
 
 #include "base/as_index.h"
 #include "scene/scene_input.h"
-#include "scene/yaml.h"
+#include "scene/input.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

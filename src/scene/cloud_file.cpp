@@ -31,10 +31,10 @@ struct CloudHeader {
   std::size_t count = 0;  ///< of records
   enum class Data { text, little_endian, big_endian };
   Data data = Data::text;
-  bool may_go_on = false;  ///< more than the records may follow
+  bool may_go_on = false;  ///< other data may follow the records
 };
 
-/// Takes a file apart, and says where it is wrong.
+/// Splits a file into lines and words; errors name the line.
 class CloudText {
  public:
   CloudText(std::string_view bytes, const std::string& source) : rest_(bytes), source_(source) {}
@@ -42,7 +42,7 @@ class CloudText {
   /// The words of the next line; nothing at the end.
   [[nodiscard]] std::optional<std::vector<std::string_view>> next_line();
   [[nodiscard]] std::string_view rest() const { return rest_; }
-  /// Throws InputFailure, which names the line that came last.
+  /// Throws InputFailure with the current line.
   template <class... Args>
   [[noreturn]] void fail(ErrorCode code, fmt::format_string<Args...> what, Args&&... args) const {
     throw_failure(code, "{}:{}: {}", source_, line_,
@@ -93,7 +93,7 @@ std::size_t CloudText::read_count(std::string_view word, std::size_t most) const
 
 using Words = std::vector<std::string_view>;
 
-/// Fields of a record, and bytes of one.
+/// Limit on the fields of a record.
 constexpr std::size_t kMostFields = 1000;
 
 Words expect_line(CloudText& text, std::string_view what) {
@@ -191,7 +191,7 @@ std::vector<CloudField> pcd_fields(const CloudText& text, const PcdEntries& entr
   const bool has_counts = counts != entries.end();
   if (sizes.size() != names.size() || kinds.size() != names.size() ||
       (has_counts && counts->second.size() != names.size())) {
-    text.fail(ErrorCode::parse, "expected as many of SIZE, TYPE and COUNT as FIELDS");
+    text.fail(ErrorCode::parse, "expected one entry in SIZE, TYPE and COUNT per entry in FIELDS");
   }
   std::vector<CloudField> fields;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -248,7 +248,7 @@ CloudHeader read_pcd_header(CloudText& text) {
   return header;
 }
 
-/// Where x, y and z are among the fields, and in bytes.
+/// Position of x, y or z in a record.
 struct Place {
   std::size_t field = 0, offset = 0, size = 0;
 };

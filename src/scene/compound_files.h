@@ -24,20 +24,20 @@ struct CloudFile {
   std::size_t size() const { return points.size() + skipped; }
 };
 
-/// A PLY or PCD file, text or binary, by what it begins with. Errors name `source`, and the line if
-/// one is wrong: no such file, or one without x, y and z of floating point, that ends early or goes
-/// on, has more points than kMaxCloudPoints or none that is finite.
+/// Reads PLY or PCD, text or binary. Errors name `source` and the line: a missing file, no
+/// floating-point fields x, y and z, too few bytes, trailing bytes, more points than
+/// kMaxCloudPoints, no finite point.
 [[nodiscard]] Result<CloudFile> read_cloud(const std::string& path);
 [[nodiscard]] Result<CloudFile> parse_cloud(std::string_view bytes, const std::string& source);
 
-/// Occupied cubes, and unknown ones that are taken for occupied.
+/// Limit on occupied cubes, including unknown ones that count as occupied.
 inline constexpr std::size_t kMaxCubes = 2'000'000;
 
-/// Settings for reading an octree.
+/// Options for reading an octree.
 struct OctreeUse {
-  /// Unknown space within the box around all known leaves is occupied, too.
+  /// Unknown space within the bounding box of all known leaves counts as occupied.
   bool is_unknown_occupied = false;
-  std::size_t most_cubes = kMaxCubes;  ///< occupied ones, and unknown ones if they are
+  std::size_t most_cubes = kMaxCubes;  ///< occupied ones, and unknown ones that count as such
 };
 
 struct OctreeFormat {
@@ -46,14 +46,15 @@ struct OctreeFormat {
   double resolution = 0;    ///< metres, the edge of the smallest leaves
 };
 
-/// Occupied leaves of OctoMap's bytes after the header: as likely as not, or likelier. Errors name
-/// `source`: bytes that end early, go on or lie too deep; no occupied leaf; too many.
+/// Returns the leaves with an occupancy of at least 0.5 from OctoMap's bytes after the header.
+/// Errors name `source`: too few or trailing bytes, a tree that is too deep, no occupied leaf, too
+/// many leaves.
 [[nodiscard]] Result<std::vector<Cube>> parse_octree_data(std::string_view bytes,
                                                           const OctreeFormat& format,
                                                           const OctreeUse& use,
                                                           const std::string& source);
 
-/// A file .bt or .ot with its header, of the types OcTree and ColorOcTree.
+/// Reads a file .bt or .ot with its header, of the types OcTree and ColorOcTree.
 [[nodiscard]] Result<std::vector<Cube>> parse_octree(std::string_view bytes, const OctreeUse& use,
                                                      const std::string& source);
 [[nodiscard]] Result<std::vector<Cube>> read_octree(const std::string& path, const OctreeUse& use);

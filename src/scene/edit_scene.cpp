@@ -60,7 +60,8 @@ Result<void> Scene::add(Obstacle obstacle) {
   if (obstacle.name.empty()) return refuse_edit("", "expected a name");
   if (obstacle.shapes.empty()) return refuse_edit(obstacle.name, "expected a shape");
   if (find(obstacle.name) != nullptr) {
-    return refuse_edit(obstacle.name, "expected a name of its own, there is one of this name");
+    return refuse_edit(obstacle.name,
+                       "expected a unique name; the scene has an obstacle of this name");
   }
   MNEME_TRY(internal::check_shapes(obstacle));
   obstacles.push_back(std::move(obstacle));

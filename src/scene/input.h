@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A tree of values read from YAML or JSON, and a way to read it that says where it went wrong.
+/// A tree of values from YAML or JSON, typed access with errors that name line and key, and values
+/// written as YAML.
 #pragma once
 
 #include "mneme/base.h"
@@ -9,6 +10,7 @@
 #include "base/fail.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json_fwd.hpp>
 
 #include <array>
 #include <cstdint>
@@ -28,12 +30,12 @@ struct InputValue {
   using List = std::vector<InputValue>;
   using Map = std::vector<InputEntry>;
 
-  /// Text of YAML that is not quoted may turn out to be a number when a number is asked for.
+  /// Unquoted text of YAML may be a number; whether it is one is decided at access.
   struct Text {
     std::string text;
     bool is_quoted = false;
   };
-  /// Whole numbers are apart because a double holds those up to 2^53 only.
+  /// Integers are separate since a double is exact up to 2^53 only.
   std::variant<std::monostate, bool, std::uint64_t, double, Text, List, Map> content;
   int line = 0;  ///< from 1; 0 if unknown
 };
@@ -43,8 +45,8 @@ struct InputEntry {
   InputValue value;
 };
 
-/// A value and the way to it. The value and the name of its source must outlive it. Whatever does
-/// not find what it expects throws InputFailure with "SOURCE:LINE: key KEY: expected ..., got ...".
+/// Access to a value. The value and the name of its source must outlive it. Throws InputFailure
+/// with "SOURCE:LINE: key KEY: expected ..., got ..." for a value of another kind.
 class Input {
  public:
   Input(const InputValue& value, const std::string& source, std::string key = {})
@@ -54,7 +56,7 @@ class Input {
 
   /// "SOURCE:LINE: key KEY: WHAT"
   [[nodiscard]] std::string place(const std::string& what) const;
-  /// The name of the file, or whatever names the text.
+  /// The name of the file or text.
   [[nodiscard]] const std::string& source() const { return *source_; }
   [[noreturn]] void fail(ErrorCode code, const std::string& what) const;
   template <class First, class... Rest>
@@ -62,14 +64,14 @@ class Input {
                          Rest&&... rest) const {
     fail(code, fmt::format(what, std::forward<First>(first), std::forward<Rest>(rest)...));
   }
-  /// Fails with "expected EXPECTED, got" and a description of the value.
+  /// Fails with "expected EXPECTED, got VALUE".
   [[noreturn]] void fail_expecting(const std::string& expected) const;
   template <class First, class... Rest>
   [[noreturn]] void fail_expecting(fmt::format_string<First, Rest...> expected, First&& first,
                                    Rest&&... rest) const {
     fail_expecting(fmt::format(expected, std::forward<First>(first), std::forward<Rest>(rest)...));
   }
-  /// The value, or fails with the error of what this value led to.
+  /// Returns the value of a result, or fails with its error at this place.
   template <class T>
   [[nodiscard]] T take(Result<T> result) const {
     if (!result) fail(result.error().code, result.error().message);
@@ -82,7 +84,7 @@ class Input {
   [[nodiscard]] bool is_list() const {
     return std::holds_alternative<InputValue::List>(value_->content);
   }
-  /// True of a key without a value, and of null.
+  /// True for a key without a value and for null.
   [[nodiscard]] bool is_nothing() const {
     return std::holds_alternative<std::monostate>(value_->content);
   }
@@ -90,13 +92,13 @@ class Input {
     return std::holds_alternative<InputValue::Text>(value_->content);
   }
 
-  /// True also of text of YAML that says one.
+  /// True also for unquoted YAML text that is a number.
   [[nodiscard]] bool is_number() const;
 
-  /// Fails if this is no map or has a key that is not one of `keys`.
+  /// Fails if this is not a map or has another key than `keys`.
   void allow_keys(const std::vector<std::string_view>& keys) const;
   [[nodiscard]] std::optional<Input> find(std::string_view key) const;
-  /// The same; nothing also for a key without a value.
+  /// The same, but nothing for a key without a value.
   [[nodiscard]] std::optional<Input> find_value(std::string_view key) const;
   [[nodiscard]] Input at(std::string_view key) const;
   [[nodiscard]] std::vector<std::pair<std::string, Input>> entries() const;
@@ -104,19 +106,19 @@ class Input {
   /// The items of the list `key`; none if the key is missing or has no value.
   [[nodiscard]] std::vector<Input> items(std::string_view key) const;
 
-  /// Also infinite or not a number, as YAML can say.
+  /// May be infinite or NaN.
   [[nodiscard]] double number() const;
   [[nodiscard]] double finite_number() const;
-  /// Exactly; nothing if it is a number, but no whole one from 0 to 2^64 - 1.
+  /// Returns the exact integer; nothing for a number that is not an integer from 0 to 2^64 - 1.
   [[nodiscard]] std::optional<std::uint64_t> whole_number() const;
-  /// Finite and above zero.
+  /// Finite and above 0.
   [[nodiscard]] double positive_number() const;
   [[nodiscard]] bool boolean() const;
   [[nodiscard]] std::string text() const;
-  /// The text of the key, or `fallback` without it.
+  /// Returns the text of the key, or `fallback` if it is missing.
   [[nodiscard]] std::string text_or(std::string_view key, const std::string& fallback) const;
   [[nodiscard]] std::vector<double> numbers() const;
-  /// Exactly `count` finite numbers; `what` describes them in the message.
+  /// Returns exactly `count` finite numbers; `what` describes them in the message.
   [[nodiscard]] std::vector<double> finite_numbers(std::size_t count, std::string_view what) const;
 
  private:
@@ -128,11 +130,20 @@ class Input {
   std::string key_;
 };
 
-/// The one document of `yaml`; `source` names it in messages. Throws InputFailure, also for a
-/// doubled key and for aliases that expand to more than a few million values.
+/// Parses the one document of `yaml`; `source` names it in messages. Throws InputFailure, also for
+/// a repeated key and for more than 4 million values with aliases expanded.
 [[nodiscard]] InputValue parse_yaml(std::string_view yaml, const std::string& source);
 
-/// The value of `json`, with lines; `source` names it in messages. Throws InputFailure.
+/// Parses JSON with lines; `source` names it in messages. Throws InputFailure.
 [[nodiscard]] InputValue parse_json(std::string_view json, const std::string& source);
+
+/// Returns the shortest digits that read back to `value`; .inf and .nan if it is not finite.
+[[nodiscard]] std::string yaml_number(double value);
+/// Returns `text`, quoted if necessary. Bytes that are not UTF-8 are replaced.
+[[nodiscard]] std::string yaml_string(std::string_view text);
+/// Returns the value on one line: "{name: table, size: [1, 2.5, 0.1]}".
+[[nodiscard]] std::string yaml_flow(const nlohmann::ordered_json& value);
+/// Returns the key with one line per item; nothing without items.
+[[nodiscard]] std::string yaml_list(std::string_view key, const nlohmann::ordered_json& items);
 
 }  // namespace mneme::internal

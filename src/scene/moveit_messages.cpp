@@ -89,7 +89,7 @@ std::string read_frame_id(const Input& input) {
   if (!frame) {
     return {};
   }
-  // Older files write the same frame with a slash in front.
+  // Older files write a leading slash.
   const std::string name = frame->text();
   return name.starts_with('/') ? name.substr(1) : name;
 }
@@ -229,7 +229,7 @@ void refuse_operation(const Input& object, const std::string& id) {
   }
 }
 
-/// Without shapes only if it is that of an object elsewhere.
+/// `may_be_empty`: an attached object may refer to the world's object by its name.
 MoveitObject read_object(const Input& object, bool may_be_empty = false) {
   object.allow_keys({"header", "id", "type", "pose", "primitives", "primitive_poses", "meshes",
                      "mesh_poses", "planes", "plane_poses", "subframe_names", "subframe_poses",
@@ -264,12 +264,12 @@ MoveitAttached read_attached(const Input& attached) {
   return result;
 }
 
-/// The last one must not have the name of another.
+/// Refuses a last object with the name of another.
 void refuse_twice(const std::vector<MoveitAttached>& attached) {
   const MoveitObject& last = attached.back().object;
   for (const MoveitAttached& other : std::span(attached).first(attached.size() - 1)) {
     if (other.object.obstacle.name != last.obstacle.name) continue;
-    last.place.fail(ErrorCode::parse, "expected a name of its own, got \"{}\" again",
+    last.place.fail(ErrorCode::parse, "expected a unique name, got \"{}\" again",
                     last.obstacle.name);
   }
 }
@@ -317,7 +317,7 @@ std::vector<MoveitObject> read_moveit_objects(const Input& world) {
   for (const Input& object : world.items("collision_objects")) {
     objects.push_back(read_object(object));
     if (!names.insert(objects.back().obstacle.name).second) {
-      object.fail(ErrorCode::parse, "expected a name of its own, got \"{}\" again",
+      object.fail(ErrorCode::parse, "expected a unique name, got \"{}\" again",
                   objects.back().obstacle.name);
     }
   }

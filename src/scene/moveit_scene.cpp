@@ -11,7 +11,7 @@
 namespace mneme::internal {
 namespace {
 
-/// The frame in which the scene says that the robot's state is given.
+/// The frame of the robot's state.
 std::string frame_of_state(const Input& scene) {
   const auto state = scene.find("robot_state");
   const auto joints = state ? state->find("joint_state") : std::nullopt;
@@ -75,7 +75,7 @@ void refuse_other_values(const Input& scene, std::string_view list, std::string_
     const double value = item.at(key).finite_number();
     if (value != expected) {
       item.fail(ErrorCode::unsupported,
-                "link \"{}\" has the {} {}; expected {}: others are not supported",
+                "link \"{}\" has the {} {}; expected {}: other values are not supported",
                 item.at("link_name").text(), key, value, expected);
     }
   }
@@ -102,15 +102,15 @@ MoveitScene read_moveit_scene(const Input& input, const std::string& default_nam
   if (const auto world = input.find("world")) scene.objects = read_moveit_objects(*world);
   if (const auto is_diff = input.find("is_diff"); is_diff && is_diff->boolean()) {
     scene.warnings.push_back(
-        is_diff->place("this is the difference to a scene that is not given; it is read as the "
-                       "whole scene"));
+        is_diff->place("only the difference to another scene is given; it is read as "
+                       "the whole scene"));
   }
   return scene;
 }
 
 namespace {
 
-/// The obstacle in the frame of the root, where planes are centred at the foot of its origin.
+/// The obstacle in the root frame. Planes are centred at the point nearest to the origin.
 Obstacle placed(const Transform& X_RF, const MoveitObject& object) {
   Obstacle obstacle = moved(X_RF, object.obstacle);
   for (Shape& plane : std::span(obstacle.shapes).last(object.plane_count)) {

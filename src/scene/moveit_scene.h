@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// MoveIt's messages, its planning scenes, and the frames that they speak of.
+/// MoveIt's messages, planning scenes and their frames. All readers throw InputFailure.
 #pragma once
 
 #include "mneme/geometry.h"
@@ -19,23 +19,23 @@
 
 namespace mneme::internal {
 
-/// A list of three numbers, or the keys x, y and z. Throws InputFailure.
+/// A list of three numbers, or the keys x, y and z.
 [[nodiscard]] Vec3 read_moveit_point(const Input& input);
-/// The keys `position` and `orientation`, which may be missing. Throws InputFailure.
+/// The key `position`, and `orientation` if present.
 [[nodiscard]] Transform read_moveit_pose(const Input& input);
-/// A quaternion with the keys x, y, z, w, or a list of them. Throws InputFailure.
+/// A quaternion with the keys x, y, z, w, or a list of them.
 [[nodiscard]] Eigen::Matrix3d read_moveit_rotation(const Input& input);
-/// The keys `translation` and `rotation`. Throws InputFailure.
+/// The key `translation`, and `rotation` if present.
 [[nodiscard]] Transform read_moveit_transform(const Input& input);
 
 struct MoveitObject {
   Obstacle obstacle;  ///< in `frame`
   std::string frame;
   Input place;
-  std::size_t plane_count = 0;  ///< so many of its shapes, the last ones, stand for endless planes
+  std::size_t plane_count = 0;  ///< the last `plane_count` shapes represent infinite planes
 };
 
-/// An object that a link carries. Without shapes it is the world's object of this name.
+/// An object that a link carries. Without shapes: the world's object of this name.
 struct MoveitAttached {
   MoveitObject object;
   std::string link;
@@ -44,45 +44,41 @@ struct MoveitAttached {
 
 struct MoveitState {
   std::map<std::string, double> positions;  ///< by joint
-  /// Pose of the robot's root link in `base_frame`, as a virtual joint has it.
+  /// Pose of the robot's root link in `base_frame`, from a virtual joint.
   std::optional<Transform> base;
   std::string base_frame;
   std::vector<MoveitAttached> attached;
 };
 
-/// A box, sphere or cylinder. Throws InputFailure, with the name of its `owner` for others.
+/// A box, sphere or cylinder; errors for other types name the `owner`.
 [[nodiscard]] Shape read_moveit_primitive(const Input& primitive, const Transform& pose,
                                           std::string_view owner);
-/// The text of the key `frame_id` of the key `header`, or nothing.
+/// Returns `frame_id` of the key `header`; empty without it.
 [[nodiscard]] std::string read_frame_id(const Input& input);
 
-/// Throws InputFailure.
 [[nodiscard]] MoveitState read_moveit_state(const Input& input);
-/// `state` with what `difference` says instead, of attached objects by name.
+/// Returns `state` with values and attached objects of `difference` in place of its own.
 [[nodiscard]] MoveitState overlaid(MoveitState state, const MoveitState& difference);
 
-/// The list `collision_objects` of `world`, and its octomap under that name. Throws InputFailure;
-/// a primitive that is no box, sphere or cylinder is refused by name.
+/// Reads `collision_objects` of `world`, and its octomap as the object "octomap".
 [[nodiscard]] std::vector<MoveitObject> read_moveit_objects(const Input& world);
 
-/// Pose of a link in the frame of the root link, or nothing if there is no such link. May throw
-/// InputFailure with the place that it is given.
+/// Returns the pose of a link in the frame of the root link, or nothing for an unknown link. May
+/// throw InputFailure that names `place`.
 using FindLink =
     std::function<std::optional<Transform>(const std::string& name, const Input& place)>;
 
 class MoveitFrames {
  public:
-  /// Reads `fixed_frame_transforms` of `scene`, and takes the robot's pose from `state`. Throws
-  /// InputFailure.
+  /// Reads `fixed_frame_transforms` of `scene` and the robot's pose from `state`.
   MoveitFrames(const Input& scene, const MoveitState& state);
 
-  /// The frame of the whole scene (P), in which the robot's root link (R) may stand anywhere; empty
-  /// if the scene does not say.
+  /// The planning frame P, in which the robot's root link R has any pose; empty if not given.
   [[nodiscard]] const std::string& planning_frame() const { return planning_frame_; }
   [[nodiscard]] const std::optional<Transform>& X_PR() const { return X_PR_; }
 
-  /// Pose of `frame` in the frame of the root link; `place` is where `frame` is named. An empty
-  /// name stands for the planning frame. Throws InputFailure for a frame that nobody knows.
+  /// Returns the pose of `frame` in the frame of the root link; `place` is where it is named.
+  /// Empty: the planning frame. Throws InputFailure for an unknown frame.
   [[nodiscard]] Transform pose_in_root(const std::string& frame, const Input& place,
                                        const FindLink& find_link) const;
 
@@ -92,27 +88,25 @@ class MoveitFrames {
   std::optional<Transform> X_PR_;
 };
 
-/// True if the keys are those of a planning scene.
+/// Returns true if `input` has a key of a planning scene.
 [[nodiscard]] bool is_moveit_scene(const Input& input);
 
 struct MoveitScene {
   std::string name;
-  std::string robot_name;  ///< empty if not given
+  std::string robot_name;  ///< Empty if not given.
   std::vector<MoveitObject> objects;
   MoveitState state;
   std::vector<std::string> warnings;
 };
 
-/// All of `input` but its frames and its allowed collisions. Padded and scaled links are
-/// refused. Throws InputFailure.
+/// Reads all except frames and allowed collisions. Padded and scaled links are refused.
 [[nodiscard]] MoveitScene read_moveit_scene(const Input& input, const std::string& default_name);
 
-/// The objects in the frame of the robot's root link. Throws InputFailure.
+/// Returns the objects in the frame of the robot's root link.
 [[nodiscard]] Scene place_objects(const MoveitScene& scene, const MoveitFrames& frames,
                                   const FindLink& find_link);
 
-/// The objects without a robot: they must share one frame, which the scene is then given in; its
-/// name is empty if that is the robot's root link. Throws InputFailure.
+/// Returns the objects in the frame that they all share; empty name: the robot's root link.
 [[nodiscard]] FramedScene place_objects(const MoveitScene& scene, const MoveitFrames& frames);
 
 }  // namespace mneme::internal

@@ -25,7 +25,7 @@ Cube child_of(const Cube& cube, int i) {
   return {cube.center + half * sign, half};
 }
 
-/// Reads nodes depth first, and sorts the leaves.
+/// Reads nodes depth first into occupied and unknown leaves.
 class OctreeReader {
  public:
   OctreeReader(std::string_view bytes, const OctreeFormat& format, const OctreeUse& use,
@@ -113,7 +113,7 @@ class OctreeReader {
     if (use_.is_unknown_occupied) add(cube, unknown_);
   }
 
-  /// Cuts off what lies outside of all that is known, whose box ends where cubes do.
+  /// Clips unknown cubes at the box of known leaves, which ends at borders of cubes.
   void add_within_known(const Cube& cube) {
     const double slack = 0.25 * format_.resolution;
     const AxisBox box = box_of(cube);

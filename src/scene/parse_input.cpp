@@ -85,7 +85,7 @@ int count_values(const InputValue& value) {
   return count;
 }
 
-/// Listens to the parser itself: yaml-cpp's tree keeps doubled keys, and its reader of several
+/// Uses the events of the parser: yaml-cpp's tree keeps repeated keys, and its reader of several
 /// documents does not return from some malformed texts.
 class YamlListener : public YAML::EventHandler {
  public:
@@ -168,7 +168,7 @@ InputValue parse_yaml(std::string_view yaml, const std::string& source) {
 
 namespace {
 
-/// Reads characters and leaves word of how far it has got: the parser tells lines of errors only.
+/// Tracks the position of the parser, which reports lines for errors only.
 class TrackedIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -224,7 +224,7 @@ class JsonListener : public nlohmann::json_sax<nlohmann::json> {
   bool end_array() override { return close(); }
   bool parse_error(std::size_t, const std::string&,
                    const nlohmann::json::exception& error) override {
-    // "[json.exception.parse_error.101] parse error at line 1, column 2: what matters"
+    // "[json.exception.parse_error.101] parse error at line 1, column 2: TEXT"
     std::string_view what = error.what();
     what.remove_prefix(std::min(what.size(), what.find("] ") + 2));
     if (what.starts_with("parse error at ")) {

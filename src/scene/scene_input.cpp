@@ -25,20 +25,19 @@ std::optional<std::string> SceneBuilder::add(const std::string& name, const std:
                        storable_text(name + body));
   }
   const Sphere bound = bounding_sphere(shape);
-  // Written so that what is not finite fails too.
+  // NaN fails, too.
   if (!(bound.center.norm() + bound.radius <= kFarthestShape)) {
     return fmt::format("expected a shape within {} m of the origin", kFarthestShape);
   }
   const bool is_new_body = !body.empty() && bodies_.count(body) == 0;
   if (is_new_body && names_.count(body) != 0) {
-    return fmt::format("expected a body name of its own, got \"{}\", which names an obstacle",
-                       body);
+    return fmt::format("expected a unique body name, got \"{}\", which names an obstacle", body);
   }
   if (body.empty() && bodies_.count(name) != 0) {
-    return fmt::format("expected a name of its own, got \"{}\", which names a body", name);
+    return fmt::format("expected a unique name, got \"{}\", which names a body", name);
   }
   if (!name.empty() && !names_.insert(name).second) {
-    return fmt::format("expected a name of its own, got \"{}\" a second time", name);
+    return fmt::format("expected a unique name, got \"{}\" a second time", name);
   }
   if (body.empty()) {
     obstacles_.push_back({name, {shape}});

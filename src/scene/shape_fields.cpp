@@ -17,10 +17,10 @@
 namespace mneme::internal {
 namespace {
 
-/// Metres. What is longer is rather given in another unit.
+/// Metres. Longer objects are probably given in another unit.
 constexpr double kLongestLikely = 50;
 
-/// The key `file`, which stands for the list `key`.
+/// The key `file`, which replaces the list `key`.
 std::optional<Input> find_file(const Input& input, std::string_view key) {
   auto file = input.find("file");
   if (file && input.find(key)) {
@@ -91,7 +91,7 @@ PointCloud read_points(const Input& input, std::vector<std::string>& warnings) {
   const std::string path = path_of(*file);
   const CloudFile cloud = file->take(read_cloud(path));
   if (cloud.skipped > 0) {
-    warnings.push_back(file->place(fmt::format("{}: {} of {} points are not finite and left out",
+    warnings.push_back(file->place(fmt::format("{}: {} of {} points are not finite and ignored",
                                                path, cloud.skipped, cloud.size())));
   }
   points.reserve(cloud.points.size());
@@ -126,7 +126,7 @@ Octree read_octree_shape(const Input& input) {
     unknown->fail_expecting("free or occupied");
   }
   if (file) return compound_of(file->take(read_octree(path_of(*file), {is_occupied})));
-  if (unknown) unknown->fail(ErrorCode::parse, "expected a file beside it, got cubes");
+  if (unknown) unknown->fail(ErrorCode::parse, "expected the key file with it, got cubes");
   const Input list = input.at("cubes");
   const std::vector<double> n = list_of(input, "cubes", 4);
   std::vector<Cube> cubes;
@@ -184,7 +184,7 @@ class ShapeReader {
       const std::string kinds = "sphere, box, cylinder, capsule, points, mesh or octree";
       const bool is_flat = name == "circle" || name == "disc" || name == "disk";
       type.fail_expecting(is_flat ? kinds +
-                                        "; circles of a planar scene stand under its key "
+                                        "; a planar scene lists circles under the key "
                                         "circles, as name: [x, y, radius]"
                                   : kinds);
     } else {
@@ -213,7 +213,7 @@ class ShapeReader {
     return pose;
   }
 
-  /// The shape stands where its file says, unless it has a pose.
+  /// Without a pose, the coordinates of the file count.
   template <class Part>
   Shape with_pose(CompoundShape<Part> compound, bool has_radius) const {
     if (input_.find(spelling_.position) || input_.find(spelling_.quaternion)) {

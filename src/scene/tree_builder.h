@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Builds a tree of input values from the events of a parser, and refuses trees that are too deep
-/// or too large.
+/// Builds a tree of input values from the events of a parser. Refuses trees that are too deep or
+/// too large.
 #pragma once
 
 #include "scene/input.h"
@@ -24,17 +24,17 @@ class TreeBuilder {
   /// Throws InputFailure with "SOURCE:LINE: WHAT".
   [[noreturn]] void refuse(int line, const std::string& what) const;
 
-  /// True if a key must come next.
+  /// Returns true if the next event must be a key.
   [[nodiscard]] bool is_key_next() const;
-  /// The line of the key whose value must come next, if there is one.
+  /// Returns the line of the key whose value comes next, if any.
   [[nodiscard]] std::optional<int> key_line() const;
   void set_key(int line, const std::string& key);
 
-  /// Begins a value. Whatever comes before its close() is inside it.
+  /// Begins a value; all events until its close() are inside.
   void open(int line, Content content);
-  /// Ends the value that was begun last, which stays where it is until the next call.
+  /// Ends the innermost value. The reference is valid until the next call.
   const InputValue& close();
-  /// Counts `values` more against the limit.
+  /// Adds `values` to the count that is limited.
   void count(int line, int values);
 
   [[nodiscard]] InputValue take() { return std::move(root_); }

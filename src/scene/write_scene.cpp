@@ -4,7 +4,7 @@
 
 #include "base/fail.h"
 #include "scene/scene_input.h"
-#include "scene/yaml.h"
+#include "scene/input.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ std::string to_yaml(const Scene& scene) {
 
 namespace {
 
-/// As MoveIt's messages have it.
+/// A shape_msgs/SolidPrimitive.
 struct MoveitPrimitive {
   const char* type;
   std::vector<double> dimensions;
@@ -45,7 +45,7 @@ struct MoveitPrimitive {
   }
 };
 
-/// Nothing for what MoveIt lacks.
+/// Returns nothing for shapes that MoveIt lacks.
 struct DescribeForMoveit {
   using Answer = std::optional<MoveitPrimitive>;
   Answer operator()(const Sphere& s) const {

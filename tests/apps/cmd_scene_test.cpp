@@ -46,7 +46,7 @@ TEST_SUITE("flow") {
                "obstacles: [{name: scan, type: points, file: scan.ply, radius: 0.01}]\n");
     const ProgramRun run = run_program({"scene", "info", files / "scan.yaml"});
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
-    CHECK(has_text(run.err, "1 of 2 points are not finite and left out"));
+    CHECK(has_text(run.err, "1 of 2 points are not finite and ignored"));
   }
 
   TEST_CASE("the largest gap decides what is a primitive") {

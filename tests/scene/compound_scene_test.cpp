@@ -63,7 +63,7 @@ TEST_SUITE("unit") {
     CHECK(shape_of<PointCloud>(cloud).parts->list().size() == 2);
     CHECK(shape_of<PointCloud>(cloud).radius == 0.005);
     REQUIRE(cloud.warnings.size() == 1);
-    CHECK(contains(cloud.warnings[0], "1 of 3 points are not finite and left out"));
+    CHECK(contains(cloud.warnings[0], "1 of 3 points are not finite and ignored"));
     const Scene mesh =
         files.require("name: m, type: mesh, file: mesh.obj, scale: 2, position: [0, 0, 1]");
     CHECK(shape_of<Mesh>(mesh).parts->list().at(0).area() == doctest::Approx(2));
@@ -173,7 +173,7 @@ TEST_SUITE("unit") {
     CHECK(edit_message(scene.move("x", {})) == unknown);
     CHECK(edit_message(scene.replace_points("x", 0, {})) == unknown);
     CHECK(edit_message(scene.add(ball("cloud"))) ==
-          "obstacle \"cloud\": expected a name of its own, there is one of this name");
+          "obstacle \"cloud\": expected a unique name; the scene has an obstacle of this name");
     CHECK(edit_message(scene.add(ball(""))) == "obstacle \"\": expected a name");
     CHECK(edit_message(scene.add({"e", {}})) == "obstacle \"e\": expected a shape");
     const auto many = std::make_shared<Parts<CloudPoint>>(std::vector<CloudPoint>(4'000'001));

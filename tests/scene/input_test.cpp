@@ -4,7 +4,6 @@
 
 #include "scene/input.h"
 #include "scene/tree_builder.h"
-#include "scene/yaml.h"
 
 #include <doctest/doctest.h>
 

@@ -109,7 +109,7 @@ attached_collision_objects: []
           "f:2: key attached_collision_objects[0].object.id: expected a name, got \"\"");
     CHECK(failure("attached_collision_objects:\n  - {link_name: a, object: {id: x}}\n"
                   "  - {link_name: b, object: {id: x}}") ==
-          "f:3: key attached_collision_objects[1].object: expected a name of its own, got \"x\" "
+          "f:3: key attached_collision_objects[1].object: expected a unique name, got \"x\" "
           "again");
     CHECK(failure("attached_collision_objects: [{object: {id: x}}]")
               .find("expected the key link_name") != std::string::npos);
@@ -245,7 +245,7 @@ collision_objects:
     const std::string ball =
         "{id: x, primitives: [{type: sphere, dimensions: [1]}], " + kPose + "}";
     CHECK(failure_of("collision_objects: [" + ball + ", " + ball + "]", read_moveit_objects) ==
-          "f:1: key collision_objects[1]: expected a name of its own, got \"x\" again");
+          "f:1: key collision_objects[1]: expected a unique name, got \"x\" again");
   }
 }
 
@@ -368,10 +368,9 @@ TEST_SUITE("unit") {
     CHECK(scene->robot_name == "fetch");
     CHECK(scene->objects.size() == 1);
     REQUIRE(scene->warnings.size() == 1);
-    CHECK(
-        scene->warnings[0] ==
-        "f:6: key is_diff: this is the difference to a scene that is not given; it is read as the "
-        "whole scene");
+    CHECK(scene->warnings[0] ==
+          "f:6: key is_diff: only the difference to another scene is given; it is read as the "
+          "whole scene");
   }
 
   TEST_CASE("what was read over is told with a scene that has no robot") {
@@ -382,13 +381,14 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("links that are padded or scaled are refused by name") {
+    CHECK(failure_of("link_padding: [{link_name: hand, padding: 0.02}]", read_planning_scene) ==
+          "f:1: key link_padding[0]: link \"hand\" has the padding 0.02; expected 0: other values "
+          "are "
+          "not supported");
     CHECK(
-        failure_of("link_padding: [{link_name: hand, padding: 0.02}]", read_planning_scene) ==
-        "f:1: key link_padding[0]: link \"hand\" has the padding 0.02; expected 0: others are not "
+        failure_of("link_scale: [{link_name: hand, scale: 1.1}]", read_planning_scene) ==
+        "f:1: key link_scale[0]: link \"hand\" has the scale 1.1; expected 1: other values are not "
         "supported");
-    CHECK(failure_of("link_scale: [{link_name: hand, scale: 1.1}]", read_planning_scene) ==
-          "f:1: key link_scale[0]: link \"hand\" has the scale 1.1; expected 1: others are not "
-          "supported");
     CHECK(failure_of("worlds: {}", read_planning_scene)
               .find("f:1: key worlds: unknown key, expected one of ") == 0);
     CHECK(failure_of("is_diff: maybe", read_planning_scene) ==

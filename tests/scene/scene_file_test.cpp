@@ -34,16 +34,16 @@ TEST_SUITE("unit") {
     REQUIRE_FALSE(builder.add("a", "", Sphere{}));
     REQUIRE_FALSE(builder.add("part", "body", Sphere{}));
     CHECK(builder.add("", "", Sphere{}) == "expected a name");
-    CHECK(builder.add("a", "", Sphere{}) == "expected a name of its own, got \"a\" a second time");
+    CHECK(builder.add("a", "", Sphere{}) == "expected a unique name, got \"a\" a second time");
     const std::string bad = "expected a name that is UTF-8 text without NUL, got \"b?\"";
     CHECK(builder.add("b\xff", "", Sphere{}) == bad);
     CHECK(builder.add("", "b\xfe", Sphere{}) == bad);
     CHECK(builder.add("part", "body", Sphere{}) ==
-          "expected a name of its own, got \"part\" a second time");
+          "expected a unique name, got \"part\" a second time");
     CHECK(builder.add("body", "", Sphere{}) ==
-          "expected a name of its own, got \"body\", which names a body");
+          "expected a unique name, got \"body\", which names a body");
     CHECK(builder.add("b", "a", Sphere{}) ==
-          "expected a body name of its own, got \"a\", which names an obstacle");
+          "expected a unique body name, got \"a\", which names an obstacle");
     CHECK(builder.take("").obstacles.size() == 2);
   }
 }
@@ -209,7 +209,7 @@ TEST_SUITE("unit") {
         read_scene_text("circles: {a: [0, 0, 1]}\nobstacles:\n  - {name: a, " + sphere);
     REQUIRE_FALSE(clash.has_value());
     CHECK(clash.error().message ==
-          "f:3: key obstacles[0]: expected a name of its own, got \"a\" a second time");
+          "f:3: key obstacles[0]: expected a unique name, got \"a\" a second time");
   }
 
   TEST_CASE("a scene that gives no name has the default one") {
