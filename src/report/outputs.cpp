@@ -4,7 +4,6 @@
 
 #include "base/fail.h"
 #include "base/files.h"
-#include "base/new_file.h"
 
 #include <unistd.h>
 #include <algorithm>
