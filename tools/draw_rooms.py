@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws the map of ARCHITECTURE.md from the code: libraries, layers, rooms and what each room includes.
+"""Draws the map of ARCHITECTURE.md from the code: layers, libraries, rooms and what each room includes.
 
 usage: draw_rooms.py SOURCE_DIRECTORY [--check]
 
@@ -72,15 +72,19 @@ def layer_of(room, uses):
 
 
 def draw(libraries, purposes, uses):
-    lines = []
-    for library, rooms in libraries.items():
-        lines += [f"**{library}**", "", "| layer | room | purpose | uses |", "|--:|---|---|---|"]
-        for room in sorted(rooms, key=lambda room: (layer_of(room, uses), rooms.index(room))):
-            direct = uses[room] - {deep for used in uses[room] for deep in reach(used, uses)}
-            names = ", ".join(sorted(direct)) or ("" if room in OPEN_TO_ALL else "base, geometry")
-            lines.append(f"| {layer_of(room, uses)} | `{room}` | {purposes[room]} | {names} |")
-        lines.append("")
-    return "\n".join(lines)
+    """The layers of all libraries from the top down as text, then a table of rooms from the bottom up."""
+    places = [(layer_of(room, uses), library, room) for library, rooms in libraries.items() for room in rooms]
+    wide = max(map(len, libraries))
+    lines = ["```text", f"{'layer':>5}  {'library':{wide}}  rooms"]
+    for layer, library in sorted({place[:2] for place in places}, reverse=True):
+        rooms = " ".join(room for at, of, room in places if (at, of) == (layer, library))
+        lines.append(f"{layer:5}  {library:{wide}}  {rooms}")
+    lines += ["```", "", "| room | purpose | uses |", "|---|---|---|"]
+    for _, _, room in sorted(places, key=lambda place: place[0]):
+        direct = uses[room] - {deep for used in uses[room] for deep in reach(used, uses)}
+        names = ", ".join(sorted(direct)) or ("" if room in OPEN_TO_ALL else "base, geometry")
+        lines.append(f"| `{room}` | {purposes[room]} | {names} |")
+    return "\n".join([*lines, ""])
 
 
 def main():
