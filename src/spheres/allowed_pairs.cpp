@@ -18,7 +18,7 @@ namespace {
 using internal::as_index, internal::LinkDistances, internal::PosedLinks;
 using Pair = std::pair<int, int>;
 
-/// The robot with all joints that have a value of their own.
+/// The robot with all independent joints in its planning group.
 Result<Robot> make_whole(const Robot::Parts& parts) {
   RobotOptions options;
   for (const Joint& joint : parts.joints) {
@@ -30,8 +30,8 @@ Result<Robot> make_whole(const Robot::Parts& parts) {
                                               parts.name));
 }
 
-/// Links that joints join directly. Links that fixed joints weld together are one body; a body
-/// without shapes counts as part of the one above it.
+/// Tells links that a joint joins directly. Links that fixed joints weld together are one body. A
+/// body without shapes counts as part of its parent.
 class Adjacency {
  public:
   explicit Adjacency(const Robot& robot) : bodies_(robot.links().size(), 0) {
@@ -60,11 +60,10 @@ class Adjacency {
   }
 
  private:
-  std::vector<int> bodies_;  ///< of each link: the body's topmost link
+  std::vector<int> bodies_;  ///< per link the topmost link of its body
   std::set<Pair> neighbours_;
 };
 
-/// Findings of the samples for a pair.
 struct Record {
   Pair links;
   bool has_touched = false;
@@ -90,7 +89,7 @@ bool touch(const LinkDistances& links, const PosedLinks& posed, const Pair& pair
   return links.between_spheres(posed, pair.first, pair.second, 0) <= 0;
 }
 
-/// Checks the pairs at random configurations, each until its record `is_settled`.
+/// Checks each pair at random configurations until its record `is_settled`.
 template <class IsSettled>
 void sample(const Robot& robot, const LinkDistances& links, const PairSettings& settings,
             std::vector<Record>& records, const IsSettled& is_settled) {

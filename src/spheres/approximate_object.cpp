@@ -20,11 +20,11 @@
 namespace mneme {
 namespace {
 
-/// Lattices too fine for the limit of spheres are coarsened by this factor until they fit.
+/// Factor on the excess while a lattice has too many spheres.
 constexpr double kCoarser = 1.2;
 
-/// Adds what holds the box with these half extents about the origin: cells, each in a sphere. Where
-/// all axes have three cells or more, what the outer ones enclose is approximated more coarsely.
+/// Adds spheres that contain the box around the origin: one around each cell of a grid. If all axes
+/// have at least three cells, the inner ones are replaced by coarser ones.
 void add_cell_spheres(const Vec3& half_extents, double excess, std::vector<Sphere>& spheres) {
   std::array<int, 3> counts = {1, 1, 1};
   Vec3 cell = half_extents;
@@ -53,7 +53,7 @@ void add_cell_spheres(const Vec3& half_extents, double excess, std::vector<Spher
   if (is_hollow) add_cell_spheres(half_extents - 2 * cell, excess + 2 * cell.minCoeff(), spheres);
 }
 
-/// Adds what holds the upright cylinder about the origin: rings of cells, layer by layer.
+/// Adds spheres that contain the upright cylinder around the origin: rings of cells in layers.
 void add_ring_spheres(double radius, double half_length, double cell,
                       std::vector<Sphere>& spheres) {
   const auto count = [&](double length) {
@@ -82,7 +82,7 @@ void add_ring_spheres(double radius, double half_length, double cell,
   }
 }
 
-/// Metres by which spheres stick out of an upright cylinder about the origin.
+/// Metres by which spheres stick out of an upright cylinder around the origin.
 double excess_of(std::span<const Sphere> spheres, double radius, double half_length) {
   double excess = 0;
   for (const Sphere& s : spheres) {
@@ -92,7 +92,7 @@ double excess_of(std::span<const Sphere> spheres, double radius, double half_len
   return excess;
 }
 
-/// Collects the spheres of an object and the exact geometry that they hold.
+/// Collects the spheres of an object and the exact geometry that they contain.
 class ObjectSpheres {
  public:
   explicit ObjectSpheres(const SphereSettings& settings) : settings_(settings) {}
@@ -140,10 +140,10 @@ class ObjectSpheres {
   }
 
  private:
-  /// Coarsens until there are few enough. `size` is half the longest extent.
+  /// Coarsens until the number of spheres is allowed. `size` is half the longest extent.
   template <class Convex, class SpheresWithin>
   void add(const Convex& solid, double size, const SpheresWithin& spheres_within) {
-    // The limit of spheres in one row needs at least this.
+    // Even a single row of the allowed number of spheres has at least this excess.
     double excess = std::max(settings_.excess, 0.25 * size / settings_.max_spheres);
     std::vector<Sphere> spheres = spheres_within(excess);
     while (std::ssize(spheres) > settings_.max_spheres) {

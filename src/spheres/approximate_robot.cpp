@@ -16,11 +16,9 @@
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
 
-#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -59,19 +57,6 @@ LinkSpheres from_json(const Json& json) {
   json.at("mean_excess").get_to(link.mean_excess);
   json.at("max_excess").get_to(link.max_excess);
   return link;
-}
-
-/// Writes a file of its own and renames it, so that no reader sees half of it.
-bool write_whole(const std::string& path, const std::string& text) {
-  std::string temporary = path + ".XXXXXX";
-  const int file = ::mkstemp(temporary.data());
-  if (file < 0) return false;
-  const ssize_t written = ::write(file, text.data(), text.size());
-  const bool is_closed = ::close(file) == 0;
-  const bool is_written = is_closed && written == static_cast<ssize_t>(text.size()) &&
-                          std::rename(temporary.c_str(), path.c_str()) == 0;
-  if (!is_written) ::unlink(temporary.c_str());
-  return is_written;
 }
 
 }  // namespace
@@ -120,12 +105,12 @@ bool SphereCache::store(const std::string& key, const LinkSpheres& spheres) cons
   if (!directory_.empty()) std::filesystem::create_directories(directory_, error);
   if (directory_.empty() || error) return false;
   const std::string text = to_json(spheres).dump();
-  return write_whole(path_of(key), fmt::format("{}\n{}\n", text, hash_of(key + text)));
+  auto file = NewFile::create(path_of(key));
+  return file && file->write(fmt::format("{}\n{}\n", text, hash_of(key + text))) && file->finish();
 }
 
 namespace {
 
-/// The outcome for one link.
 struct Attempt {
   CachedSurface made;
   TriangleMesh surface;
@@ -139,7 +124,6 @@ Result<Attempt> attempt(const Link& link, const SphereSettings& settings,
   return Attempt{std::move(made), std::move(surface)};
 }
 
-/// Puts the spheres in the place of the solids.
 void replace_solids(Link& link, Attempt made) {
   const std::vector<Sphere>& spheres = made.made.spheres.spheres;
   link.solids.clear();
@@ -149,8 +133,7 @@ void replace_solids(Link& link, Attempt made) {
                         made.made.spheres.max_excess};
 }
 
-/// Calls `work(i)` for each i < count, in any order, from as many threads as the machine has,
-/// or gives.
+/// Calls `work(i)` for each i < count, in any order, from a thread per core.
 template <class Work>
 void run_parallel(std::size_t count, const Work& work) {
   std::atomic<std::size_t> next = 0;
@@ -163,10 +146,10 @@ void run_parallel(std::size_t count, const Work& work) {
   others.join();
 }
 
-/// Numbers of joints that move by themselves.
+/// Numbers of independent joints.
 struct Joints {
   int before = 0;
-  int beyond = 0;  ///< up to the farthest tip
+  int beyond = 0;  ///< on the longest way to a tip
 };
 
 }  // namespace
@@ -176,7 +159,7 @@ std::vector<bool> find_arm_ends(const Robot::Parts& parts) {
   constexpr int kMostBeyond = 2;
   std::vector<Joints> joints(parts.links.size());
   bool has_changed = true;
-  // Joints stand in any order; a robot with a loop is refused later.
+  // Joints are in any order, and a robot with a loop is refused later.
   for (std::size_t pass = 0; has_changed && pass < parts.joints.size(); ++pass) {
     has_changed = false;
     for (const Joint& joint : parts.joints) {
@@ -209,11 +192,11 @@ Result<CachedSpheres> approximate_robot(Robot::Parts parts, const SphereSettings
     if (are_ends[i]) each.back().excess = std::min(settings.excess, settings.tip_excess);
   }
   std::vector<Result<Attempt>> attempts(links.size());
-  std::mutex telling;
+  std::mutex mutex;
   int done = 0;
   run_parallel(links.size(), [&](std::size_t i) {
     attempts[i] = attempt(*links[i], each[i], cache);
-    const std::scoped_lock locked(telling);
+    const std::scoped_lock locked(mutex);
     if (on_approximated) on_approximated(++done, static_cast<int>(links.size()), links[i]->name);
   });
   CachedSpheres result;
@@ -242,7 +225,7 @@ std::string describe(const internal::CachedSpheres& made, const internal::Sphere
   }
   const auto links = made.robot.links.size();
   std::string text = fmt::format(
-      "approximated the geometry of {} {} by {} {}, which stick out by up to {:.3f} m", links,
+      "approximated the geometry of {} {} by {} {} that stick out by up to {:.3f} m", links,
       links == 1 ? "link" : "links", spheres, spheres == 1 ? "sphere" : "spheres", worst);
   const auto known = static_cast<std::size_t>(made.found + made.stored);
   if (made.found > 0) text += fmt::format("; {} from the cache {}", made.found, cache.directory());
@@ -267,7 +250,7 @@ Result<RobotSpheres> approximate_robot(Robot::Parts parts, const SphereSettings&
 
 namespace {
 
-/// Without an SRDF only what is adjacent, or cannot be apart, may touch.
+/// The pairs that may touch if there is no SRDF: adjacent ones and those that are never apart.
 Result<std::vector<std::pair<std::string, std::string>>> derive_pairs(const Robot::Parts& parts) {
   return derive_allowed_pairs(parts).map([](const std::vector<AllowedPair>& allowed) {
     std::vector<std::pair<std::string, std::string>> pairs;
@@ -279,19 +262,19 @@ Result<std::vector<std::pair<std::string, std::string>>> derive_pairs(const Robo
   });
 }
 
-/// A robot without collision geometry passes through everything: mostly a URDF with <visual> alone.
+/// A warning if the group moves no collision geometry: mostly a URDF with <visual> alone.
 std::vector<std::string> describe_missing_shapes(const Robot& robot) {
   const std::vector<bool> is_moving = internal::find_moving_links(robot);
   for (std::size_t i = 0; i < is_moving.size(); ++i) {
     if (is_moving[i] && internal::has_shapes(robot.links()[i])) return {};
   }
   return {
-      fmt::format("no link that the group moves has collision geometry: robot {} touches "
-                  "nothing; expected <collision> elements in its URDF",
+      fmt::format("no link that the group of robot {} moves has collision geometry, so that no "
+                  "contact is found; expected <collision> elements in its URDF",
                   robot.name())};
 }
 
-/// make_robot, with pairs that no configuration parts allowed, because nothing would be valid.
+/// make_robot() that also allows inseparable pairs: no configuration would be valid otherwise.
 Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options) {
   auto robot = make_robot(parts, options);
   if (!robot) return robot;
@@ -302,9 +285,9 @@ Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options) {
   RobotOptions allowing = options;
   for (const auto& pair : inseparable) {
     allowing.allowed_pairs.push_back(pair);
-    parts.warnings.push_back(fmt::format(
-        "links '{}' and '{}' touch in every configuration; they are not checked against each other",
-        pair.first, pair.second));
+    parts.warnings.push_back(
+        fmt::format("links '{}' and '{}' touch in every configuration; this pair is not checked",
+                    pair.first, pair.second));
   }
   return make_robot(std::move(parts), allowing);
 }
@@ -317,22 +300,22 @@ Result<ApproximatedRobot> load_approximated_robot(const std::string& path,
                                                   const SphereProgress& on_approximated) {
   MNEME_TRY(internal::check_ranges(settings));
   Robot::Parts parts = MNEME_TRY(read_robot(path, options));
-  const auto named = [&](const Error& error) {
+  const auto with_path = [&](const Error& error) {
     return Error{error.code, fmt::format("{}: {}", path, error.message)};
   };
   const auto has_solids = [](const Link& link) { return !link.solids.empty(); };
   std::vector<std::string> notes;
   if (std::ranges::any_of(parts.links, has_solids)) {
-    RobotSpheres made =
-        MNEME_TRY(approximate_robot(std::move(parts), settings, on_approximated).map_error(named));
+    RobotSpheres made = MNEME_TRY(
+        approximate_robot(std::move(parts), settings, on_approximated).map_error(with_path));
     notes = std::move(made.notes);
     parts = std::move(made.parts);
     if (!parts.allowed_pairs) {
-      auto pairs = MNEME_TRY(derive_pairs(parts).map_error(named));
+      auto pairs = MNEME_TRY(derive_pairs(parts).map_error(with_path));
       parts.allowed_pairs = std::move(pairs);
     }
   }
-  Robot robot = MNEME_TRY(make_usable(std::move(parts), options).map_error(named));
+  Robot robot = MNEME_TRY(make_usable(std::move(parts), options).map_error(with_path));
   return ApproximatedRobot{std::move(robot), std::move(notes)};
 }
 

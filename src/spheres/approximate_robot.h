@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Sphere approximations of all links of a robot, from the cache in the user's directory where
-/// possible.
+/// Sphere approximations of all links of a robot, with a cache in the user's directory.
 #pragma once
 
 #include "mneme/spheres.h"
@@ -16,20 +15,20 @@
 
 namespace mneme::internal {
 
-/// 32 hexadecimal digits over surface, settings and the version of the algorithm.
+/// Returns a hash of 32 hexadecimal digits of surface, settings and version of the algorithm.
 [[nodiscard]] std::string sphere_key(const TriangleMesh& surface, const SphereSettings& settings);
 
-/// A directory with one file per link. Several programs may use it at a time.
+/// A directory with one file per link. Several programs may use it at the same time.
 class SphereCache {
  public:
-  /// In an empty `directory` nothing is found or stored.
+  /// An empty `directory` is no cache: nothing is found or stored.
   explicit SphereCache(std::string directory) : directory_(std::move(directory)) {}
 
   [[nodiscard]] const std::string& directory() const { return directory_; }
-  /// The spheres that were stored under `key`, without the link's name; nothing if there is none or
-  /// its file is damaged.
+  /// Returns the spheres stored under `key`, without the link's name. Nothing if there are none or
+  /// the file is damaged.
   [[nodiscard]] std::optional<LinkSpheres> find(const std::string& key) const;
-  /// True if it was written, as a whole.
+  /// Returns true if the file was written.
   bool store(const std::string& key, const LinkSpheres& spheres) const;
 
  private:
@@ -50,11 +49,11 @@ struct CachedSurface {
 
 struct CachedSpheres {
   RobotSpheres robot;
-  int found = 0;   ///< links that were in the cache
-  int stored = 0;  ///< links that were made and are in the cache now
+  int found = 0;   ///< number of links read from the cache
+  int stored = 0;  ///< number of links computed and stored in the cache
 };
 
-/// For each link whether it is one of an arm's fingers or last three links.
+/// Returns for each link true if it is one of an arm's fingers or last three links.
 [[nodiscard]] std::vector<bool> find_arm_ends(const Robot::Parts& parts);
 
 /// approximate_robot with this cache.
@@ -63,8 +62,8 @@ struct CachedSpheres {
                                                       const SphereCache& cache,
                                                       const SphereProgress& on_approximated = {});
 
-/// The checked pairs of links that touch in each of many random configurations: no configuration
-/// would be valid. Costs a few configurations where there are none.
+/// Returns the checked pairs of links that touch in each of 1000 random configurations, so that no
+/// configuration would be valid. Cost: a few configurations if there are none.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> find_inseparable_pairs(
     const Robot& robot);
 

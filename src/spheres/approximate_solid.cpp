@@ -21,16 +21,16 @@ namespace mneme::internal {
 namespace {
 
 constexpr int kPointsPerSphere = 400;
-/// Rounding must not make a point on the skin of a sphere that just reaches it bare.
+/// Metres; rounding must not exclude a point on a sphere's surface.
 constexpr double kTolerance = 1e-9;
 
-bool is_held(const Vec3& point, std::span<const Sphere> spheres) {
+bool is_covered(const Vec3& point, std::span<const Sphere> spheres) {
   return std::ranges::any_of(spheres, [&](const Sphere& sphere) {
     return (point - sphere.center).norm() <= sphere.radius + kTolerance;
   });
 }
 
-/// Points that are spread evenly over the unit sphere along a spiral.
+/// Point `index` of `count` that a spiral spreads evenly over the unit sphere.
 Vec3 spiral_point(int index, int count) {
   const double golden_angle = std::numbers::pi * (3 - std::sqrt(5.0));
   const double z = 1 - (2 * index + 1.0) / count;
@@ -74,7 +74,7 @@ std::vector<Vec3> sample_near_surface(const SolidModel& solid) {
 double uncovered_fraction(std::span<const Vec3> points, std::span<const Sphere> spheres) {
   if (points.empty()) return 0;
   const auto bare =
-      std::ranges::count_if(points, [&](const Vec3& p) { return !is_held(p, spheres); });
+      std::ranges::count_if(points, [&](const Vec3& p) { return !is_covered(p, spheres); });
   return static_cast<double>(bare) / static_cast<double>(points.size());
 }
 
@@ -86,7 +86,7 @@ Excess measure_excess(std::span<const Sphere> spheres, const SolidModel& solid) 
     for (int i = 0; i < kPointsPerSphere; ++i) {
       const Vec3 point = spheres[s].center + spheres[s].radius * spiral_point(i, kPointsPerSphere);
       const bool is_hidden =
-          is_held(point, spheres.first(s)) || is_held(point, spheres.subspan(s + 1));
+          is_covered(point, spheres.first(s)) || is_covered(point, spheres.subspan(s + 1));
       if (is_hidden) continue;
       const double outside = std::max(0.0, -solid.depth(point));
       area += share;
@@ -102,7 +102,7 @@ namespace {
 
 constexpr double kRelativeExcess = 0.4;
 constexpr double kLeastExcess = 0.005;
-/// Pieces per surface: fewer make spheres overlap more than they must, more take time.
+/// Number of pieces per surface: fewer make spheres overlap more, more take time.
 constexpr double kFewestPieces = 800;
 constexpr double kMostPieces = 20000;
 constexpr double kFewestAlong = 100;
@@ -127,13 +127,12 @@ double piece_size(const TriangleMesh& mesh, double excess) {
   return std::clamp(0.5 * excess, std::sqrt(area / kMostPieces), most);
 }
 
-/// One surface, approximated again and again with different excesses.
+/// Approximates one surface with different excesses.
 class SurfaceFitter {
  public:
   explicit SurfaceFitter(const TriangleMesh& mesh)
       : mesh_(mesh), solid_(mesh), medial_balls_(solid_.medial_balls()) {}
 
-  /// Few spheres that stick out by at most `excess`.
   [[nodiscard]] std::vector<Sphere> fit(double excess, std::int64_t effort) {
     elements_ = make_elements(mesh_, solid_, piece_size(mesh_, excess));
     Rng rng(1);
@@ -141,7 +140,7 @@ class SurfaceFitter {
                           effort, rng);
   }
 
-  /// The least excess above `least`, roughly, with which `count` spheres suffice.
+  /// Returns roughly the least excess above `least` for which `count` spheres suffice.
   [[nodiscard]] double find_excess(double least, std::size_t count) {
     double low = least;
     double high = 2 * least;
@@ -168,15 +167,15 @@ class SurfaceFitter {
   std::vector<Element> elements_;
 };
 
-/// On round numbers, without leaving anything bare.
+/// The sphere on round numbers, still containing the given one.
 Sphere rounded(const Sphere& sphere) {
   const Vec3 center = (sphere.center * kStepsPerMetre).array().round() / kStepsPerMetre;
   const double radius = sphere.radius + (center - sphere.center).norm();
   return {center, std::ceil(radius * kStepsPerMetre) / kStepsPerMetre};
 }
 
-/// Grows the sphere that is nearest to each bare point.
-void reach_all(std::span<const Vec3> points, std::vector<Sphere>& spheres) {
+/// Grows the sphere nearest to each uncovered point until it contains the point.
+void cover_points(std::span<const Vec3> points, std::vector<Sphere>& spheres) {
   const auto gap = [](const Vec3& p, const Sphere& s) { return (p - s.center).norm() - s.radius; };
   for (const Vec3& p : points) {
     const auto nearest =
@@ -198,7 +197,7 @@ LinkSpheres approximate_solid(const TriangleMesh& mesh, const SphereSettings& se
     result.spheres = fitter.fit(fitter.find_excess(wanted, most), kFinalEffort);
   }
   result.spheres = fitter.finish(std::move(result.spheres));
-  reach_all(sample_near_surface(fitter.solid()), result.spheres);
+  cover_points(sample_near_surface(fitter.solid()), result.spheres);
   for (Sphere& sphere : result.spheres) sphere = rounded(sphere);
   result.uncovered = uncovered_fraction(sample_surface(mesh, kSurfaceSamples), result.spheres);
   const Excess measured = measure_excess(result.spheres, fitter.solid());

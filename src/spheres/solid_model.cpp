@@ -11,16 +11,16 @@
 namespace mneme::internal {
 namespace {
 
-/// Voxels in the bounding box: enough for a few across thin parts, few enough for some tenths of a
-/// second.
+/// Number of voxels in the bounding box: a few across thin parts, at a cost of tenths of a second.
 constexpr double kVoxelCount = 60000;
 constexpr int kPadding = 2;
 
 constexpr std::array<std::array<int, 3>, 6> kNeighbours = {
     {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}}};
 
-/// A ball lies within its neighbour's if that grows by the step between them. The direction in
-/// which balls grow fastest is up to 27 degrees from that of a step.
+/// A ball is dropped if the neighbour's radius is larger by this fraction of the step between them;
+/// with 1 it lies within that ball. Less than 1, because the depth grows fastest in a direction up
+/// to 27 degrees from that of a step.
 constexpr double kGrowth = 0.85;
 
 std::vector<std::array<int, 3>> all_neighbours() {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The inside of a link: which points its surface encloses, and how deep they lie.
+/// The inside of a link: points that its surface encloses, and their depth.
 #pragma once
 
 #include "spheres/triangle_mesh.h"
@@ -12,27 +12,28 @@
 
 namespace mneme::internal {
 
-/// The solid that a surface encloses: all that cannot be reached from outside on a grid without
-/// touching the surface, so that parts that overlap and inner walls do no harm; and all that lines
-/// through it say lies within, so that a tube without caps is full. Const and parallel-safe.
+/// The solid that a surface encloses. Inside is what cannot be reached from outside on a grid
+/// without touching the surface: overlapping parts and inner walls do no harm. For surfaces with a
+/// rim, points that lines through them prove enclosed are inside, too: a tube without caps is full.
+/// Const is parallel-safe.
 class SolidModel {
  public:
   explicit SolidModel(const TriangleMesh& mesh);
 
   [[nodiscard]] bool contains(const Vec3& point) const;
-  /// Distance to the outer surface: positive inside, negative outside. Inner walls do not count.
+  /// Returns the distance to the outer surface, positive inside. Inner walls do not count.
   [[nodiscard]] double depth(const Vec3& point) const;
 
-  /// Edge of the grid's voxels, metres.
+  /// Edge length of the grid's voxels, metres.
   [[nodiscard]] double voxel_size() const { return voxel_size_; }
-  /// Centres of the voxels that lie inside; `is_whole` if no surface runs through the voxel.
+  /// A voxel whose centre is inside; `is_whole` if no surface runs through it.
   struct Voxel {
     Vec3 center;
     bool is_whole = false;
   };
   [[nodiscard]] const std::vector<Voxel>& inner_voxels() const { return inner_voxels_; }
-  /// The largest balls inside about voxels near the medial axis: the ball about any other voxel
-  /// lies, except for rounding to the grid, within one of these.
+  /// Returns the largest inner balls around voxels near the medial axis. The largest ball around
+  /// any other voxel lies within one of them, except for rounding to the grid.
   [[nodiscard]] std::vector<Sphere> medial_balls() const;
 
  private:

@@ -32,7 +32,7 @@ Sphere bound(std::span<const Sphere> balls) {
   return result;
 }
 
-/// True if the sphere about the same centre that is smaller by `margin` holds the point.
+/// True if the sphere, smaller by `margin`, contains the point.
 bool holds(const Sphere& sphere, const Vec3& point, double margin) {
   const double reach = sphere.radius - margin;
   return reach >= 0 && (point - sphere.center).squaredNorm() <= reach * reach;
@@ -94,8 +94,8 @@ namespace {
 
 using Indices = std::vector<int>;
 
-/// The state of the search: which proposals are chosen, and how many of them hold each piece. A
-/// step costs what it changes.
+/// The state of the search: the chosen proposals, and how many of them contain each piece. The cost
+/// of a step is the number of entries that it changes.
 class SphereSearch {
  public:
   SphereSearch(std::vector<Sphere> proposals, std::span<const Element> elements, Rng& rng)
@@ -129,7 +129,7 @@ class SphereSearch {
   }
 
  private:
-  /// A piece that no proposal holds gets one of its own.
+  /// A piece that no proposal contains becomes a proposal.
   void find_holders(std::span<const Element> elements) {
     const auto count = static_cast<Eigen::Index>(proposals_.size());
     Eigen::Array<double, Eigen::Dynamic, 4> rows(count, 4);
@@ -182,7 +182,7 @@ class SphereSearch {
     bare_.clear();
   }
 
-  /// A random sphere and its nearest neighbours.
+  /// Discards a random sphere and its nearest neighbours.
   void take_some_away() {
     const auto pick = rng_.index(static_cast<std::uint32_t>(chosen_.size()));
     const Vec3 center = proposals_[as_index(chosen_[pick])].center;
@@ -196,7 +196,8 @@ class SphereSearch {
     for (std::size_t i = count; i > 0; --i) discard(i - 1);
   }
 
-  /// Chooses what holds most bare pieces until none is bare; gains vary by the fraction `noise`.
+  /// Chooses proposals with the largest gain until no piece is bare. Gains vary by the fraction
+  /// `noise`.
   void cover_bare(double noise) {
     Indices useful;
     for (const int e : bare_) {
@@ -218,7 +219,7 @@ class SphereSearch {
     }
   }
 
-  /// Drops proposals without any gain.
+  /// Returns the proposal with the largest gain. Drops those without any from `useful`.
   [[nodiscard]] int most_useful(Indices& useful, double noise) {
     steps_ += std::ssize(useful);
     int best = -1;
@@ -244,13 +245,13 @@ class SphereSearch {
   }
 
   std::vector<Sphere> proposals_;
-  std::vector<Indices> holders_;  ///< of each piece
-  std::vector<Indices> held_;     ///< by each proposal
-  Indices counts_;                ///< chosen holders of each piece
-  Indices gains_;                 ///< bare pieces that each proposal would hold; 0 between steps
+  std::vector<Indices> holders_;  ///< per piece the proposals that contain it
+  std::vector<Indices> held_;     ///< per proposal the pieces that it contains
+  Indices counts_;                ///< per piece the number of chosen holders
+  Indices gains_;                 ///< per proposal the number of bare pieces in it; 0 between steps
   Indices chosen_;
-  std::vector<bool> is_marked_;  ///< of the proposals, while some are restored
-  Indices bare_;                 ///< pieces
+  std::vector<bool> is_marked_;  ///< per proposal; used by restore()
+  Indices bare_;                 ///< pieces that no chosen proposal contains
   std::int64_t steps_ = 0;
   Rng& rng_;
 };
@@ -258,7 +259,7 @@ class SphereSearch {
 constexpr std::size_t kMostProposals = 8000;
 constexpr std::size_t kMostSurfaceProposals = 500;
 
-/// `count` of `items`, in their order.
+/// Returns `count` random `items`.
 template <class T>
 std::vector<T> thin_out(std::vector<T> items, std::size_t count, Rng& rng) {
   for (std::size_t i = 0; i < count && count < items.size(); ++i) {
@@ -300,14 +301,14 @@ using Pieces = std::vector<const Element*>;
 double reach_from(const Vec3& center, const Pieces& pieces) {
   double reach = 0;
   for (const Element* piece : pieces) {
-    // The ball around a piece tells most of those apart that are not the farthest.
+    // The bounding ball rules out most pieces that are not the farthest.
     if ((piece->bound.center - center).norm() + piece->bound.radius <= reach) continue;
     reach = std::max(reach, piece->reach_from(center));
   }
   return reach;
 }
 
-/// Each piece goes to the sphere that holds it with most room to spare.
+/// Assigns each piece to the sphere that contains it with most room to spare.
 std::vector<Pieces> share_out(std::span<const Sphere> spheres, std::span<const Element> elements) {
   std::vector<Pieces> shares(spheres.size());
   for (const Element& element : elements) {
@@ -326,7 +327,7 @@ std::vector<Pieces> share_out(std::span<const Sphere> spheres, std::span<const E
   return shares;
 }
 
-/// Descends along the axes from `center` with shrinking steps.
+/// Minimizes how far the sphere sticks out: descends along the axes with shrinking steps.
 Sphere fit(const Vec3& start, const Pieces& pieces, const SolidModel& solid) {
   const auto rate = [&](const Vec3& center) {
     return reach_from(center, pieces) - solid.depth(center);

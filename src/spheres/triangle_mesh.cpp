@@ -103,7 +103,7 @@ double surface_area(const TriangleMesh& mesh) {
 
 namespace {
 
-/// Metres. The search for few spheres takes the longer the more they must stick out.
+/// Metres. The search for few spheres takes longer, the more they must stick out.
 constexpr double kLongest = 30;
 
 struct Triangulate {

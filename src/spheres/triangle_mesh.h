@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Surfaces as triangles: what every solid is turned into before it is approximated.
+/// Surfaces as triangles: every solid becomes one before it is approximated.
 #pragma once
 
 #include "mneme/robot.h"
@@ -14,20 +14,19 @@ namespace mneme::internal {
 using TriangleMesh = std::vector<Triangle>;
 
 [[nodiscard]] TriangleMesh triangulate(const Box& box);
-/// The cylinder lies in the prism that this is, and touches each of its sides.
+/// Returns a prism that contains the cylinder and touches it with each side.
 [[nodiscard]] TriangleMesh triangulate(const Cylinder& cylinder);
 
-/// True if every edge is shared by as many triangles in one direction as in the other, so that the
-/// surface has no rim.
+/// Returns true if the surface has no rim: each edge has equally many triangles in both directions.
 [[nodiscard]] bool is_closed(const TriangleMesh& mesh);
 
-/// The same surface as triangles without an edge longer than `length`.
+/// Returns the same surface as triangles with edges of at most `length`.
 [[nodiscard]] TriangleMesh subdivide(const TriangleMesh& mesh, double length);
 
 [[nodiscard]] double surface_area(const TriangleMesh& mesh);
 
-/// The triangles of all solids of `link`, in its frame. Errors name the link, and the mesh file if
-/// that is wrong (read_triangles()); solids that are not finite or have no surface.
+/// Returns the triangles of all solids of `link`, in its frame. Errors name the link: a mesh file
+/// that cannot be used (also named), solids that are not finite or have no surface.
 [[nodiscard]] Result<TriangleMesh> link_surface(const Link& link);
 /// The same of the meshes of an object, in files and among its shapes.
 [[nodiscard]] Result<TriangleMesh> mesh_surface(const AttachedObject& object);
