@@ -58,7 +58,7 @@ class AttachedReader {
     std::string name = input.text();
     if (name.empty()) input.fail_expecting("a name");
     if (links_.contains(name) || !names_.insert(name).second) {
-      input.fail(ErrorCode::invalid, "expected a name of its own, got \"{}\", which names {}", name,
+      input.fail(ErrorCode::invalid, "expected a unique name, got \"{}\", which names {}", name,
                  links_.contains(name) ? "a link" : "another attached object");
     }
     return name;

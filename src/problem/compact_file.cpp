@@ -36,7 +36,6 @@ std::vector<std::string> first_names(std::vector<std::string> names) {
   return names;
 }
 
-/// The position of the problem that is called `name`.
 std::size_t find_problem(const std::vector<std::string>& names, const CompactAddress& address) {
   const auto refuse = [&](ErrorCode code, const std::string& what) {
     throw InputFailure{{code, fmt::format("{}: {}", address.path, what)}};
@@ -74,7 +73,7 @@ Scene read_compact_scene(const Input& problem, const std::string& name) {
   return scene.take(name);
 }
 
-/// One problem of a file, which this must outlive.
+/// One problem of a file, which must outlive it.
 struct CompactProblem {
   Input header;
   Input problem;

@@ -23,9 +23,7 @@ Configuration read_joint_map(const Input& input, const Robot& robot) {
   for (const auto& [name, value] : input.entries()) {
     const auto joint = std::ranges::find(names, name) - names.begin();
     if (joint == std::ssize(names)) {
-      value.fail(ErrorCode::invalid,
-                 "expected a joint of the planning group ({}), got "
-                 "\"{}\"",
+      value.fail(ErrorCode::invalid, "expected a joint of the planning group ({}), got \"{}\"",
                  fmt::join(names, ", "), name);
     }
     q[as_index(joint)] = value.number();
@@ -62,7 +60,8 @@ Axis read_axis(const Input& input) {
   return *axis;
 }
 
-/// `goal`, whose pose is in a frame whose pose is `X_RF` unless it names another.
+/// Returns the goal with its pose, in its own frame or in the frame at `X_RF`, converted to the
+/// root link's.
 PoseGoal placed(const Input& place, PoseGoal goal, const Transform& X_RF, const Problem& problem) {
   if (goal.frame.empty()) {
     goal.pose = X_RF * goal.pose;
@@ -94,7 +93,7 @@ PoseGoal read_pose_goal(const Input& input, const Transform& X_RF, const Problem
   for (const auto& [key, angle] : {std::pair("cone", &goal.cone), std::pair("turn", &goal.turn)}) {
     const auto tolerance = input.find(key);
     if (!tolerance) continue;
-    if (!quaternion) tolerance->fail(ErrorCode::parse, "expected quat_xyzw beside it, got none");
+    if (!quaternion) tolerance->fail(ErrorCode::parse, "expected the key quat_xyzw, too");
     *angle = read_angle(*tolerance);
   }
   return goal;
@@ -197,7 +196,7 @@ namespace {
 
 using internal::as_index;
 
-/// The axes of a frame whose z axis is `axis` of `rotation`.
+/// Permutes the columns of `rotation` so that `axis` becomes the last.
 Eigen::Matrix3d along_axis(const Eigen::Matrix3d& rotation, Axis axis) {
   Eigen::Matrix3d permuted;
   for (int k = 0; k < 3; ++k) permuted.col(k) = rotation.col((static_cast<int>(axis) + 1 + k) % 3);
@@ -231,7 +230,7 @@ PoseError pose_error(const Robot& robot, const PoseGoal& goal, std::span<const d
   const Transform X_RL = robot.link_poses(q)[as_index(*robot.find_link(goal.link))];
   const Vec3 off = goal.pose.inverse() * X_RL.translation;
   const Vec3 beyond = (off.cwiseAbs() - goal.position_tolerance).cwiseMax(0);
-  // The rotation that is left, as one that leans the axis after one about it.
+  // The remaining rotation, as a lean of the axis after a turn about it.
   const Eigen::Matrix3d left =
       along_axis(goal.pose.rotation, goal.axis).transpose() * along_axis(X_RL.rotation, goal.axis);
   const double lean = std::atan2(std::hypot(left(0, 2), left(1, 2)), left(2, 2));
@@ -247,7 +246,8 @@ Result<PoseGoal> in_root_frame(PoseGoal goal, const Robot& robot, std::span<cons
                 goal.frame);
   }
   if (const auto violation = robot.describe_violation(q, "start")) {
-    return fail(ErrorCode::invalid, "link \"{}\" is nowhere: {}", goal.frame, *violation);
+    return fail(ErrorCode::invalid, "the pose of link \"{}\" is unknown: {}", goal.frame,
+                *violation);
   }
   goal.pose = robot.link_poses(q)[as_index(*link)] * goal.pose;
   goal.frame.clear();
@@ -260,7 +260,7 @@ std::optional<std::string> describe_fault(const Robot& robot, const PoseGoal& go
     return fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), goal.link);
   }
   if (!internal::find_moving_links(robot)[as_index(*link)]) {
-    return fmt::format("no joint that is planned for moves link \"{}\"", goal.link);
+    return fmt::format("no joint of the planning group moves link \"{}\"", goal.link);
   }
   if (!goal.frame.empty()) {
     return fmt::format("expected a pose in the root link's frame, got one in that of link \"{}\"",
@@ -271,7 +271,7 @@ std::optional<std::string> describe_fault(const Robot& robot, const PoseGoal& go
     return fmt::format("expected a pose of link \"{}\" of finite numbers", goal.link);
   }
   if (!(rotation.transpose() * rotation).isIdentity(1e-6) || rotation.determinant() < 0) {
-    return fmt::format("the rotation of link \"{}\" is none: expected orthonormal columns",
+    return fmt::format("the rotation for link \"{}\" is invalid: expected orthonormal columns",
                        goal.link);
   }
   if (!(goal.position_tolerance.minCoeff() >= 0) || !goal.position_tolerance.allFinite()) {

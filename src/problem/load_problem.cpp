@@ -18,18 +18,18 @@ namespace {
 
 using internal::Input;
 
-/// A robot is what people try first.
+/// People try their robot's URDF first.
 void refuse_xml(std::string_view text, const std::string& path) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string_view::npos || text[begin] != '<') return;
   internal::throw_failure(
       ErrorCode::invalid,
-      "{}: this is XML, such as a robot's URDF; expected a problem: a YAML file "
-      "that names robot, scene, start and goal",
+      "{}: this is XML, such as a robot's URDF; expected a problem: a YAML file with robot, scene, "
+      "start and goal",
       path);
 }
 
-/// A file that holds what a scene does, where a problem names its scene.
+/// Refuses keys of a scene where a problem has its key `scene`.
 void refuse_scene(const Input& input) {
   if (input.find("scene")) return;
   for (const char* key : {"obstacles", "circles"}) {
@@ -40,7 +40,7 @@ void refuse_scene(const Input& input) {
                   "expected it in the problem's scene, as in `scene: {{{}: ..}}`", key);
     }
     input.fail(ErrorCode::invalid,
-               "this is a scene; expected a problem, which names robot, scene, start and goal");
+               "this is a scene; expected a problem with robot, scene, start and goal");
   }
 }
 

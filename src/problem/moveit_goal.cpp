@@ -15,9 +15,9 @@
 namespace mneme::internal {
 namespace {
 
-/// Metres: wherever a robot reaches.
+/// Metres: beyond any robot's reach.
 constexpr double kAnywhere = 1e3;
-/// Factor on a cone so that no rotation vector within it is too long, for any turn.
+/// Factor on a cone, so that rotation vectors within it keep their tolerance, for any turn.
 constexpr double kRotationVectorShare = 2 / std::numbers::pi;
 
 std::optional<Input> only_constraint(const Input& goal, std::string_view key) {
@@ -29,11 +29,11 @@ std::optional<Input> only_constraint(const Input& goal, std::string_view key) {
   return constraints.empty() ? std::nullopt : std::optional(constraints.front());
 }
 
-/// A solid to stand in, centred at its pose.
+/// A box of positions, centred at its pose.
 struct Region {
   Transform X_RB;
   Vec3 half_extents;
-  bool is_cube = false;  ///< within a ball, however it is turned
+  bool is_cube = false;  ///< in a sphere: any orientation will do
 };
 
 Region read_region(const Input& constraint, const Transform& X_RF) {
@@ -65,7 +65,7 @@ void read_position(const Input& constraint, const Transform& X_RF, PoseGoal& goa
         offset->entries(), [](const auto& entry) { return entry.second.finite_number() == 0; });
     if (!is_zero) {
       offset->fail(ErrorCode::unsupported,
-                   "expected no offset: the link's origin is what is placed");
+                   "expected no offset, because the region is for the link's origin");
     }
   }
   const Region region = read_region(constraint, X_RF);
@@ -81,8 +81,8 @@ void read_position(const Input& constraint, const Transform& X_RF, PoseGoal& goa
   }
 }
 
-/// For angles about x, y and z, one after the other: a turn about y makes leaning grow in the two
-/// others, and beyond a quarter turn flips them.
+/// For Euler angles x, y, z with the free turn about y: it enlarges the lean in the two others, and
+/// flips them beyond a quarter turn.
 void narrow_about_middle_axis(PoseGoal& goal) {
   constexpr double kWidest = 1.4;
   goal.turn = std::min(goal.turn, kWidest);
@@ -112,7 +112,7 @@ void read_orientation(const Input& constraint, const Transform& X_RF, PoseGoal& 
   const bool is_vector = vector && vector->number() == 1;
   if (is_vector) goal.cone *= kRotationVectorShare;
   if (!is_vector && goal.axis == Axis::y) narrow_about_middle_axis(goal);
-  // Leaning turns the angles about the axis, too, a little.
+  // A lean changes the angle about the axis slightly.
   if (goal.turn < std::numbers::pi)
     goal.turn = std::max(0.0, goal.turn - goal.cone * goal.cone / 2);
 }
@@ -154,7 +154,7 @@ OrientationConstraint read_moveit_path_constraint(const Input& constraint,
   if (region.turn < std::numbers::pi) {
     constraint.fail(ErrorCode::unsupported,
                     "expected a path constraint with a tolerance of pi about one axis, "
-                    "got {:.5g} at most: only leaning is limited",
+                    "got {:.5g} at most",
                     region.turn);
   }
   OrientationConstraint result;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view kRequest = "request";
 
-/// A goal may repeat where a joint stands that is not planned for.
+/// Radians or metres by which a goal may differ from the start for a joint outside the group.
 constexpr double kSamePosition = 1e-5;
 
 bool has_joint(const Robot& robot, const std::string& name) {
@@ -37,16 +37,15 @@ Configuration positions_of_group(const Robot& robot, const std::map<std::string,
     const auto position = positions.find(robot.group_joint(i).name);
     if (position == positions.end()) {
       place.fail(ErrorCode::invalid,
-                 "expected a {} position of joint {}, which is "
-                 "planned for; there is none",
-                 what, robot.group_joint(i).name);
+                 "expected a {} position of joint {} of the planning group, got none", what,
+                 robot.group_joint(i).name);
     }
     q.push_back(position->second);
   }
   return q;
 }
 
-/// The middles of what is allowed, within limits where these allow some of it.
+/// The middle of each range, clamped to the joint's limits if the two overlap.
 std::map<std::string, double> middles_of(const std::map<std::string, JointRange>& ranges,
                                          const Robot& robot) {
   std::map<std::string, double> middles;
@@ -106,8 +105,7 @@ class MoveitReader {
     if (!overrides_.robot_path.empty()) return overrides_.robot_path;
     if (scene_.robot_name.empty()) {
       scene_input_.fail(ErrorCode::parse,
-                        "expected the key robot_model_name, or a robot that is "
-                        "given beside the problem");
+                        "expected the key robot_model_name, or a robot given with the problem");
     }
     return scene_input_.at("robot_model_name").take(find_robot(scene_.robot_name));
   }
@@ -117,7 +115,6 @@ class MoveitReader {
     return load_problem_robot(find_path(), options_, overrides_);
   }
 
-  /// The objects that are not attached.
   Scene place_scene(const Robot& robot, const MoveitFrames& frames) const {
     Scene scene = place_objects(scene_, frames, [&](const std::string& name, const Input& place) {
       return find_fixed_link(robot, name, place);
@@ -130,7 +127,7 @@ class MoveitReader {
     return scene;
   }
 
-  /// Without their shapes, which need the robot's start.
+  /// Attached objects without shapes, which need the robot's start.
   std::vector<AttachedObject> name_attached(ProblemRobot& robot) const {
     std::vector<AttachedObject> objects;
     const auto has_link = [&](const std::string& name) {
@@ -141,7 +138,7 @@ class MoveitReader {
       if (!has_link(attached.link) || has_link(name)) {
         attached.object.place.fail(
             ErrorCode::invalid,
-            has_link(name) ? fmt::format("expected a name of its own, got \"{}\", a link", name)
+            has_link(name) ? fmt::format("expected a unique name, got \"{}\", a link", name)
                            : fmt::format("expected a link of robot {} to carry \"{}\", got \"{}\"",
                                          robot.robot.name(), name, attached.link));
       }
@@ -151,21 +148,21 @@ class MoveitReader {
           object.may_touch.push_back(link);
         } else {
           robot.warnings.push_back(attached.object.place.place(
-              fmt::format("left aside, because there is no such touch link: {}", link)));
+              fmt::format("ignored, because there is no such touch link: {}", link)));
         }
       }
     }
     return objects;
   }
 
-  /// Allowed contacts and values of joints outside the group; either needs the robot anew.
+  /// Reads allowed contacts and values of joints outside the group; both need the robot anew.
   void allow_and_fix(ProblemRobot& robot, std::vector<AttachedObject>& attached, Scene& scene) {
     AllowedContacts contacts(robot.robot, attached, scene);
     std::vector<std::string> names;
     for (const Link& link : robot.robot.links()) names.push_back(link.name);
     for (const AttachedObject& object : attached) names.push_back(object.name);
     for (const Obstacle& obstacle : scene.obstacles) names.push_back(obstacle.name);
-    std::vector<std::string> left_aside = read_moveit_allowed(scene_input_, names, contacts);
+    std::vector<std::string> ignored = read_moveit_allowed(scene_input_, names, contacts);
     options_.allowed_pairs.insert(options_.allowed_pairs.end(), contacts.link_pairs().begin(),
                                   contacts.link_pairs().end());
     std::map<std::string, double> others = state_.positions;
@@ -173,10 +170,10 @@ class MoveitReader {
     if (fix_joints(robot, options_, others, request_input_) || !contacts.link_pairs().empty()) {
       robot.robot = load_problem_robot(robot.path, options_, overrides_).robot;
     }
-    std::ranges::move(left_aside, std::back_inserter(robot.warnings));
+    std::ranges::move(ignored, std::back_inserter(robot.warnings));
   }
 
-  /// Frames of links are where they are at a start, which is looked for where one is named.
+  /// Finds link poses at a start, which is computed only if a frame of a link is named.
   template <class FindStart>
   static FindLink links_at(const Robot& robot, const FindStart& find_start) {
     return [&robot, find_start](const std::string& name,
@@ -187,7 +184,7 @@ class MoveitReader {
     };
   }
 
-  /// An object stays where it is at the scene's start, seen from its link.
+  /// Sets the shapes of attached objects, in their links' frames at the scene's start.
   void pose_attached(const Robot& robot, const MoveitFrames& frames,
                      std::vector<AttachedObject>& objects) const {
     const FindLink find_pose = links_at(robot, [&](const Input&) {
@@ -197,7 +194,7 @@ class MoveitReader {
       const MoveitObject& object = shaped(state_.attached[i].object);
       if (object.plane_count > 0) {
         state_.attached[i].object.place.fail(
-            ErrorCode::unsupported, "object \"{}\": expected primitives to be carried, got a plane",
+            ErrorCode::unsupported, "object \"{}\": expected primitives to attach, got a plane",
             object.obstacle.name);
       }
       objects[i].shapes = object.obstacle.shapes;
@@ -208,7 +205,7 @@ class MoveitReader {
     }
   }
 
-  /// The object itself, or the one in the world that it names.
+  /// Returns the object, or the object of the world with its name if it has no shapes.
   const MoveitObject& shaped(const MoveitObject& object) const {
     if (!object.obstacle.shapes.empty()) return object;
     const auto found = std::ranges::find_if(scene_.objects, [&](const MoveitObject& other) {
@@ -233,12 +230,11 @@ class MoveitReader {
       const auto factor = request_input_.find_value(key);
       if (!factor) continue;
       const double share = factor->finite_number();
-      // MoveIt takes 0 for what nobody has set.
+      // In MoveIt, 0 means not set.
       if (share == 0 || share == 1) continue;
       robot.warnings.push_back(
-          factor->place(fmt::format("{} is not taken from a request: --velocity-scale and "
-                                    "--acceleration-scale say how fast a "
-                                    "trajectory is",
+          factor->place(fmt::format("{} is ignored: --velocity-scale and --acceleration-scale set "
+                                    "the speed of a trajectory",
                                     key)));
     }
   }
@@ -264,8 +260,7 @@ class MoveitReader {
     }
   }
 
-  /// Poses in the root link's frame of the frames of constraints, where they are at the start.
-  /// Refers to what it is given.
+  /// Returns poses of the constraints' frames at the start. Refers to its arguments.
   static FrameOf frames_at_start(const MoveitFrames& frames, const Problem& problem) {
     return [&frames, &problem](const Input& constraint) {
       const Robot& robot = problem.robot;
@@ -293,8 +288,8 @@ class MoveitReader {
     if (!has_joint(robot, name) || stays == state_.positions.end() ||
         std::abs(stays->second - position) > kSamePosition) {
       place.fail(ErrorCode::invalid,
-                 "expected positions of joints that are planned for, got one of {}; the "
-                 "robot is {}",
+                 "expected positions of joints of the planning group, got one of {}; the robot is "
+                 "{}",
                  name, robot.name());
     }
   }
@@ -346,8 +341,8 @@ Problem read_moveit_problem(const MoveitAddress& address, const ProblemOptions& 
   }
   if (options.made_robot) {
     request_input.fail(ErrorCode::unsupported,
-                       "a motion plan request says more about its robot, its groups and fixed "
-                       "joints; expected a robot by file or name");
+                       "a motion plan request refers to groups and fixed joints; expected a robot "
+                       "by file or name, not a loaded one");
   }
   return MoveitReader(scene_input, request_input, address, options).read();
 }

@@ -57,7 +57,6 @@ std::map<std::string, JointRange> read_goal(const Input& goal) {
   return ranges;
 }
 
-/// The orientation constraints of the path; others are refused.
 std::vector<Input> read_path_constraints(const Input& input) {
   constexpr std::string_view kSupported = "a path without constraints other than of orientation";
   std::vector<Input> constraints;
@@ -118,7 +117,7 @@ class AllowedReader {
     read_entries();
     read_defaults();
     if (unknown_.empty()) return {};
-    return {matrix_.place(fmt::format("left aside, because there is no such link or object: {}",
+    return {matrix_.place(fmt::format("ignored, because there is no such link or object: {}",
                                       fmt::join(unknown_, ", ")))};
   }
 
@@ -148,7 +147,7 @@ class AllowedReader {
     }
   }
 
-  /// A row is a list, or, as in ROS messages, a map with the list `enabled`.
+  /// A row is a list or, as in ROS messages, a map with the list `enabled`.
   std::vector<bool> read_row(const Input& row) const {
     std::vector<bool> values;
     for (const Input& value : row.is_map() ? row.at("enabled").items() : row.items()) {

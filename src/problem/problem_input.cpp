@@ -40,7 +40,7 @@ std::string find_path(const Input& input, const std::string& directory,
   return named.take(find_robot(robot));
 }
 
-/// Why the value of a joint cannot be fixed, or nothing.
+/// Returns why the value of a joint cannot be fixed, or nothing.
 std::string describe_obstruction(const Robot& robot, const std::string& name) {
   const auto joint = std::ranges::find(robot.joints(), name, &Joint::name);
   if (joint == robot.joints().end()) return "no such joint";
@@ -49,14 +49,14 @@ std::string describe_obstruction(const Robot& robot, const std::string& name) {
   return joint->type == JointType::fixed ? "a fixed joint" : "";
 }
 
-/// The value. The error of a file that cannot be read names the place that names the file.
+/// Returns the value. The error of an unreadable file has the place that names the file.
 template <class T>
 T value_named_by(const Input& place, Result<T> result) {
   if (!result && result.error().code == ErrorCode::io) return place.take(std::move(result));
   return value_or_throw(std::move(result));
 }
 
-/// load_problem_robot of what `input` names, unless `overrides` name something else.
+/// As load_problem_robot(). Errors of unreadable files have the key of `input` that names the file.
 ProblemRobot load_named_robot(const Input& input, const std::string& path,
                               const RobotOptions& options, const ProblemOptions& overrides) {
   try {
@@ -115,7 +115,7 @@ ProblemRobot read_robot(const Input& input, const std::string& directory,
     const std::string group = beside && options.group.empty() ? beside->text() : options.group;
     if (!group.empty()) {
       warnings.push_back(
-          joints->place(fmt::format("these joints are planned for, not those of group {}", group)));
+          joints->place(fmt::format("planning is for these joints; group {} is ignored", group)));
     }
   } else if (const auto group = input.find("group"); group && options.group.empty()) {
     options.group = group->text();
@@ -135,22 +135,22 @@ ProblemRobot read_robot(const Input& input, const std::string& directory,
 
 bool fix_joints(ProblemRobot& robot, RobotOptions& options,
                 const std::map<std::string, double>& values, const Input& place) {
-  std::vector<std::string> left_aside;
+  std::vector<std::string> ignored;
   bool is_changed = false;
   for (const auto& [name, value] : values) {
     const std::string obstruction = describe_obstruction(robot.robot, name);
     if (obstruction.empty()) {
       is_changed |= options.fixed_values.emplace(name, value).second;
     } else {
-      left_aside.push_back(fmt::format("{} ({})", name, obstruction));
+      ignored.push_back(fmt::format("{} ({})", name, obstruction));
     }
   }
-  if (!left_aside.empty()) {
-    const std::size_t rest = left_aside.size() - std::min(left_aside.size(), kShownJoints);
-    left_aside.resize(left_aside.size() - rest);
-    if (rest > 0) left_aside.push_back(fmt::format("and {} more", rest));
-    robot.warnings.push_back(place.place(fmt::format(
-        "left aside for robot {}: {}", robot.robot.name(), fmt::join(left_aside, ", "))));
+  if (!ignored.empty()) {
+    const std::size_t rest = ignored.size() - std::min(ignored.size(), kShownJoints);
+    ignored.resize(ignored.size() - rest);
+    if (rest > 0) ignored.push_back(fmt::format("and {} more", rest));
+    robot.warnings.push_back(place.place(
+        fmt::format("ignored for robot {}: {}", robot.robot.name(), fmt::join(ignored, ", "))));
   }
   return is_changed;
 }
@@ -253,8 +253,8 @@ std::vector<std::string> describe_fixed_contacts(const Robot& robot, const Scene
   std::vector<std::string> notes;
   for (const Contact& contact : find_fixed_contacts(robot, LinkDistances(robot), scene)) {
     notes.push_back(
-        fmt::format("link {} touches obstacle {}, and no joint of the group moves it: "
-                    "this contact is left aside",
+        fmt::format("link {} touches obstacle {}, and no joint of the group moves it: this "
+                    "contact is ignored",
                     contact.link, contact.other));
   }
   return notes;
@@ -262,7 +262,8 @@ std::vector<std::string> describe_fixed_contacts(const Robot& robot, const Scene
 
 namespace {
 
-/// Metres from the root's origin, at least; exactly where that tells more than a ball around it.
+/// Lower bound of the distance from the root's origin, metres. Exact if the bounding sphere alone
+/// does not decide whether it is beyond `far`.
 double distance_from_root(const Obstacle& obstacle, double far) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const Shape& shape : obstacle.shapes) {
@@ -274,7 +275,7 @@ double distance_from_root(const Obstacle& obstacle, double far) {
   return nearest;
 }
 
-/// Obstacles that no motion of the robot comes near: mostly a mistake of units.
+/// A warning if obstacles are far beyond the robot's reach: mostly a mistake of units.
 std::vector<std::string> describe_far_obstacles(const Robot& robot, const Scene& scene) {
   const double reach = farthest_reach(robot), far = kFarAway * reach;
   std::size_t count = 0;
@@ -296,7 +297,7 @@ std::vector<std::string> describe_far_obstacles(const Robot& robot, const Scene&
                   first, others, nearest, robot.name(), reach)};
 }
 
-/// `allow(pairs)` gives the robot anew, with pairs of links that may touch.
+/// `allow(options)` returns the robot with allowed pairs of links.
 template <class Allow>
 Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOptions& options,
                   const Allow& allow) {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Reading of problems, from problem files and compact files: the robot, what it carries and may
-/// touch, start, goals and constraints.
+/// Reads problem files and compact files: the robot, attached objects, allowed contacts, start,
+/// goals and constraints.
 #pragma once
 
 #include "mneme/problem.h"
@@ -23,10 +23,10 @@ struct ProblemRobot {
   std::string path;
   Robot robot;
   std::vector<std::string> warnings;
-  std::vector<std::string> files = {};  ///< that it was read from; the SRDF only if it was named
+  std::vector<std::string> files = {};  ///< files read; the SRDF only if it was named
 };
 
-/// A robot as these options made it.
+/// A robot and the options of its loading.
 struct CachedRobot {
   RobotOptions options;
   ProblemRobot robot;
@@ -39,41 +39,40 @@ namespace mneme {
 struct ProblemCache {
   std::string file_path;
   internal::InputValue file;
-  std::vector<internal::CachedRobot> robots;  ///< few, the latest at the end
+  std::vector<internal::CachedRobot> robots;  ///< few; the latest is the last
 };
 
 }  // namespace mneme
 
 namespace mneme::internal {
 
-/// load_approximated_robot, whose notes become warnings, or what the cache of `overrides` has of
-/// it. Of these only `cache` and `on_approximated` count. Throws InputFailure.
+/// Loads a robot by load_approximated_robot(), whose notes become warnings, or takes it from the
+/// cache. Uses `cache` and `on_approximated` of `overrides`. Throws InputFailure.
 [[nodiscard]] ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& options,
                                               const ProblemOptions& overrides);
 
-/// Reads the keys `robot`, `srdf`, `group`, `joints` and `fixed_joints` of `input`, and the robot.
-/// `options` take precedence over the keys. Paths in the keys are relative to `directory`.
-/// Throws InputFailure.
+/// Reads the robot that the keys `robot`, `srdf`, `group`, `joints` and `fixed_joints` describe.
+/// `options` take precedence over the keys, whose paths are relative to `directory`. Throws
+/// InputFailure.
 [[nodiscard]] ProblemRobot read_robot(const Input& input, const std::string& directory,
                                       const ProblemOptions& options);
 
-/// Gives the joints of `values` that can be fixed these values, unless `options` fix them already;
-/// names the others in a warning that `place` is asked to place. True if that changes the options:
-/// then the robot must be read again.
+/// Adds `values` of joints that can be fixed to `options`, unless these have a value already. A
+/// warning with `place` names the other joints. Returns true if the options have changed: then the
+/// robot must be read again.
 [[nodiscard]] bool fix_joints(ProblemRobot& robot, RobotOptions& options,
                               const std::map<std::string, double>& values, const Input& place);
 
-/// Compares the keys `links` and `joint_limits`, if they are given, with the robot. Throws
-/// InputFailure.
+/// Compares the keys `links` and `joint_limits`, if given, with the robot. Throws InputFailure.
 void check_robot_facts(const Input& input, const Robot& robot);
 
-/// Pose in the root link's frame of the link `name`; nothing if there is no such link. Throws
-/// InputFailure with `place` if the link can move against the root.
+/// Returns the pose of the link `name` in the root link's frame, or nothing if there is no such
+/// link. Throws InputFailure with `place` if the link can move against the root.
 [[nodiscard]] std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& name,
                                                        const Input& place);
 
-/// Pose in the root link's frame of the link that the key `frame` names; the identity if there is
-/// no such key. Throws InputFailure if the link can move against the root.
+/// Returns the pose of the link that the key `frame` names, in the root link's frame; the identity
+/// without the key. Throws InputFailure if the link can move against the root.
 [[nodiscard]] Transform read_frame(const Input& input, const Robot& robot);
 
 struct ProblemInput {
@@ -82,80 +81,81 @@ struct ProblemInput {
   Input problem;
   std::string name;
   std::string directory;  ///< of the file
-  Scene scene;            ///< in the frame that the header names
+  Scene scene;            ///< in the header's frame
   ObstacleSpelling spelling = kSceneSpelling;
-  std::vector<std::string> files = {};  ///< that were read, the robot's aside
+  std::vector<std::string> files = {};  ///< files read, except the robot's
 };
 
-/// The directory that paths in the file `path` are relative to.
+/// Returns the base directory of paths in the file `path`.
 [[nodiscard]] std::string directory_of(const std::string& path);
 
-/// The key `scene` of the problem file at `path`: a scene, or the path of a scene file; `files`
-/// begins with `path`. Throws InputFailure.
+/// Reads the key `scene` of the problem file at `path`: a scene or the path of a scene file.
+/// `files` begins with `path`. Throws InputFailure.
 [[nodiscard]] FramedScene read_scene_of_problem(const Input& problem, const std::string& path);
 
-/// A sentence for each obstacle and link that touch whatever the group does.
+/// Returns a sentence for each obstacle in contact with a link that the group does not move.
 [[nodiscard]] std::vector<std::string> describe_fixed_contacts(const Robot& robot,
                                                                const Scene& scene);
 
 /// Throws InputFailure.
 [[nodiscard]] Problem read_problem(const ProblemInput& input, const ProblemOptions& options);
-/// The same of a robot that is there already: the keys that describe one are not looked at, and
-/// pairs of its links in `allow` are refused.
+/// As above, with a given robot: keys that describe a robot are ignored, and pairs of its links in
+/// `allow` are refused.
 [[nodiscard]] Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
                                       const ProblemOptions& options = {});
 
-/// A list of values in the order of the group, a map from joints to values, or the name of a state
-/// of the SRDF. The count of a list and limits are a matter of planning. Throws InputFailure.
+/// Reads a list of values in the order of the group, a map from joints to values, or the name of an
+/// SRDF state. Planning checks the count of a list and the limits. Throws InputFailure.
 [[nodiscard]] Configuration read_configuration(const Input& input, const Robot& robot);
 
-/// The configuration given in the options; `what` names it in the message of the InputFailure.
+/// Returns the configuration of the options. Throws InputFailure that calls it `what`.
 [[nodiscard]] Configuration read_configuration(const GivenConfiguration& given,
                                                const std::string& what, const Robot& robot);
 
-/// Adds a goal to `problem`, whose robot and start are known: a configuration, or a map with the
-/// key `link`. Poses are in a frame whose pose is `X_RF` unless they name another. Throws
-/// InputFailure.
+/// Reads a goal, a configuration or a map with the key `link`, into `problem`, whose robot and
+/// start are known. Poses are in the frame at `X_RF` unless they name one. Throws InputFailure.
 void read_goal(const Input& input, const Transform& X_RF, Problem& problem);
 
-/// Adds `pose`, whose pose is in the root link's frame. Throws InputFailure at `place` if the robot
-/// cannot be asked for it.
+/// Adds a goal with its pose in the root link's frame. Throws InputFailure with `place` if
+/// describe_fault() finds one.
 void add_pose_goal(const Input& place, PoseGoal pose, Problem& problem);
 
-/// Gives `problem` the goals that `options` say; false if they say none. Throws InputFailure.
+/// Adds the goals of `options`. Returns false if there are none. Throws InputFailure.
 bool take_goals(const ProblemOptions& options, const Transform& X_RF, Problem& problem);
 
-/// Adds those of the key `constraints`, whose directions `up` are in a frame whose pose is `X_RF`.
-/// Throws InputFailure.
+/// Reads the key `constraints`, whose directions `up` are in the frame at `X_RF`. Throws
+/// InputFailure.
 void read_constraints(const Input& problem_input, const Transform& X_RF, Problem& problem);
-/// Adds those that `options` say. Throws InputFailure.
+/// Adds the constraints of `options`. Throws InputFailure.
 void take_constraints(const ProblemOptions& options, const Transform& X_RF, Problem& problem);
-/// Adds one, in the root link's frame. Throws InputFailure at `place` if the robot cannot keep it.
+/// Adds a constraint in the root link's frame. Throws InputFailure with `place` if describe_fault()
+/// finds one.
 void add_constraint(const Input& place, OrientationConstraint constraint, Problem& problem);
 
-/// The objects of the list `attached` of `problem`, if there is one; files are relative to
-/// `directory`. Throws InputFailure, also for links that the robot lacks and names that are taken.
+/// Reads the key `attached`, if there is one. Files are relative to `directory`. Throws
+/// InputFailure, also for links that the robot lacks and names that are taken.
 [[nodiscard]] std::vector<AttachedObject> read_attached(const Input& problem,
                                                         const ObstacleSpelling& spelling,
                                                         const std::string& directory,
                                                         const Robot& robot);
 
-/// mneme::attach. Throws InputFailure with `place`.
+/// As attach(). Throws InputFailure with `place`.
 [[nodiscard]] Robot attach_to(const Robot& robot, std::vector<AttachedObject> objects,
                               const Input& place);
 
-/// Takes each pair to where it counts: an obstacle, an attached object, or two links of the robot.
+/// Stores each allowed pair where it counts: in an obstacle, in an attached object, or as two
+/// links.
 class AllowedContacts {
  public:
   /// Refers to its arguments.
   AllowedContacts(const Robot& robot, std::vector<AttachedObject>& attached, Scene& scene)
       : robot_(robot), attached_(attached), scene_(scene) {}
 
-  /// Allows the pair. Returns what is wrong with it, or nothing. A name that a link and an obstacle
-  /// share is that of the link where it stands first, that of the obstacle where it stands second.
+  /// Allows the pair. Returns its fault, or nothing. A name that a link and an obstacle share means
+  /// the link in first place and the obstacle in second.
   [[nodiscard]] std::optional<std::string> allow(const std::string& first,
                                                  const std::string& second);
-  /// True if a link, an attached object or an obstacle has this name.
+  /// Returns true for the name of a link, an attached object or an obstacle.
   [[nodiscard]] bool knows(const std::string& name) const;
   /// The allowed pairs of two links, for RobotOptions.
   [[nodiscard]] const std::vector<std::pair<std::string, std::string>>& link_pairs() const {
@@ -172,31 +172,31 @@ class AllowedContacts {
   std::vector<std::pair<std::string, std::string>> link_pairs_;
 };
 
-/// Takes the pairs of the key `allow`, if `problem` has it. Throws InputFailure.
+/// Allows the pairs of the key `allow`, if there is one. Throws InputFailure.
 void read_allowed(const Input& problem, AllowedContacts& contacts);
 
-/// The same without a robot: pairs of an obstacle and a name that is none of the attached objects'.
-/// A name that stands first may be that of an obstacle though a link has it, too.
+/// As above, without a robot: pairs of an obstacle and any name, except names of attached objects.
+/// A name in first place may mean an obstacle although a link has it, too.
 void read_allowed(const Input& problem, Scene& scene);
 
-/// The distance in the options, otherwise that of the key `self_filter`. Throws InputFailure.
+/// Returns the distance of the options, otherwise of the key `self_filter`. Throws InputFailure.
 [[nodiscard]] std::optional<double> read_self_filter(const Input& problem,
                                                      const ProblemOptions& options);
 
-/// drop_own_points, if a distance is given and `start` is a configuration: planning refuses any
-/// other. Throws InputFailure.
+/// Calls drop_own_points(), if there is a distance. Does nothing if `start` is no configuration,
+/// which planning refuses. Throws InputFailure.
 [[nodiscard]] std::vector<std::string> filter_own_points(std::optional<double> distance,
                                                          const Robot& robot,
                                                          const Configuration& start, Scene& scene);
 
-/// FILE.json and NAME of "FILE.json#NAME"; without a file of that extension, nothing.
 struct CompactAddress {
   std::string path;
   std::string name;  ///< empty if not given
 };
+/// Splits "FILE.json#NAME" or "FILE.json". Returns nothing for other extensions.
 [[nodiscard]] std::optional<CompactAddress> split_address(const std::string& where);
 
-/// The scene of one problem, and the frame that the file names. Throws InputFailure.
+/// Reads the scene of a problem and the file's frame. Throws InputFailure.
 [[nodiscard]] FramedScene extract_compact_scene(const CompactAddress& address);
 
 /// Throws InputFailure.

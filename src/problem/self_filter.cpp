@@ -18,7 +18,7 @@ using internal::LinkDistances;
 using internal::ObstacleShape;
 using internal::PosedLinks;
 
-/// The robot where it stands.
+/// The robot at one configuration.
 class Body {
  public:
   Body(const Robot& robot, std::span<const double> q)
@@ -38,7 +38,7 @@ class Body {
   PosedLinks posed_;
 };
 
-/// How many points stay. `cloud` keeps its own if these are all or none.
+/// Removes points nearer than `distance`, unless that is all. Returns the number of the others.
 std::size_t drop_near(const Body& body, double distance, PointCloud& cloud) {
   const std::vector<CloudPoint>& all = cloud.parts->list();
   std::vector<CloudPoint> rest;
@@ -79,7 +79,7 @@ Result<std::vector<std::string>> drop_own_points(Scene& scene, const Robot& robo
     });
     if (dropped == 0) continue;
     notes.push_back(
-        fmt::format("obstacle {}: {} of {} points are nearer than {} m to the robot and left out",
+        fmt::format("obstacle {}: {} of {} points are nearer than {} m to the robot and ignored",
                     obstacle.name, dropped, total, distance));
   }
   std::erase_if(scene.obstacles, [](const Obstacle& o) { return o.shapes.empty(); });

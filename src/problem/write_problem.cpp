@@ -19,22 +19,18 @@
 namespace mneme {
 namespace {
 
-/// Joints that are not planned for and stand elsewhere than at 0.
-std::vector<Joint> fixed_joints(const Robot& robot) {
-  std::vector<Joint> fixed;
+using Json = nlohmann::ordered_json;
+
+/// Joints outside the group with a fixed value other than 0.
+Json fixed_joints_json(const Robot& robot) {
+  Json values = Json::object();
   for (int i = 0; i < static_cast<int>(robot.joints().size()); ++i) {
     const Joint& joint = robot.joints()[internal::as_index(i)];
     const bool is_planned = std::ranges::count(robot.group(), i) > 0;
-    if (!is_planned && !joint.mimic && joint.fixed_value != 0.0) fixed.push_back(joint);
+    if (!is_planned && !joint.mimic && joint.fixed_value != 0.0) {
+      values[joint.name] = joint.fixed_value;
+    }
   }
-  return fixed;
-}
-
-using Json = nlohmann::ordered_json;
-
-Json fixed_joints_json(const Robot& robot) {
-  Json values = Json::object();
-  for (const Joint& joint : fixed_joints(robot)) values[joint.name] = joint.fixed_value;
   return values;
 }
 
@@ -60,7 +56,6 @@ Json attached_json(const Robot& robot, const internal::ObstacleSpelling& spellin
   return objects;
 }
 
-/// The path of each mesh holds wherever the text is kept.
 void make_paths_absolute(Json& attached) {
   for (Json& object : attached) {
     for (Json& shape : object["shapes"]) {
@@ -104,8 +99,8 @@ Json constraints_json(const Problem& problem) {
   return constraints;
 }
 
-/// Pairs of links of the key `allow`: of a name that a link and an obstacle share, it means the
-/// link where it stands first.
+/// Pairs of links for the key `allow`. A name that a link and an obstacle share comes first, where
+/// it means the link.
 Json allowed_links_json(const Problem& problem) {
   Json pairs = Json::array();
   for (auto [first, second] : problem.allowed_pairs) {
@@ -147,7 +142,7 @@ std::string to_yaml(const Problem& problem, const std::string& robot) {
 
 namespace {
 
-/// The keys of a problem that say where obstacles are.
+/// The keys of a problem for obstacles and allowed contacts.
 Json json_of(const Scene& scene) {
   Json json = {{"obstacles", internal::obstacles_json(scene, internal::kCompactSpelling)}};
   const Json allowed = internal::allowed_json(scene);

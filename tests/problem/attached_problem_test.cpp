@@ -147,7 +147,7 @@ allow: [[arm, table], [cup, box], [base, box], [base, arm]]
     const Files files("world");
     CHECK(files.require("").warnings ==
           Names{"link world touches obstacle table, and no joint of the group moves it: this "
-                "contact is left aside"});
+                "contact is ignored"});
     CHECK(files.require("allow: [[world, table]]\n").warnings.empty());
   }
 
@@ -228,10 +228,10 @@ allow: [[arm, table], [cup, box], [table, base]]
           "p.yaml:10: key attached[0].link: expected a link of robot lifter to carry \"box\", got "
           "\"hand\"");
     CHECK(refusal("name: arm, link: finger" + ball) ==
-          "p.yaml:10: key attached[0].name: expected a name of its own, got \"arm\", which names a "
+          "p.yaml:10: key attached[0].name: expected a unique name, got \"arm\", which names a "
           "link");
     CHECK(refusal("name: box, link: arm" + ball + "}\n  - {name: box, link: finger" + ball) ==
-          "p.yaml:11: key attached[1].name: expected a name of its own, got \"box\", which names "
+          "p.yaml:11: key attached[1].name: expected a unique name, got \"box\", which names "
           "another attached object");
     CHECK(refusal("name: box, link: arm, touch: [thumb]" + ball) ==
           "p.yaml:10: key attached[0].touch[0]: expected a link of robot lifter or an attached "

@@ -188,7 +188,7 @@ TEST_SUITE("unit") {
     CHECK(
         pose("quat_xyzw: [0, 0, 0, 1], cone: -1") ==
         ":6: key goal: the region is empty: expected angles of 0 or more, got cone -1 and turn 0");
-    CHECK(pose("cone: 1") == ":6: key goal.cone: expected quat_xyzw beside it, got none");
+    CHECK(pose("cone: 1") == ":6: key goal.cone: expected the key quat_xyzw, too");
     CHECK(pose("axis: w") == ":6: key goal.axis: expected x, y or z, got \"w\"");
     CHECK(pose("quat: 1").starts_with(":6: key goal.quat: unknown key"));
     CHECK(
@@ -199,7 +199,7 @@ TEST_SUITE("unit") {
     CHECK(failure("{link: arm, frame: '', position: [0, 0, 1]}")
               .starts_with(":6: key goal.frame: expected the name of a link"));
     CHECK(failure("{link: base, position: [0, 0, 1]}") ==
-          ":6: key goal: no joint that is planned for moves link \"base\"");
+          ":6: key goal: no joint of the planning group moves link \"base\"");
     CHECK(failure("{link: arm, position: [0, 0, .nan]}").starts_with(":6: key goal.position"));
     CHECK(lifter.failure("start: [0, 0]\ngoal: {link: arm, frame: arm, position: [0, 0, 1]}\n")
               .find("there are 2 values") != std::string::npos);
@@ -223,7 +223,7 @@ TEST_SUITE("unit") {
     const Transform X_RF = robot.link_poses(q)[static_cast<std::size_t>(*robot.find_link("arm"))];
     CHECK(placed->pose.translation.isApprox(X_RF * goal.pose.translation));
     CHECK(placed->pose.rotation.isApprox(X_RF.rotation));
-    CHECK(in_root_frame(goal, robot, Configuration{0}).error().message.find("is nowhere") !=
+    CHECK(in_root_frame(goal, robot, Configuration{0}).error().message.find("is unknown") !=
           std::string::npos);
     goal.frame = "nose";
     CHECK(in_root_frame(goal, robot, q).error().message ==
@@ -370,7 +370,7 @@ TEST_SUITE("unit") {
     CHECK(failure("type: 1, dimensions: [0.2, 0.4, 0.6]", "type: 3, dimensions: [1, 1]")
               .ends_with("expected a region that is a box or a sphere"));
     CHECK(failure("{x: 0, y: 0, z: 0}", "{x: 0, y: 0, z: 0.1}")
-              .ends_with("expected no offset: the link's origin is what is placed"));
+              .ends_with("expected no offset, because the region is for the link's origin"));
     CHECK(failure("frame_id: base", "frame_id: moon").find("got \"moon\"") != std::string::npos);
     CHECK(failure("link_name: arm", "link_name: finger")
               .ends_with("expected the link of the orientation constraint, arm, got finger"));

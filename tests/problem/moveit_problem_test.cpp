@@ -132,7 +132,7 @@ TEST_SUITE("unit") {
     CHECK(allowed->cup.empty());
     REQUIRE(allowed->warnings.size() == 1);
     CHECK(allowed->warnings[0] ==
-          "f:2: key allowed_collision_matrix: left aside, because there is no such link or object: "
+          "f:2: key allowed_collision_matrix: ignored, because there is no such link or object: "
           "ghost, spirit");
   }
 
@@ -241,8 +241,7 @@ TEST_SUITE("unit") {
     const auto problem = files.load();
     REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
     REQUIRE(problem->warnings.size() == 1);
-    CHECK(problem->warnings[0].find("max_velocity_scaling_factor is not taken from a request") !=
-          std::string::npos);
+    CHECK(problem->warnings[0].find("max_velocity_scaling_factor is ignored") != std::string::npos);
   }
 
   TEST_CASE("start and goal of the caller stand for those of the request") {
@@ -259,7 +258,7 @@ TEST_SUITE("unit") {
     const auto problem = files.load();
     REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
     REQUIRE(problem->warnings.size() == 1);
-    CHECK(problem->warnings[0].find("left aside for robot lifter: wheel (no such joint)") !=
+    CHECK(problem->warnings[0].find("ignored for robot lifter: wheel (no such joint)") !=
           std::string::npos);
   }
 
@@ -300,7 +299,7 @@ TEST_SUITE("unit") {
     CHECK((poses[links - 2] * carried[0].spheres.at(0).center).isApprox(Vec3(0, 1, 0.7), 1e-9));
     CHECK((poses[links - 1] * carried[1].spheres.at(0).center).isApprox(Vec3(-1, 0, 0.5), 1e-9));
     REQUIRE(problem->warnings.size() == 1);
-    CHECK(problem->warnings[0].find("left aside, because there is no such touch link: ghost") !=
+    CHECK(problem->warnings[0].find("ignored, because there is no such touch link: ghost") !=
           std::string::npos);
   }
 
@@ -344,7 +343,7 @@ TEST_SUITE("unit") {
         failure("{link_name: arm, object: {id: sheet, planes: [{coef: [0, 0, 1, 0]}], plane_poses: "
                 "[{position: [0, 0, 0]}]}}") ==
         "scene0001.yaml:11: key robot_state.attached_collision_objects[0].object: object "
-        "\"sheet\": expected primitives to be carried, got a plane");
+        "\"sheet\": expected primitives to attach, got a plane");
   }
 
   TEST_CASE("problems that cannot be read exactly are refused by name") {
@@ -366,17 +365,17 @@ TEST_SUITE("unit") {
           std::string::npos);
     CHECK(
         with_scene("[lift, turn, grip], position: [0.1,", "[wheel, turn, grip], position: [0.1,") ==
-        "request0001.yaml:1: expected a start position of joint lift, which is planned for; there "
-        "is none");
+        "request0001.yaml:1: expected a start position of joint lift of the planning group, got "
+        "none");
     CHECK(with_request("joint_name: lift", "joint_name: spin") ==
-          "request0001.yaml:4: key goal_constraints[0]: expected positions of joints that are "
-          "planned for, got one of spin; the robot is lifter");
+          "request0001.yaml:4: key goal_constraints[0]: expected positions of joints of the "
+          "planning group, got one of spin; the robot is lifter");
     CHECK(with_request("joint_name: lift", "joint_name: grip") ==
-          "request0001.yaml:4: key goal_constraints[0]: expected positions of joints that are "
-          "planned for, got one of grip; the robot is lifter");
+          "request0001.yaml:4: key goal_constraints[0]: expected positions of joints of the "
+          "planning group, got one of grip; the robot is lifter");
     CHECK(with_request("      - {joint_name: lift, position: 0.75}\n", "") ==
-          "request0001.yaml:4: key goal_constraints[0]: expected a goal position of joint lift, "
-          "which is planned for; there is none");
+          "request0001.yaml:4: key goal_constraints[0]: expected a goal position of joint lift "
+          "of the planning group, got none");
   }
 
   TEST_CASE("a robot that is not known, and a scene without request, are refused") {

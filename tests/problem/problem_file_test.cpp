@@ -119,7 +119,7 @@ TEST_SUITE("unit") {
     REQUIRE(read.has_value());
     REQUIRE(read->warnings.size() == 1);
     CHECK(read->warnings[0] ==
-          "f:3: key fixed_joints: left aside for robot lifter: lift (planned for), mount (a "
+          "f:3: key fixed_joints: ignored for robot lifter: lift (planned for), mount (a "
           "fixed joint), wheel (no such joint)");
   }
 
@@ -157,7 +157,7 @@ TEST_SUITE("unit") {
     CHECK(read->robot.joint_count() == 2);
     REQUIRE(read->warnings.size() == 1);
     CHECK(read->warnings[0] ==
-          "f:2: key joints: these joints are planned for, not those of group arm");
+          "f:2: key joints: planning is for these joints; group arm is ignored");
     const auto both = lifter.read("robot: lifter.urdf\njoints: [turn, lift]\ngroup: arm");
     REQUIRE_MESSAGE(both.has_value(), (both ? "" : both.error().message));
     CHECK(both->warnings == read->warnings);
@@ -371,8 +371,8 @@ TEST_SUITE("unit") {
       const std::vector<std::string> warnings = warnings_of(base, seen);
       REQUIRE(warnings.size() == 1);
       CHECK(warnings[0] ==
-            "no link that the group moves has collision geometry: robot r touches nothing; "
-            "expected <collision> elements in its URDF");
+            "no link that the group of robot r moves has collision geometry, so that no contact "
+            "is found; expected <collision> elements in its URDF");
     }
   }
 
@@ -428,7 +428,7 @@ TEST_SUITE("unit") {
           "fixed_joints, frame, scene, start, goal, goals, allow, attached, constraints, "
           "self_filter");
     CHECK(failure("circles: {a: [1, 2, 1]}") ==
-          "p.yaml:1: this is a scene; expected a problem, which names robot, scene, start and "
+          "p.yaml:1: this is a scene; expected a problem with robot, scene, start and "
           "goal");
     CHECK(
         failure(rest + "circles: {a: [1, 2, 1]}") ==
