@@ -3,6 +3,7 @@
 #include "mneme/sampling.h"
 
 #include "robot/joint_space.h"
+#include "sampling/sampler_of.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -38,7 +39,7 @@ class ComponentStream final : public SampleStream {
  private:
   struct Choice {
     int group = 0, component = 0;
-    std::size_t begin = kUnmade;  ///< of its mean in `means_`
+    std::size_t begin = kUnmade;  ///< index of its mean in `means_`
   };
   static constexpr std::size_t kUnmade = std::numeric_limits<std::size_t>::max();
 
@@ -48,7 +49,7 @@ class ComponentStream final : public SampleStream {
     }
   }
 
-  /// Makes its mean, if that has not been done; false if there is none.
+  /// Computes its mean, unless it is known. Returns false if there is none.
   bool make(Choice& choice) {
     if (choice.begin != kUnmade) return true;
     const std::size_t begin = means_.size();
@@ -65,7 +66,7 @@ class ComponentStream final : public SampleStream {
     const std::span<const float> mean(means_.data() + choice.begin, sigmas_.size());
     const std::span<const float> factor = source_.factor(choice.group, choice.component);
     for (std::size_t j = 0; j < q.size(); ++j) q[j] = rng_.bell();
-    // Rows from the last, so that q can hold the normal values meanwhile.
+    // From the last row, because q holds the normal values meanwhile.
     for (std::size_t j = q.size(); j-- > 0;) {
       float sum = 0;
       if (factor.empty()) {
@@ -82,31 +83,12 @@ class ComponentStream final : public SampleStream {
   const internal::JointSpace& space_;
   const ComponentSource& source_;
   std::span<const float> sigmas_;       ///< per joint
-  std::unique_ptr<SampleStream> rest_;  ///< if there are no components
+  std::unique_ptr<SampleStream> rest_;  ///< used if there are no components
   Rng rng_;
   std::uint64_t samples_ = 0;
-  int opened_ = 0;  ///< groups
+  int opened_ = 0;  ///< number of groups that take part
   std::vector<Choice> choices_;
   std::vector<float> means_;
-};
-
-class ComponentSampler final : public Sampler {
- public:
-  ComponentSampler(const Robot& robot, std::shared_ptr<const ComponentSource> source, double sigma)
-      : space_(robot),
-        source_(std::move(source)),
-        sigmas_(internal::joint_deviations(robot, sigma)),
-        rest_(make_uniform_sampler(robot)) {}
-  std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
-    return std::make_unique<ComponentStream>(space_, *source_, sigmas_,
-                                             rest_->start(derive_seed(seed, 1)), seed);
-  }
-
- private:
-  internal::JointSpace space_;
-  std::shared_ptr<const ComponentSource> source_;
-  std::vector<float> sigmas_;
-  std::unique_ptr<Sampler> rest_;
 };
 
 }  // namespace
@@ -114,7 +96,13 @@ class ComponentSampler final : public Sampler {
 std::unique_ptr<Sampler> make_component_sampler(const Robot& robot,
                                                 std::shared_ptr<const ComponentSource> source,
                                                 double sigma) {
-  return std::make_unique<ComponentSampler>(robot, std::move(source), sigma);
+  return internal::sampler_of(
+      [space = internal::JointSpace(robot), source = std::move(source),
+       sigmas = internal::joint_deviations(robot, sigma),
+       rest = std::shared_ptr(make_uniform_sampler(robot))](std::uint64_t seed) {
+        return std::make_unique<ComponentStream>(space, *source, sigmas,
+                                                 rest->start(derive_seed(seed, 1)), seed);
+      });
 }
 
 }  // namespace mneme

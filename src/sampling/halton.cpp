@@ -3,6 +3,7 @@
 #include "mneme/sampling.h"
 
 #include "robot/joint_space.h"
+#include "sampling/sampler_of.h"
 
 #include <cmath>
 
@@ -19,7 +20,7 @@ std::vector<std::uint32_t> first_primes(int count) {
   return primes;
 }
 
-/// The digits of `index` in base `base`, mirrored behind the point.
+/// The digits of `index` in `base`, mirrored at the point.
 double radical_inverse(std::uint64_t index, std::uint32_t base) {
   double result = 0, weight = 1;
   for (; index > 0; index /= base) {
@@ -57,23 +58,13 @@ class HaltonStream final : public SampleStream {
   std::uint64_t index_ = 0;
 };
 
-class HaltonSampler final : public Sampler {
- public:
-  explicit HaltonSampler(const Robot& robot)
-      : space_(robot), primes_(first_primes(robot.joint_count())) {}
-  std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
-    return std::make_unique<HaltonStream>(space_, primes_, seed);
-  }
-
- private:
-  internal::JointSpace space_;
-  std::vector<std::uint32_t> primes_;
-};
-
 }  // namespace
 
 std::unique_ptr<Sampler> make_halton_sampler(const Robot& robot) {
-  return std::make_unique<HaltonSampler>(robot);
+  return internal::sampler_of([space = internal::JointSpace(robot),
+                               primes = first_primes(robot.joint_count())](std::uint64_t seed) {
+    return std::make_unique<HaltonStream>(space, primes, seed);
+  });
 }
 
 }  // namespace mneme

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/sampling.h"
 
+#include "sampling/sampler_of.h"
+
 namespace mneme {
 namespace {
 
@@ -35,27 +37,14 @@ class LazyStream final : public SampleStream {
   std::uint64_t seed_;
 };
 
-class LazySampler final : public Sampler {
- public:
-  LazySampler(std::shared_ptr<const Sampler> first, int count, MakeSampler make_rest)
-      : first_(std::move(first)), count_(count), make_rest_(std::move(make_rest)) {}
-
-  std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
-    return std::make_unique<LazyStream>(first_->start(seed), count_, make_rest_,
-                                        derive_seed(seed, 1));
-  }
-
- private:
-  std::shared_ptr<const Sampler> first_;
-  int count_;
-  MakeSampler make_rest_;
-};
-
 }  // namespace
 
 std::unique_ptr<Sampler> make_lazy_sampler(std::shared_ptr<const Sampler> first, int count,
                                            MakeSampler make_rest) {
-  return std::make_unique<LazySampler>(std::move(first), count, std::move(make_rest));
+  return internal::sampler_of([first = std::move(first), count,
+                               make_rest = std::move(make_rest)](std::uint64_t seed) {
+    return std::make_unique<LazyStream>(first->start(seed), count, make_rest, derive_seed(seed, 1));
+  });
 }
 
 }  // namespace mneme

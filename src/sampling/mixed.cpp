@@ -2,14 +2,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/sampling.h"
 
+#include "sampling/sampler_of.h"
+
 #include <algorithm>
 #include <cstddef>
 
 namespace mneme {
 namespace {
 
-/// Samples from a source after which half of its first lambda is left. A lower floor is reached
-/// faster, so that the fall costs about the same number of samples for every floor.
+/// Number of samples from a source that halve its lambda. A lower floor is reached faster, so that
+/// the decline costs about the same number of samples for every floor.
 double samples_to_half(double least_lambda) {
   constexpr double kSamples = 25000, kLeast = 500;
   return std::max(kSamples * least_lambda, kLeast);
@@ -18,7 +20,6 @@ double samples_to_half(double least_lambda) {
 /// Algorithm 1, lines 2 to 6.
 class MixedStream final : public SampleStream {
  public:
-  /// The seeds of the rest, and of the choice between the streams, follow those of the sources.
   MixedStream(const std::vector<MixedSource>& sources, const Sampler& rest, std::uint64_t seed)
       : rng_(derive_seed(seed, sources.size() + 2)) {
     for (const MixedSource& source : sources) {
@@ -37,7 +38,7 @@ class MixedStream final : public SampleStream {
     return source;
   }
 
-  /// Goes to the stream that used this source last.
+  /// Reports to the stream that used this source last.
   void report(SampleSource source, SampleOutcome outcome) override {
     if (place_of(source) >= stream_of_.size()) return;
     if (SampleStream* stream = stream_of_[place_of(source)]) stream->report(source, outcome);
@@ -82,25 +83,14 @@ class MixedStream final : public SampleStream {
   Rng rng_;
 };
 
-class MixedSampler final : public Sampler {
- public:
-  MixedSampler(std::vector<MixedSource> sources, std::shared_ptr<const Sampler> rest)
-      : sources_(std::move(sources)), rest_(std::move(rest)) {}
-
-  std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
-    return std::make_unique<MixedStream>(sources_, *rest_, seed);
-  }
-
- private:
-  std::vector<MixedSource> sources_;
-  std::shared_ptr<const Sampler> rest_;
-};
-
 }  // namespace
 
 std::unique_ptr<Sampler> make_mixed_sampler(std::vector<MixedSource> sources,
                                             std::shared_ptr<const Sampler> rest) {
-  return std::make_unique<MixedSampler>(std::move(sources), std::move(rest));
+  return internal::sampler_of(
+      [sources = std::move(sources), rest = std::move(rest)](std::uint64_t seed) {
+        return std::make_unique<MixedStream>(sources, *rest, seed);
+      });
 }
 
 std::unique_ptr<Sampler> make_mixed_sampler(double lambda, std::shared_ptr<const Sampler> first,

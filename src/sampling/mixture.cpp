@@ -3,6 +3,7 @@
 #include "mneme/sampling.h"
 
 #include "robot/joint_space.h"
+#include "sampling/sampler_of.h"
 
 #include <algorithm>
 #include <cassert>
@@ -46,7 +47,7 @@ class MixtureStream final : public SampleStream {
 
   float normal() { return static_cast<float>(rng_.normal()); }
 
-  /// q = mean + L z for standard normal z. Rows from the last, so that q can hold z meanwhile.
+  /// q = mean + L z for standard normal z. From the last row, because q holds z meanwhile.
   void add_correlated(std::span<const float> factor, const float* mean, std::span<float> q) {
     const auto joints = static_cast<std::size_t>(mixture_.joint_count);
     for (std::size_t i = 0; i < joints; ++i) q[i] = normal();
@@ -62,30 +63,9 @@ class MixtureStream final : public SampleStream {
   const GaussianMixture& mixture_;
   std::span<const float> sigmas_;  ///< per joint
   Widening widening_;
-  double open_;  ///< components that the next sample may take
+  double open_;  ///< number of components open to the next sample
   std::uint32_t component_count_;
   Rng rng_;
-};
-
-class MixtureSampler final : public Sampler {
- public:
-  MixtureSampler(const Robot& robot, std::shared_ptr<const GaussianMixture> mixture, double sigma,
-                 const Widening& widening)
-      : space_(robot),
-        mixture_(std::move(mixture)),
-        sigmas_(internal::joint_deviations(robot, sigma)),
-        widening_(widening) {
-    assert(mixture_->component_count() > 0 && mixture_->joint_count == space_.joint_count());
-  }
-  std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
-    return std::make_unique<MixtureStream>(space_, *mixture_, sigmas_, widening_, seed);
-  }
-
- private:
-  internal::JointSpace space_;
-  std::shared_ptr<const GaussianMixture> mixture_;
-  std::vector<float> sigmas_;
-  Widening widening_;
 };
 
 }  // namespace
@@ -93,7 +73,13 @@ class MixtureSampler final : public Sampler {
 std::unique_ptr<Sampler> make_mixture_sampler(const Robot& robot,
                                               std::shared_ptr<const GaussianMixture> mixture,
                                               double sigma, const Widening& widening) {
-  return std::make_unique<MixtureSampler>(robot, std::move(mixture), sigma, widening);
+  internal::JointSpace space(robot);
+  assert(mixture->component_count() > 0 && mixture->joint_count == space.joint_count());
+  return internal::sampler_of([space = std::move(space), mixture = std::move(mixture),
+                               sigmas = internal::joint_deviations(robot, sigma),
+                               widening](std::uint64_t seed) {
+    return std::make_unique<MixtureStream>(space, *mixture, sigmas, widening, seed);
+  });
 }
 
 }  // namespace mneme

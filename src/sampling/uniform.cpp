@@ -3,6 +3,7 @@
 #include "mneme/sampling.h"
 
 #include "robot/joint_space.h"
+#include "sampling/sampler_of.h"
 
 namespace mneme {
 namespace {
@@ -26,21 +27,12 @@ class UniformStream final : public SampleStream {
   Rng rng_;
 };
 
-class UniformSampler final : public Sampler {
- public:
-  explicit UniformSampler(const Robot& robot) : space_(robot) {}
-  std::unique_ptr<SampleStream> start(std::uint64_t seed) const override {
-    return std::make_unique<UniformStream>(space_, seed);
-  }
-
- private:
-  internal::JointSpace space_;
-};
-
 }  // namespace
 
 std::unique_ptr<Sampler> make_uniform_sampler(const Robot& robot) {
-  return std::make_unique<UniformSampler>(robot);
+  return internal::sampler_of([space = internal::JointSpace(robot)](std::uint64_t seed) {
+    return std::make_unique<UniformStream>(space, seed);
+  });
 }
 
 }  // namespace mneme
