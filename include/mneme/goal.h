@@ -29,19 +29,19 @@ struct IkSettings {
   double rotation_tolerance = 1e-3;
   double apart = 0.1;
   std::uint64_t seed = 1;  ///< of the random configurations
-  /// Asked before every 16 seeds: true ends the search with what there is. Empty: nothing does.
+  /// Called before every 16 seeds; true ends the search with the solutions so far. Empty: never.
   std::function<bool()> is_over;
 };
 
-/// Declares settings once, as that of PlanSettings does.
+/// Declares settings once, as for PlanSettings.
 template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, IkSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("ik-seeds", s.seeds, 1, 100000000,
         "Largest number of configurations from which inverse kinematics starts, 16 at a time. All "
-        "are tried only where there is no solution.");
+        "are tried only if there is no solution.");
   visit("ik-solutions", s.solutions, 1, 1000,
-        "Number of solutions after which the search ends. Planners start with this many goals.");
+        "Number of solutions that end the search. Planners start with this number of goals.");
   visit("ik-position-tolerance", s.position_tolerance, 1e-5, 1.0,
         "Largest distance of a solution from its pose, metres. Counts within a region's own "
         "tolerances.");
@@ -53,27 +53,27 @@ void visit_settings(Settings& s, Visitor&& visit) {
 }
 
 struct IkResult {
-  /// Within the limits, apart from each other, those nearest to where the search began first.
+  /// Within the limits and apart from each other; nearest to the start of the search first.
   std::vector<Configuration> solutions;
-  /// The first few that reach the goal, too, but are in contact or within the margin.
+  /// The first few configurations that reach the goal, but are in contact or within the margin.
   std::vector<Configuration> blocked;
-  int seeds = 0;      ///< that were tried
-  PoseError closest;  ///< of the attempt that came closest to the goal
+  int seeds = 0;      ///< number of seeds tried
+  PoseError closest;  ///< error of the attempt closest to the goal
 };
 
-/// Inverse kinematics of one link, by Levenberg and Marquardt's method on 16 seeds at a time. Any
-/// tree of joints; limits, mimic and continuous joints count.
+/// Inverse kinematics of one link, by Levenberg and Marquardt's method on 16 seeds at a time. For
+/// any tree of joints, with limits, mimic and continuous joints.
 class InverseKinematics {
  public:
-  /// Errors: no such link, one that no joint of the group moves, or more joints on the way to it
-  /// than the kernels hold (32); an instruction set that this machine lacks.
+  /// Errors: no such link; a link that no joint of the group moves, or more than the 32 joints of
+  /// the kernels; an instruction set that this machine lacks.
   [[nodiscard]] static Result<InverseKinematics> make(const Robot& robot, const std::string& link,
                                                       Isa isa = Isa::automatic);
 
-  /// Looks for configurations that bring the link to `goal`, which has that link and passes
-  /// describe_fault(). Seeds are `near`, some around it, and uniform ones; joints that do not move
-  /// the link keep their values in `near`. With a checker of the same robot only what is free
-  /// counts, with `clearance` metres to spare. Depends on its arguments alone.
+  /// Finds configurations that bring the link to `goal`, which is for this link and passes
+  /// describe_fault(). Seeds are `near`, some around it, and uniform ones. Joints that do not move
+  /// the link keep their values in `near`. With a checker of the same robot, solutions are free
+  /// with `clearance` metres of margin. The result depends on the arguments alone.
   [[nodiscard]] IkResult solve(const PoseGoal& goal, std::span<const double> near,
                                const IkSettings& settings = {},
                                const CollisionChecker* checker = nullptr,
@@ -85,35 +85,34 @@ class InverseKinematics {
   std::shared_ptr<const Chain> chain_;
 };
 
-/// The links at the ends of the planning group: what its last joints carry, or the last link of the
-/// chain that is fixed to it, where that branches or ends.
+/// Returns the links at the ends of the planning group: the links of its last joints, or the last
+/// link of a chain of fixed joints from there, up to its end or first branch.
 [[nodiscard]] std::vector<std::string> find_tips(const Robot& robot);
 
 /// Free configurations in regions of poses.
 class PoseGoalSource final : public GoalSource {
  public:
-  /// `near`, usually the start, is where the search begins. Errors: those of
-  /// InverseKinematics::make().
+  /// The search begins at `near`, usually the start. Errors: those of InverseKinematics::make().
   [[nodiscard]] static Result<PoseGoalSource> make(const CollisionChecker& checker,
                                                    std::span<const PoseGoal> goals,
                                                    Configuration near, const IkSettings& settings,
                                                    double clearance);
 
-  /// The first call looks at all regions for as many solutions as the settings say, and returns the
-  /// nearest first; each later one takes a few seeds to the next region in turn.
+  /// The first call searches all regions with all the settings' seeds and returns the nearest
+  /// solutions first. Each later call tries a few seeds for the next region.
   [[nodiscard]] std::vector<Configuration> more() override;
-  /// Why no call found anything, of each region: out of reach, and how far; not with this rotation;
-  /// only in contact, and with what; no solution from so many seeds. Looks at some more seeds for
-  /// that, unless the search is over.
+  /// Explains for each region why no call found a configuration: out of reach by a distance, not
+  /// with this rotation, only in contact, or no solution from a number of seeds. Tries some more
+  /// seeds for this, unless the search has ended.
   [[nodiscard]] std::string describe_failure() const;
-  /// A sentence about each region without a configuration in the first call.
+  /// Returns a sentence for each region without a configuration in the first call.
   [[nodiscard]] std::vector<std::string> describe_unreached() const;
 
  private:
   struct Region {
     PoseGoal goal;
     InverseKinematics kinematics;
-    IkResult first;  ///< of the first call
+    IkResult first;  ///< result of the first call
   };
   PoseGoalSource(const CollisionChecker& checker, Configuration near, const IkSettings& settings,
                  double clearance)

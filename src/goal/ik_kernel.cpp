@@ -4,8 +4,8 @@
 // Compiled once per instruction set. A vector holds one seed per lane.
 //
 // Levenberg and Marquardt's method with the damping of Sugihara (DOI 10.1109/TRO.2011.2148230): the
-// square of the error itself, which makes steps short far from the target and near singularities,
-// and convergence quadratic. All is expressed in the target's frame, so that tolerances are along
+// square of the error itself. It makes steps short far from the target and near singularities, and
+// convergence quadratic. All quantities are in the target's frame, so that tolerances are along
 // axes.
 #include "goal/ik_kernel.h"
 
@@ -33,13 +33,13 @@ constexpr float kLeastDamping = 1e-6f;
 /// Radians or metres that a joint moves in a step, at most.
 constexpr float kLongestStep = 1.0f;
 
-/// How far the tip is from where it should be, and which way it should go.
+/// The motion that would bring the tip to the target.
 struct TipError {
-  V3 position;     ///< metres
-  V3 rotation;     ///< axis times 2 sin(angle / 2); shorter at half a turn, which has no one axis
-  V rotation2;     ///< (2 sin(angle / 2))^2
-  V3 axis;         ///< of the tip, about which it may turn
-  M leans, turns;  ///< lanes in which the error has such a part
+  V3 position;  ///< metres
+  V3 rotation;  ///< axis times 2 sin(angle / 2); shorter near half a turn, where no axis is unique
+  V rotation2;  ///< (2 sin(angle / 2))^2
+  V3 axis;      ///< the tip's approach axis
+  M leans, turns;  ///< lanes with an error of the lean, of the turn
 };
 
 class IkSolver {
@@ -50,8 +50,8 @@ class IkSolver {
     poses_[0].origin = splat(target_.translation.data());
   }
 
-  /// The squares of what is left of the errors, and in how many lanes that is nothing; `q` are the
-  /// seeds, and then what came of them. Ends once there are `enough` such lanes.
+  /// Replaces the seeds `q` by their results and writes the squared errors. Returns the number of
+  /// lanes at the target; ends as soon as there are `enough`.
   HWY_INLINE int solve(int enough, V* q, V& position2, V& rotation2) {
     for (int round = 0;; ++round) {
       pose_frames(chain_, q, poses_);
@@ -94,7 +94,7 @@ class IkSolver {
     return error;
   }
 
-  /// Least 2 cos^2(angle / 2): below, the axis is lost in rounding.
+  /// `twice_square` is 2 cos^2(angle / 2). Below the limit the axis is lost in rounding.
   static HWY_INLINE M is_half_turn(V twice_square) { return hn::Lt(twice_square, splat(1e-6f)); }
 
   /// 1 / cos(angle / 2) from twice its cosine squared; finite at half a turn.
@@ -114,7 +114,7 @@ class IkSolver {
         hn::IfThenElse(is_half_turn(twice_square), splat(4.0f), squared_norm(error.rotation));
   }
 
-  /// Apart: how far the tip's axis leans, and how far the tip is turned about it.
+  /// Splits the rotation into a lean of the tip's axis and a turn about it.
   HWY_INLINE void find_lean_and_turn(const V3& x, const V3& y, TipError& error) const {
     const V zero = hn::Zero(Tag()), one = splat(1.0f);
     const V3& z = error.axis;
@@ -126,13 +126,12 @@ class IkSolver {
     error.leans = hn::Gt(excess, zero);
     const V3 lean =
         hn::IfThenElseZero(error.leans, hn::Div(excess, hn::Max(length, splat(1e-6f)))) * leaning;
-    // Of the quaternion of the whole rotation, the part about the axis, which it leaves where it
-    // is.
+    // The twist of the whole rotation's quaternion about the axis.
     const V w = hn::Add(one, hn::Add(x.x, hn::Add(y.y, z.z)));
     const V about = hn::Sub(y.x, x.y);
     const V norm = hn::Sqrt(hn::MulAdd(w, w, hn::Mul(about, about)));
     const V two = splat(2.0f);
-    // At half a turn rounding says which way.
+    // At half a turn rounding decides the direction.
     const V turned = hn::IfThenElse(hn::Lt(norm, splat(1e-5f)), hn::CopySign(two, about),
                                     hn::Div(hn::Mul(two, about), norm));
     const V turn = beyond(turned, target_.turn);
@@ -184,7 +183,7 @@ class IkSolver {
             hn::IfThenZeroElse(mask, a.z)};
   }
 
-  /// Directions in which the tip is within its tolerance are free.
+  /// Adds equations only for directions in which the tip is outside its tolerance.
   HWY_INLINE void add_rows(const TipError& error, const int* joint, V3* slopes, V3* turns,
                            int count, const V3& rotation) {
     const V zero = hn::Zero(Tag());

@@ -13,18 +13,19 @@
 
 namespace mneme::internal {
 
-/// The target: a region of poses around a frame G. A frame T of the robot is to be in it.
+/// A region of poses around a frame G, for a frame T of the robot.
 struct IkTarget {
   std::array<float, 9> rotation = {};     ///< row-major, from the robot's root to G
   std::array<float, 3> translation = {};  ///< the root's origin in G
-  int frame = 0;                          ///< of the tables, that carries T
+  int frame = 0;                          ///< frame of the tables that carries T
   std::array<float, 9> tip_rotation = {};
   std::array<float, 3> tip_translation = {};
-  std::array<float, 3> box = {};  ///< half extents along the axes of G: where T's origin may be
-  /// 2 sin(angle / 2) of how far T's z axis may lean from G's, and T may turn about it; 2 is all
-  /// the way.
+  /// Half extents of the region of T's origin along the axes of G, metres.
+  std::array<float, 3> box = {};
+  /// Largest lean of T's z axis from G's, and largest turn of T about it, as 2 sin(angle / 2). 2:
+  /// any.
   float lean = 0, turn = 0;
-  float near_m = 0, near_rad = 0;  ///< what is left of an error counts as none
+  float near_m = 0, near_rad = 0;  ///< smaller errors count as none
 };
 
 /// Arrays per joint, or rows of joint_count values.
@@ -33,12 +34,12 @@ struct IkTask {
   const float* lower = nullptr;  ///< infinite for joints that wrap
   const float* upper = nullptr;
   const float* seeds = nullptr;
-  int count = 0;   ///< of seeds
-  int rounds = 0;  ///< most steps from a seed
-  int enough = 0;  ///< of seeds whose configurations reach the target, after which no more is tried
+  int count = 0;   ///< number of seeds
+  int rounds = 0;  ///< largest number of steps from a seed
+  int enough = 0;  ///< number of seeds that reach the target, after which the kernel returns
 };
 
-/// The error that a seed ended with: metres and radians from the region; infinite if not tried.
+/// The final error of a seed: metres and radians from the region; infinite if not tried.
 struct IkError {
   float position = 0, rotation = 0;
 };
@@ -47,8 +48,8 @@ struct IkError {
 using IkKernel = void (*)(const RobotTables& chain, const IkTask& request, float* rows,
                           IkError* errors);
 
-/// The kernel for an instruction set that this machine has. The chain's tables need frames only and
-/// have at most kMostWalkingJoints joints.
+/// Returns the kernel for an instruction set that this machine has. The chain's tables need frames
+/// only and have at most kMostWalkingJoints joints.
 [[nodiscard]] IkKernel ik_kernel(Isa isa);
 
 }  // namespace mneme::internal

@@ -19,14 +19,14 @@
 
 namespace mneme {
 
-/// The joints on the way from the root to a link, numbered anew.
+/// The joints between the root and a link, with new numbers.
 struct InverseKinematics::Chain {
   Robot robot;
   internal::JointSpace space;
   internal::RobotTables tables;     ///< frames only
   std::vector<int> joints;          ///< per joint of the tables its index in the group
   std::vector<float> lower, upper;  ///< per joint of the tables; infinite for those that wrap
-  int frame = 0;                    ///< that carries the link
+  int frame = 0;                    ///< carries the link
   Transform X_frame_link;
   internal::IkKernel kernel = nullptr;
 };
@@ -36,18 +36,18 @@ namespace {
 
 /// Seeds that are solved together: the lanes of the widest vector.
 constexpr int kIkBatch = 16;
-/// Steps from a seed: those that have not arrived by then mostly never do.
+/// Largest number of steps from a seed: seeds that take more mostly never arrive.
 constexpr int kIkRounds = 24;
-/// Batches without any new solution after which there are no more: most arms have but a few.
+/// Batches without a new solution after which the search ends: most arms have only a few solutions.
 constexpr int kIkPatience = 3;
-/// Blocked solutions that are kept.
+/// Number of blocked solutions that are kept.
 constexpr std::size_t kMostBlocked = 8;
-/// Metres by which single precision may be wrong, and ten times as many radians.
+/// Error of single precision, metres; ten times this in radians.
 constexpr double kIkRounding = 3e-6;
 
-/// The frames from the root to `frame`, with joints and parents numbered anew. Returns the joints'
-/// former numbers.
-std::vector<int> take_way(const RobotTables& all, int frame, RobotTables& way) {
+/// Copies the frames from the root to `frame` into `chain`, with new numbers of joints and parents.
+/// Returns the joints' former numbers.
+std::vector<int> take_chain(const RobotTables& all, int frame, RobotTables& chain) {
   std::vector<int> frames, joints;
   for (; frame > 0; frame = all.frames[as_index(frame - 1)].parent) frames.push_back(frame);
   std::ranges::reverse(frames);
@@ -56,10 +56,10 @@ std::vector<int> take_way(const RobotTables& all, int frame, RobotTables& way) {
     auto joint = std::ranges::find(joints, row.joint);
     if (joint == joints.end()) joint = joints.insert(joints.end(), row.joint);
     row.joint = static_cast<int>(joint - joints.begin());
-    row.parent = static_cast<int>(way.frames.size());
-    way.frames.push_back(row);
+    row.parent = static_cast<int>(chain.frames.size());
+    chain.frames.push_back(row);
   }
-  way.joint_count = static_cast<int>(joints.size());
+  chain.joint_count = static_cast<int>(joints.size());
   return joints;
 }
 
@@ -81,7 +81,7 @@ float chord(double angle) {
   return static_cast<float>(2 * std::sin(0.5 * std::clamp(angle, 0.0, std::numbers::pi)));
 }
 
-/// A goal as the kernel reads it, and parts of it.
+/// Makes the kernel's target of a goal or of a part of its region.
 class TargetMaker {
  public:
   TargetMaker(const PoseGoal& goal, int frame, const Transform& X_frame_link,
@@ -90,7 +90,7 @@ class TargetMaker {
     X_GR_ = (goal.pose * X_link_tip).inverse();
     const Transform X_frame_tip = X_frame_link * X_link_tip;
     const Vec3 tolerance = X_link_tip.rotation.transpose() * goal.position_tolerance;
-    // A solution that is as good as allowed is still within the region.
+    // Shrunk, so that a solution with the allowed error is within the region.
     box_ = (tolerance.array() - settings.position_tolerance).max(0);
     cone_ = within(goal.cone, settings.rotation_tolerance);
     target_.frame = frame;
@@ -102,7 +102,7 @@ class TargetMaker {
     target_.near_rad = static_cast<float>(settings.rotation_tolerance - 10 * kIkRounding);
   }
 
-  /// All of the region, or a part of it: solutions stand on the border of what they are for.
+  /// Returns the whole region, or a random part of it: solutions lie on the border of their target.
   const IkTarget& make(bool is_whole, Rng& rng) {
     const double share = is_whole ? 1 : rng.uniform();
     Vec3 middle = Vec3::Zero();
@@ -163,13 +163,13 @@ class IkSearch {
     std::ranges::stable_sort(result_.solutions, {}, [&](const Configuration& q) {
       return chain_.robot.distance(near_, q);
     });
-    // A batch may bring more than was wanted.
+    // A batch may find more than wanted.
     if (count() > settings_.solutions) result_.solutions.resize(as_index(settings_.solutions));
     return std::move(result_);
   }
 
  private:
-  /// Seeds of the first batch that are around `near`, ever further away.
+  /// Number of seeds of the first batch around `near`, with growing distance.
   static constexpr int kAround = 6;
   static constexpr float kSpread = 0.15f;
 
@@ -179,7 +179,7 @@ class IkSearch {
   void try_batch() {
     const bool is_first = result_.seeds == 0;
     const internal::IkTarget& target = target_.make(is_first, rng_);
-    draw_seeds(is_first);
+    sample_seeds(is_first);
     const int batch = std::min(internal::kIkBatch, settings_.seeds - result_.seeds);
     const int wanted = settings_.solutions - count();
     std::array<internal::IkError, internal::kIkBatch> errors;
@@ -196,7 +196,7 @@ class IkSearch {
     return std::span(rows_).subspan(as_index(i) * joints, joints);
   }
 
-  void draw_seeds(bool is_first) {
+  void sample_seeds(bool is_first) {
     auto seed = seeds_.begin();
     for (int i = 0; i < internal::kIkBatch; ++i) {
       for (const int joint : chain_.joints) {
@@ -230,7 +230,7 @@ class IkSearch {
     }
   }
 
-  /// A configuration of the whole group, as near as whole turns of joints can bring it.
+  /// Returns the configuration of the whole group, with each joint's turn nearest to `near`.
   [[nodiscard]] Configuration complete(std::span<const float> values) const {
     Configuration q = near_;
     for (std::size_t k = 0; k < values.size(); ++k) {
@@ -281,11 +281,11 @@ Result<InverseKinematics> InverseKinematics::make(const Robot& robot, const std:
   const internal::LinkPlace& place = all.links[as_index(*found)];
   auto chain = std::make_shared<Chain>(
       Chain{robot, internal::JointSpace(robot), {}, {}, {}, {}, 0, {}, nullptr});
-  chain->joints = internal::take_way(all, place.frame, chain->tables);
+  chain->joints = internal::take_chain(all, place.frame, chain->tables);
   if (chain->joints.empty() || chain->tables.joint_count > internal::kMostWalkingJoints) {
     return fail(chain->joints.empty() ? ErrorCode::invalid : ErrorCode::unsupported,
-                "{} joints of robot {} that are planned for move link \"{}\"; "
-                "inverse kinematics is for 1 to {}",
+                "{} joints of the group of robot {} move link \"{}\"; inverse kinematics handles "
+                "1 to {}",
                 chain->tables.joint_count, robot.name(), link, internal::kMostWalkingJoints);
   }
   constexpr float kUnlimited = std::numeric_limits<float>::infinity();

@@ -19,7 +19,7 @@ using internal::as_index;
 
 /// Seeds per call for further goals: one batch of the kernel.
 constexpr int kFurtherSeeds = 16;
-/// Seeds of a search that only tells a pose out of reach from an impossible rotation.
+/// Seeds of a search that tells a pose out of reach from an impossible rotation.
 constexpr int kSeedsToExplain = 1024;
 
 void sort_by_distance(const Robot& robot, const Configuration& near,
@@ -76,13 +76,13 @@ void PoseGoalSource::keep_new(std::vector<Configuration>& found) {
 
 namespace {
 
-/// The contact that most of a few configurations have.
+/// The most frequent contact of a few configurations.
 std::string describe_commonest(const CollisionChecker& checker,
                                std::span<const Configuration> blocked) {
-  constexpr std::size_t kMostAsked = 4;
+  constexpr std::size_t kMostChecked = 4;
   std::map<std::string, int> counts;
   std::string commonest;
-  for (const Configuration& q : blocked.first(std::min(kMostAsked, blocked.size()))) {
+  for (const Configuration& q : blocked.first(std::min(kMostChecked, blocked.size()))) {
     std::map<std::string, int> here;
     for (const Contact& contact : checker.contacts(q)) {
       here[fmt::format("{} '{}'", contact.is_self ? "its own link" : "obstacle", contact.other)] =
