@@ -10,7 +10,7 @@
 #include "geometry/mesh_file.h"
 #include "report/picture.h"
 #include "robot/kinematics.h"
-#include "robot/visuals.h"
+#include "report/visuals.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "robot/visuals.h"
+#include "report/visuals.h"
 
 #include "base/files.h"
 #include "geometry/mesh_file.h"
 #include "robot/urdf_reader.h"
-#include "robot/xml_reader.h"
 
 #include <fmt/format.h>
 
@@ -49,7 +48,7 @@ std::optional<Shape> shape_of(const Solid& solid) {
 
 /// The shape of a <visual> or <collision>.
 std::optional<Shape> read_shape(const XmlElement& visual, const MeshFinder& meshes) {
-  XmlReader xml("");
+  XmlReader xml("", XmlReader::Mode::lenient);
   Link link;
   if (!without_throwing([&] { read_collision(xml, meshes, visual, link); })) return std::nullopt;
   if (!link.spheres.empty()) return link.spheres.front();

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/visuals.h"
+#include "report/visuals.h"
 #include "support/support.h"
 
 #include <string>
