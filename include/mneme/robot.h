@@ -110,6 +110,11 @@ struct RobotOptions {
   /// Values of movable joints outside the group, by name. Default: 0. A value beyond the limits is
   /// used with a warning.
   std::map<std::string, double> fixed_values = {};
+  /// Refuses what is otherwise tolerated with one warning, such as unknown elements and attributes
+  /// in URDF and SRDF, missing limits and shapes without size.
+  bool strict = false;
+  /// Uses the limits of <limit> where a <safety_controller> has narrower soft limits.
+  bool hard_limits = false;
 
   friend bool operator==(const RobotOptions&, const RobotOptions&) = default;
 };
@@ -119,6 +124,9 @@ struct JointGroup {
   std::string name;
   std::vector<std::string> joints;  ///< Movable joints that follow no other, in tree order.
   bool is_end_effector = false;
+  /// The group's planar or floating joint between world and robot, which is not planned for. Empty:
+  /// none.
+  std::string virtual_joint = {};
 };
 
 /// A group_state of the SRDF.
@@ -244,9 +252,12 @@ class Robot {
 [[nodiscard]] Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options = {});
 
 /// Reads a URDF file and its SRDF. Boxes, cylinders and meshes stay in Link::solids. Errors name
-/// file, line and element: an unknown shape, a missing mesh file, a malformed number. Names in the
-/// SRDF that the URDF lacks are warnings. The extension `<capsule radius length>` lies along z; its
-/// length is the distance between the cap centres. A `<mimic>` of a fixed joint is ignored.
+/// file, line and element: an unknown shape, a missing mesh file, a malformed number. One warning
+/// per file counts and names what was tolerated, unless RobotOptions::strict refuses it: unknown
+/// elements and attributes, missing or infinite limits, shapes without size, planar and floating
+/// joints, which stay at their origin. Names in the SRDF that the URDF lacks are warnings. A
+/// `<capsule radius length>` lies along z; its length is the distance between the cap centres. A
+/// `<mimic>` of a fixed joint is ignored.
 [[nodiscard]] Result<Robot::Parts> read_robot(const std::string& path,
                                               const RobotOptions& options = {});
 /// The same for URDF text; `source` names it in messages. Reads an SRDF only if the options name

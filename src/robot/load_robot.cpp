@@ -37,11 +37,11 @@ Result<Robot> make_from(Robot::Parts parts, const std::string& source,
 
 Result<Robot::Parts> parse_robot_parts(std::string_view urdf, const std::string& source,
                                        const RobotOptions& options) {
-  Robot::Parts parts = MNEME_TRY(internal::read_urdf(urdf, source, options.package_paths));
+  Robot::Parts parts = MNEME_TRY(internal::read_urdf(urdf, source, options));
   if (options.srdf_path.empty()) return parts;
   const std::string srdf =
       MNEME_TRY(internal::read_text_file(options.srdf_path, internal::kMaxRobotTextSize));
-  MNEME_TRY(internal::apply_srdf(srdf, options.srdf_path, parts));
+  MNEME_TRY(internal::apply_srdf(srdf, options.srdf_path, parts, options.strict));
   return parts;
 }
 

@@ -17,6 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMaxPackageText = std::size_t{1} << 20;
+
 /// The rest of `text` after `prefix`, or nothing.
 std::optional<std::string_view> after(std::string_view text, std::string_view prefix) {
   if (!text.starts_with(prefix)) return std::nullopt;
@@ -58,12 +60,15 @@ Result<std::string> no_file(const std::vector<std::string>& tried) {
 MeshFinder::MeshFinder(const std::string& urdf_path, const std::vector<std::string>& package_paths)
     : urdf_directory_(as_directory(fs::path(urdf_path).parent_path()).string()),
       package_paths_(package_paths) {
-  std::ranges::move(directories_of_variable("ROS_PACKAGE_PATH"),
-                    std::back_inserter(package_paths_));
+  for (const char* variable : {"ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"}) {
+    std::ranges::move(directories_of_variable(variable), std::back_inserter(package_paths_));
+  }
 }
 
 Result<std::string> MeshFinder::find(const std::string& name) const {
-  if (const auto rest = after(name, "package://")) return find_in_package(*rest);
+  for (const char* scheme : {"package://", "model://"}) {
+    if (const auto rest = after(name, scheme)) return find_in_package(*rest);
+  }
   fs::path path = fs::path(urdf_directory_) / name;
   if (const auto rest = after(name, "file://")) {
     if (!rest->starts_with('/')) {
@@ -77,7 +82,42 @@ Result<std::string> MeshFinder::find(const std::string& name) const {
   return path.lexically_normal().string();
 }
 
+namespace {
+
+/// The <name> of DIRECTORY/package.xml; empty without one.
+std::string package_name(const fs::path& directory) {
+  if (!is_file(directory / "package.xml")) return {};
+  tinyxml2::XMLDocument document;
+  const auto text = read_text_file((directory / "package.xml").string(), kMaxPackageText);
+  if (!text || document.Parse(text->data(), text->size()) != tinyxml2::XML_SUCCESS) return {};
+  const XmlElement* root = document.RootElement();
+  const XmlElement* name = root ? root->FirstChildElement("name") : nullptr;
+  return name != nullptr && name->GetText() != nullptr ? name->GetText() : "";
+}
+
+/// Folders of the package that `directory` is or contains.
+std::vector<fs::path> package_folders(const fs::path& directory, const fs::path& package) {
+  std::vector<fs::path> folders = {directory / package, directory / "share" / package,
+                                   directory / package / "share" / package};
+  if (directory.filename() == package || package_name(directory) == package) {
+    folders.push_back(directory);
+  }
+  std::vector<fs::path> below;
+  std::error_code failure;
+  for (fs::directory_iterator at(directory, failure), end; !failure && at != end;
+       at.increment(failure)) {
+    if (package_name(at->path()) == package) below.push_back(at->path());
+  }
+  std::ranges::sort(below);
+  folders.insert(folders.end(), below.begin(), below.end());
+  return folders;
+}
+
+}  // namespace
+
 Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path) const {
+  // package:///NAME is common, and means the same.
+  name_and_path.remove_prefix(std::min(name_and_path.find_first_not_of('/'), name_and_path.size()));
   const std::size_t slash = std::min(name_and_path.find('/'), name_and_path.size());
   const fs::path package = name_and_path.substr(0, slash);
   const fs::path path = name_and_path.substr(std::min(slash + 1, name_and_path.size()));
@@ -89,23 +129,26 @@ Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path) 
   }
   std::vector<fs::path> folders;
   for (const std::string& directory : package_paths_) {
-    const fs::path normal = as_directory(directory);
-    folders.push_back(normal / package);
-    if (normal.filename() == package) folders.push_back(normal);
+    std::ranges::move(package_folders(as_directory(directory), package),
+                      std::back_inserter(folders));
   }
   for (fs::path above = urdf_directory_; above.has_relative_path(); above = above.parent_path()) {
-    if (above.filename() == package) folders.push_back(above);
+    if (above.filename() == package || package_name(above) == package) folders.push_back(above);
   }
   std::vector<std::string> tried;
+  std::error_code ignored;
   for (const fs::path& folder : folders) {
+    if (!fs::is_directory(folder, ignored)) continue;
     tried.push_back((folder / path).lexically_normal().string());
     if (is_file(tried.back())) return tried.back();
   }
   if (!tried.empty()) return no_file(tried);
   return fail(ErrorCode::io,
-              "where is the package '{}'? No directory with packages is "
-              "given (package path, ROS_PACKAGE_PATH)",
-              package.string());
+              "there is no package '{}' in {}; expected its directory as package path "
+              "(--package-path, package_paths), in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH",
+              package.string(),
+              package_paths_.empty() ? "the folders above the URDF"
+                                     : fmt::format("{}", fmt::join(package_paths_, ", ")));
 }
 
 }  // namespace mneme::internal

@@ -107,6 +107,22 @@ Result<internal::LinkPairs> find_allowed(const Robot::Parts& parts, std::span<co
   return pairs;
 }
 
+/// `joints` are those of the planning group.
+void warn_of_virtual_joint(const Robot::Parts& parts, const RobotOptions& options,
+                           std::span<const std::string> joints,
+                           std::vector<std::string>& warnings) {
+  const auto group = std::ranges::find_if(parts.groups, [&](const JointGroup& each) {
+    return options.group.empty() ? std::ranges::equal(each.joints, joints)
+                                 : each.name == options.group;
+  });
+  if (group == parts.groups.end() || group->virtual_joint.empty()) return;
+  if (!options.joints.empty()) return;
+  warnings.push_back(fmt::format(
+      "group '{}' has the virtual joint '{}', which cannot be planned for: the base stays where it "
+      "is",
+      group->name, group->virtual_joint));
+}
+
 /// Very wide limits are probably degrees.
 void warn_of_wide_limits(std::span<const Joint> joints, std::vector<std::string>& warnings) {
   constexpr double kWidest = 4 * std::numbers::pi;
@@ -154,6 +170,9 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
     Robot::Model model;
     model.name = name;
     model.group = MNEME_TRY(internal::choose_group(sorted, options));
+    std::vector<std::string> names;
+    for (const int i : model.group) names.push_back(sorted.joints[internal::as_index(i)].name);
+    warn_of_virtual_joint(sorted, options, names, sorted.warnings);
     MNEME_TRY(set_fixed_values(sorted.joints, model.group, options.fixed_values, sorted.warnings));
     warn_of_wide_limits(sorted.joints, sorted.warnings);
     warn_of_followers(sorted.joints, model.group, sorted.warnings);

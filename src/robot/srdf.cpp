@@ -20,7 +20,8 @@ namespace {
 
 class SrdfReader {
  public:
-  explicit SrdfReader(const std::string& source) : xml_(source, XmlReader::StrayText::warning) {}
+  SrdfReader(const std::string& source, bool strict)
+      : xml_(source, strict ? XmlReader::Mode::strict : XmlReader::Mode::lenient) {}
 
   Srdf read(std::string_view text);
 
@@ -28,6 +29,7 @@ class SrdfReader {
   void read_element(const XmlElement& element);
   void read_group(const XmlElement& element);
   void read_state(const XmlElement& element);
+  bool has_several_values(const XmlElement& joint);
   SrdfName name(const XmlElement& element, const char* attribute);
   SrdfPair pair(const XmlElement& element, const char* first, const char* second);
 
@@ -38,7 +40,11 @@ class SrdfReader {
 Srdf SrdfReader::read(std::string_view text) {
   tinyxml2::XMLDocument document;
   const XmlElement& robot = xml_.read_root(document, text, "robot");
-  srdf_.robot = name(robot, "name");
+  if (const char* robot_name = robot.Attribute("name")) {
+    srdf_.robot = {robot_name, robot.GetLineNum()};
+  } else {
+    xml_.tolerate(robot, "no name", "attribute 'name' is missing");
+  }
   xml_.check_children(robot, {},
                       {"group", "group_state", "end_effector", "virtual_joint", "passive_joint",
                        "joint_property", "link_sphere_approximation", "disable_collisions",
@@ -59,7 +65,9 @@ void SrdfReader::read_element(const XmlElement& element) {
     srdf_.end_effectors.push_back(name(element, "group"));
   } else if (kind == "virtual_joint") {
     xml_.check_attributes(element, {"name", "type", "parent_frame", "child_link"});
-    srdf_.virtual_joints.push_back(name(element, "name"));
+    const char* type = element.Attribute("type");
+    srdf_.virtual_joints.push_back(
+        {name(element, "name"), type == nullptr || std::string_view(type) == "fixed"});
   } else if (kind == "passive_joint") {
     xml_.check_attributes(element, {"name"});
     srdf_.passive_joints.push_back(name(element, "name"));
@@ -99,20 +107,37 @@ void SrdfReader::read_group(const XmlElement& element) {
   srdf_.groups.push_back(std::move(group));
 }
 
-/// A joint of several values, such as a floating one, is none that can be planned for.
 void SrdfReader::read_state(const XmlElement& element) {
   xml_.check_attributes(element, {"name", "group"});
-  SrdfState state{name(element, "name"), xml_.text(element, "group"), {}};
+  SrdfState state{name(element, "name"), "", {}};
+  if (const char* group = element.Attribute("group")) {
+    state.group = group;
+  } else {
+    xml_.tolerate(element, "no group", "attribute 'group' is missing");
+  }
   xml_.set_context(fmt::format("group_state '{}'", state.name.name));
   xml_.check_children(element, {}, {"joint"});
   for (const XmlElement* child : children(element, "joint")) {
     xml_.check_attributes(*child, {"name", "value"});
     SrdfName joint = name(*child, "name");
-    if (xml_.text(*child, "value").find_first_of(" \t\n") != std::string::npos) continue;
-    state.joints.emplace_back(std::move(joint), xml_.number(*child, "value"));
+    if (has_several_values(*child)) {
+      xml_.tolerate(*child, fmt::format("joint '{}' has several values and is ignored", joint.name),
+                    "value has several numbers, expected one");
+    } else {
+      state.joints.emplace_back(std::move(joint), xml_.number(*child, "value"));
+    }
   }
   xml_.set_context("");
   srdf_.states.push_back(std::move(state));
+}
+
+/// As a planar or floating joint has.
+bool SrdfReader::has_several_values(const XmlElement& joint) {
+  const std::string value = xml_.text(joint, "value");
+  const std::size_t begin = value.find_first_not_of(" \t\n");
+  const std::size_t gap = value.find_first_of(" \t\n", begin);
+  return begin != value.npos && value.find_first_not_of(" \t\n", gap) != value.npos &&
+         gap != value.npos;
 }
 
 SrdfName SrdfReader::name(const XmlElement& element, const char* attribute) {
@@ -125,8 +150,8 @@ SrdfPair SrdfReader::pair(const XmlElement& element, const char* first, const ch
 
 }  // namespace
 
-Result<Srdf> read_srdf(std::string_view text, const std::string& source) {
-  return without_throwing([&] { return SrdfReader(source).read(text); });
+Result<Srdf> read_srdf(std::string_view text, const std::string& source, bool strict) {
+  return without_throwing([&] { return SrdfReader(source, strict).read(text); });
 }
 
 namespace {
@@ -150,7 +175,7 @@ class SrdfLookup {
       : srdf_(srdf), source_(source), parts_(parts) {
     for (const Link& link : parts.links) links_.emplace(link.name, static_cast<int>(links_.size()));
     for (const Joint& joint : parts.joints) joints_.insert(joint.name);
-    for (const SrdfName& joint : srdf.virtual_joints) joints_.insert(joint.name);
+    for (const SrdfVirtualJoint& joint : srdf.virtual_joints) joints_.insert(joint.name.name);
     for (const SrdfGroup& group : srdf.groups) groups_.emplace(group.name.name, &group);
   }
 
@@ -243,6 +268,10 @@ void SrdfLookup::add_groups() {
   for (const SrdfGroup& group : srdf_.groups) {
     const std::set<std::string> joints = all_joints(group);
     JointGroup added{group.name.name, {}, end_effectors.contains(group.name.name)};
+    for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
+      if (!joint.is_fixed && joints.contains(joint.name.name))
+        added.virtual_joint = joint.name.name;
+    }
     for (const Joint& joint : parts_.joints) {
       if (is_free(joint) && joints.contains(joint.name) && !passive.contains(joint.name)) {
         added.joints.push_back(joint.name);
@@ -281,10 +310,11 @@ void SrdfLookup::add_allowed_pairs() {
 
 }  // namespace
 
-Result<void> apply_srdf(std::string_view text, const std::string& source, Robot::Parts& parts) {
-  const Srdf srdf = MNEME_TRY(read_srdf(text, source));
+Result<void> apply_srdf(std::string_view text, const std::string& source, Robot::Parts& parts,
+                        bool strict) {
+  const Srdf srdf = MNEME_TRY(read_srdf(text, source, strict));
   parts.warnings.insert(parts.warnings.end(), srdf.warnings.begin(), srdf.warnings.end());
-  if (srdf.robot.name != parts.name) {
+  if (!srdf.robot.name.empty() && srdf.robot.name != parts.name) {
     parts.warnings.push_back(fmt::format("{}:{}: this SRDF is for robot '{}', not for '{}'", source,
                                          srdf.robot.line, srdf.robot.name, parts.name));
   }

@@ -39,11 +39,17 @@ struct SrdfState {
   std::vector<std::pair<SrdfName, double>> joints;
 };
 
+/// A joint between the world and the robot.
+struct SrdfVirtualJoint {
+  SrdfName name;
+  bool is_fixed = true;
+};
+
 struct Srdf {
   SrdfName robot;
   std::vector<SrdfGroup> groups;
-  std::vector<SrdfName> end_effectors;   ///< names of their groups
-  std::vector<SrdfName> virtual_joints;  ///< which connect the robot to the world
+  std::vector<SrdfName> end_effectors;  ///< names of their groups
+  std::vector<SrdfVirtualJoint> virtual_joints;
   std::vector<SrdfName> passive_joints;  ///< which cannot be planned for
   std::vector<SrdfPair> disabled;        ///< links that may touch each other
   std::vector<SrdfName> disabled_links;  ///< links that may touch all others, except `enabled`
@@ -52,13 +58,14 @@ struct Srdf {
   std::vector<std::string> warnings;  ///< such as text between elements
 };
 
-/// Reads an SRDF without a robot. Text between elements is a warning; unknown elements and
-/// attributes are errors.
-[[nodiscard]] Result<Srdf> read_srdf(std::string_view text, const std::string& source);
+/// Reads an SRDF without a robot. Text between elements, unknown elements and attributes are
+/// warnings, or errors if `strict`.
+[[nodiscard]] Result<Srdf> read_srdf(std::string_view text, const std::string& source,
+                                     bool strict = false);
 
 /// Adds the groups, states, allowed pairs and warnings of an SRDF to `parts`, which are in tree
 /// order. Each name that the robot lacks is ignored with a warning.
 [[nodiscard]] Result<void> apply_srdf(std::string_view text, const std::string& source,
-                                      Robot::Parts& parts);
+                                      Robot::Parts& parts, bool strict = false);
 
 }  // namespace mneme::internal

@@ -7,35 +7,77 @@
 #include "robot/xml_reader.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <filesystem>
 #include <map>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace mneme::internal {
 namespace {
 
+/// Metres that stand for a size of 0, so that a plate without thickness is still checked.
+constexpr double kThin = 1e-4;
+
+/// Sizes of a solid. Returns false if all are 0: there is no shape.
+bool has_size(XmlReader& xml, const XmlElement& shape, std::initializer_list<double*> sizes,
+              const std::string& fault) {
+  const auto is_zero = [](const double* size) { return *size == 0; };
+  if (std::ranges::any_of(sizes, [](const double* size) { return *size < 0; })) {
+    xml.fail(shape, fault);
+  }
+  if (std::ranges::none_of(sizes, is_zero)) return true;
+  const bool is_nothing = std::ranges::all_of(sizes, is_zero);
+  xml.tolerate(
+      shape,
+      is_nothing ? "the shape has no size and is ignored" : "a size of 0 is taken for 0.1 mm",
+      fault);
+  for (double* size : sizes) *size = std::max(*size, kThin);
+  return !is_nothing;
+}
+
 void add_box(XmlReader& xml, const XmlElement& box, const Transform& pose, Link& link) {
   xml.check_attributes(box, {"size"});
   xml.text(box, "size");
-  const Vec3 size = xml.vector(box, "size", Vec3::Zero());
-  if (size.minCoeff() <= 0) {
-    xml.fail(box, "size is {} {} {}, expected three numbers above 0", size.x(), size.y(), size.z());
-  }
+  Vec3 size = xml.vector(box, "size", Vec3::Zero());
+  const std::string fault =
+      fmt::format("size is {} {} {}, expected three numbers above 0", size.x(), size.y(), size.z());
+  if (!has_size(xml, box, {&size.x(), &size.y(), &size.z()}, fault)) return;
   link.solids.push_back(Box{pose, 0.5 * size});
 }
 
 void add_cylinder(XmlReader& xml, const XmlElement& cylinder, const Transform& pose, Link& link) {
   xml.check_attributes(cylinder, {"radius", "length"});
-  const double radius = xml.positive_number(cylinder, "radius");
-  link.solids.push_back(Cylinder{pose, radius, xml.positive_number(cylinder, "length")});
+  double radius = xml.number(cylinder, "radius"), length = xml.number(cylinder, "length");
+  const bool is_radius = radius <= 0;
+  const std::string fault =
+      fmt::format("{} is {}, expected more than 0", is_radius ? "radius" : "length",
+                  is_radius ? radius : length);
+  if (!has_size(xml, cylinder, {&radius, &length}, fault)) return;
+  link.solids.push_back(Cylinder{pose, radius, length});
+}
+
+/// Three factors, or one for all axes.
+Vec3 read_scale(XmlReader& xml, const XmlElement& mesh) {
+  if (xml.is_strict() || mesh.Attribute("scale") == nullptr) {
+    return xml.vector(mesh, "scale", Vec3::Ones());
+  }
+  const auto n = xml.numbers(mesh, "scale", {1, 3}, "three finite numbers");
+  return n.size() == 1 ? Vec3::Constant(n[0]) : Vec3(n[0], n[1], n[2]);
 }
 
 void add_mesh(XmlReader& xml, const MeshFinder& meshes, const XmlElement& mesh,
               const Transform& pose, Link& link) {
   xml.check_attributes(mesh, {"filename", "scale"});
-  const Vec3 scale = xml.vector(mesh, "scale", Vec3::Ones());
+  const Vec3 scale = read_scale(xml, mesh);
+  if (scale.isZero(0)) {
+    return xml.tolerate(mesh, "the shape has no size and is ignored", "a scale is 0");
+  }
   if ((scale.array() == 0).any()) xml.fail(mesh, "a scale is 0");
   const std::string name = xml.text(mesh, "filename");
   auto path = meshes.find(name);
@@ -62,27 +104,61 @@ void add_capsule(XmlReader& xml, const XmlElement& capsule, const Transform& pos
 Transform read_origin(XmlReader& xml, const XmlElement& element) {
   const XmlElement* origin = element.FirstChildElement("origin");
   if (origin == nullptr) return {};
-  xml.check_attributes(*origin, {"xyz", "rpy"});
-  return {rotation_from_rpy(xml.vector(*origin, "rpy", Vec3::Zero())),
-          xml.vector(*origin, "xyz", Vec3::Zero())};
+  xml.check_attributes(*origin, {"xyz", "rpy", "quat_xyzw"});
+  const Vec3 xyz = xml.vector(*origin, "xyz", Vec3::Zero());
+  if (origin->Attribute("quat_xyzw") == nullptr) {
+    return {rotation_from_rpy(xml.vector(*origin, "rpy", Vec3::Zero())), xyz};
+  }
+  if (origin->Attribute("rpy")) xml.fail(*origin, "expected either rpy or quat_xyzw, got both");
+  const auto q = xml.numbers(*origin, "quat_xyzw", {4}, "four finite numbers");
+  constexpr double kLeastNorm = 1e-6;
+  if (std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])) < kLeastNorm) {
+    xml.fail(*origin, "quat_xyzw is zero, expected a rotation");
+  }
+  return {rotation_from_quaternion(q[3], q[0], q[1], q[2]), xyz};
 }
+
+namespace {
+
+void add_shape(XmlReader& xml, const MeshFinder& meshes, const XmlElement& shape,
+               const Transform& pose, Link& link) {
+  const std::string_view kind = shape.Name();
+  if (kind == "sphere") return add_sphere(xml, shape, pose, link);
+  if (kind == "capsule" || kind == "drake:capsule") return add_capsule(xml, shape, pose, link);
+  if (kind == "box") return add_box(xml, shape, pose, link);
+  if (kind == "cylinder") return add_cylinder(xml, shape, pose, link);
+  if (kind == "mesh") return add_mesh(xml, meshes, shape, pose, link);
+  // A shape that is ignored would be a collision that is not checked.
+  xml.fail(shape.GetLineNum(),
+           "unknown element <{}> in <geometry>; expected one of: sphere, capsule, box, cylinder, "
+           "mesh",
+           kind);
+}
+
+}  // namespace
 
 void read_collision(XmlReader& xml, const MeshFinder& meshes, const XmlElement& element,
                     Link& link) {
-  xml.check_children(element, {"origin", "geometry"}, {"material"});
+  xml.check_children(element, {"origin"}, {"geometry", "material"});
   const Transform pose = read_origin(xml, element);
-  const XmlElement& geometry = xml.required_child(element, "geometry");
-  xml.check_children(geometry, {"sphere", "capsule", "box", "cylinder", "mesh"}, {});
-  const XmlElement* shape = geometry.FirstChildElement();
-  if (shape == nullptr || shape->NextSiblingElement() != nullptr) {
-    xml.fail(geometry, "expected exactly one shape");
+  const auto geometries = children(element, "geometry");
+  if (geometries.empty()) {
+    xml.tolerate(element, "it has no shape", "the element <geometry> is missing");
   }
-  const std::string_view kind = shape->Name();
-  if (kind == "sphere") add_sphere(xml, *shape, pose, link);
-  if (kind == "capsule") add_capsule(xml, *shape, pose, link);
-  if (kind == "box") add_box(xml, *shape, pose, link);
-  if (kind == "cylinder") add_cylinder(xml, *shape, pose, link);
-  if (kind == "mesh") add_mesh(xml, meshes, *shape, pose, link);
+  for (const XmlElement* geometry : geometries) {
+    if (geometry != geometries.front()) {
+      xml.tolerate(geometry->GetLineNum(),
+                   "a second <geometry> in <collision>, which is used as well",
+                   "there is a second <geometry> in <collision>");
+    }
+    const auto shapes = children(*geometry);
+    if (shapes.size() != 1) {
+      xml.tolerate(*geometry,
+                   shapes.empty() ? "it has no shape" : "several shapes, which are all used",
+                   "expected exactly one shape");
+    }
+    for (const XmlElement* shape : shapes) add_shape(xml, meshes, *shape, pose, link);
+  }
 }
 
 namespace {
@@ -90,33 +166,44 @@ namespace {
 /// Reads the parts of a robot and keeps their lines for messages.
 class UrdfReader {
  public:
-  UrdfReader(const std::string& source, const std::vector<std::string>& package_paths)
-      : xml_(source), meshes_(source, package_paths) {}
+  UrdfReader(const std::string& source, const RobotOptions& options)
+      : source_(source),
+        options_(options),
+        xml_(source, options.strict ? XmlReader::Mode::strict : XmlReader::Mode::lenient),
+        meshes_(source, options.package_paths) {}
 
   Robot::Parts read(std::string_view urdf);
 
  private:
+  void read_name(const XmlElement& robot);
   void read_link(const XmlElement& element);
   void read_joint(const XmlElement& element);
-  JointType read_type(const XmlElement& element) const;
-  void read_motion(const XmlElement& element, Joint& joint) const;
-  void read_mimic(const XmlElement& element, Joint& joint) const;
+  JointType read_type(const XmlElement& element);
+  void read_motion(const XmlElement& element, Joint& joint);
+  std::optional<double> read_rate(const XmlElement& limit, const char* attribute);
+  void read_limits(const XmlElement& element, Joint& joint);
+  double read_limit(const XmlElement& limit, const char* attribute, double farthest);
+  void narrow_limits(const XmlElement& element, Joint& joint);
+  void read_mimic(const XmlElement& element, Joint& joint);
   void connect_joints();
-  int find_link(const XmlElement& joint, const char* end) const;
+  int find_link(const XmlElement& joint, const char* end);
   int find_leader(const XmlElement& mimic) const;
 
+  const std::string& source_;
+  const RobotOptions& options_;
   XmlReader xml_;
   MeshFinder meshes_;
   Robot::Parts parts_;
   std::vector<int> link_lines_;
   std::vector<const XmlElement*> joint_elements_;
   std::map<std::string, int> link_indices_;
+  std::vector<std::string> narrowed_;  ///< "joint [lower, upper]" of soft limits
 };
 
 Robot::Parts UrdfReader::read(std::string_view urdf) {
   tinyxml2::XMLDocument document;
   const XmlElement& robot = xml_.read_root(document, urdf, "robot");
-  parts_.name = xml_.text(robot, "name");
+  read_name(robot);
   xml_.check_children(
       robot, {}, {"link", "joint", "material", "gazebo", "transmission", "ros2_control", "sensor"});
   for (const XmlElement* child : children(robot)) {
@@ -125,6 +212,13 @@ Robot::Parts UrdfReader::read(std::string_view urdf) {
     xml_.set_context("");
   }
   connect_joints();
+  parts_.warnings = xml_.warnings();
+  if (!narrowed_.empty()) {
+    parts_.warnings.push_back(
+        fmt::format("{}: <safety_controller> narrows the limits of {} (the limits of <limit> apply "
+                    "with --hard-limits, hard_limits)",
+                    source_, fmt::join(narrowed_, ", ")));
+  }
   auto sorted = sort_tree(std::move(parts_));
   if (sorted) return *std::move(sorted);
   const PartsFault& fault = sorted.error();
@@ -132,6 +226,18 @@ Robot::Parts UrdfReader::read(std::string_view urdf) {
   if (fault.link >= 0) line = link_lines_[as_index(fault.link)];
   if (fault.joint >= 0) line = joint_elements_[as_index(fault.joint)]->GetLineNum();
   xml_.fail(line, fault.message);
+}
+
+void UrdfReader::read_name(const XmlElement& robot) {
+  const char* name = robot.Attribute("name");
+  if (name != nullptr && *name != '\0') {
+    parts_.name = name;
+    return;
+  }
+  const std::string stem = std::filesystem::path(source_).stem().string();
+  parts_.name = stem.empty() ? "robot" : stem;
+  xml_.tolerate(robot, fmt::format("no name, '{}' is used", parts_.name),
+                name == nullptr ? "attribute 'name' is missing" : "'name' is empty");
 }
 
 void UrdfReader::read_link(const XmlElement& element) {
@@ -148,17 +254,20 @@ void UrdfReader::read_link(const XmlElement& element) {
   parts_.links.push_back(std::move(link));
 }
 
-JointType UrdfReader::read_type(const XmlElement& element) const {
+JointType UrdfReader::read_type(const XmlElement& element) {
   const std::string type = xml_.text(element, "type");
   for (const JointType known :
        {JointType::fixed, JointType::revolute, JointType::continuous, JointType::prismatic}) {
     if (type == to_string(known)) return known;
   }
-  const bool is_of_urdf = type == "planar" || type == "floating";
-  xml_.fail(element,
-            fmt::format("type '{}' is {}; expected fixed, revolute, continuous or prismatic", type,
-                        is_of_urdf ? "not supported" : "unknown"),
-            is_of_urdf ? ErrorCode::unsupported : ErrorCode::parse);
+  constexpr std::string_view kExpected = "expected fixed, revolute, continuous or prismatic";
+  if (type != "planar" && type != "floating") {
+    xml_.fail(element, "type '{}' is unknown; {}", type, kExpected);
+  }
+  xml_.tolerate(
+      element, fmt::format("a {} joint cannot be planned for and stays at its origin", type),
+      fmt::format("type '{}' is not supported; {}", type, kExpected), ErrorCode::unsupported);
+  return JointType::fixed;
 }
 
 void UrdfReader::read_joint(const XmlElement& element) {
@@ -177,26 +286,88 @@ void UrdfReader::read_joint(const XmlElement& element) {
   parts_.joints.push_back(std::move(joint));
 }
 
-void UrdfReader::read_motion(const XmlElement& element, Joint& joint) const {
+void UrdfReader::read_motion(const XmlElement& element, Joint& joint) {
   if (const XmlElement* axis = element.FirstChildElement("axis")) {
     xml_.check_attributes(*axis, {"xyz"});
     xml_.text(*axis, "xyz");
     joint.axis = xml_.vector(*axis, "xyz", joint.axis);
   }
-  const bool is_continuous = joint.type == JointType::continuous;
-  if (is_continuous && !element.FirstChildElement("limit")) return;
-  const XmlElement& limit = xml_.required_child(element, "limit");
-  xml_.check_attributes(limit, {"lower", "upper", "effort", "velocity", "acceleration", "jerk"});
-  if (limit.Attribute("velocity")) joint.velocity = xml_.non_negative_number(limit, "velocity");
-  if (limit.Attribute("acceleration")) {
-    joint.acceleration = xml_.non_negative_number(limit, "acceleration");
+  if (const XmlElement* limit = element.FirstChildElement("limit")) {
+    xml_.check_attributes(*limit, {"lower", "upper", "effort", "velocity", "acceleration", "jerk",
+                                   "drake:acceleration"});
+    joint.velocity = read_rate(*limit, "velocity").value_or(joint.velocity);
+    joint.acceleration = read_rate(*limit, "acceleration");
+    if (!joint.acceleration) joint.acceleration = read_rate(*limit, "drake:acceleration");
   }
-  if (is_continuous) return;
-  joint.lower = xml_.number(limit, "lower");
-  joint.upper = xml_.number(limit, "upper");
+  if (joint.type == JointType::continuous) return;
+  read_limits(element, joint);
+  narrow_limits(element, joint);
 }
 
-void UrdfReader::read_mimic(const XmlElement& element, Joint& joint) const {
+/// A limit of velocity or acceleration: nothing if it is missing, infinite or negative.
+std::optional<double> UrdfReader::read_rate(const XmlElement& limit, const char* attribute) {
+  if (limit.Attribute(attribute) == nullptr) return std::nullopt;
+  const double rate = xml_.number_or_infinity(limit, attribute);
+  if (rate >= 0 && std::isfinite(rate)) return rate;
+  const char* expected = std::isfinite(rate) ? "0 or more" : "a finite number";
+  xml_.tolerate(limit, fmt::format("{} is {} and counts as none", attribute, rate),
+                fmt::format("{} is {}, expected {}", attribute, rate, expected));
+  return std::nullopt;
+}
+
+void UrdfReader::read_limits(const XmlElement& element, Joint& joint) {
+  const bool is_revolute = joint.type == JointType::revolute;
+  const XmlElement* limit = element.FirstChildElement("limit");
+  if (limit == nullptr) {
+    return xml_.tolerate(element, "no limits, so that the joint stays at 0",
+                         "the element <limit> is missing");
+  }
+  // Values that a joint is assumed to stay within if a limit is infinite.
+  const double farthest = is_revolute ? 4 * std::numbers::pi : 100;
+  joint.lower = read_limit(*limit, "lower", farthest);
+  joint.upper = read_limit(*limit, "upper", farthest);
+  const bool is_endless = is_revolute && joint.lower == -farthest && joint.upper == farthest;
+  if (is_endless && !std::isfinite(xml_.number_or_infinity(*limit, "lower"))) {
+    joint.type = JointType::continuous;
+  }
+}
+
+double UrdfReader::read_limit(const XmlElement& limit, const char* attribute, double farthest) {
+  if (limit.Attribute(attribute) == nullptr) {
+    xml_.tolerate(limit, fmt::format("{} is missing and taken for 0", attribute),
+                  fmt::format("attribute '{}' is missing", attribute));
+    return 0;
+  }
+  const double value = xml_.number_or_infinity(limit, attribute);
+  if (std::isfinite(value)) return value;
+  const double taken = std::copysign(farthest, value);
+  xml_.tolerate(limit, fmt::format("{} is infinite and taken for {:.4g}", attribute, taken),
+                fmt::format("{} is '{}', expected a finite number", attribute, value));
+  return taken;
+}
+
+/// Soft limits are narrower than hard ones; where they leave no range, they are not meant.
+void UrdfReader::narrow_limits(const XmlElement& element, Joint& joint) {
+  const XmlElement* safety = element.FirstChildElement("safety_controller");
+  if (safety == nullptr || options_.hard_limits || element.FirstChildElement("mimic")) return;
+  double lower = joint.lower, upper = joint.upper;
+  if (safety->Attribute("soft_lower_limit")) {
+    lower = std::max(lower, xml_.number_or_infinity(*safety, "soft_lower_limit"));
+  }
+  if (safety->Attribute("soft_upper_limit")) {
+    upper = std::min(upper, xml_.number_or_infinity(*safety, "soft_upper_limit"));
+  }
+  if (lower == joint.lower && upper == joint.upper) return;
+  if (lower >= upper) {
+    return xml_.tolerate(*safety, "its soft limits leave no range and are ignored",
+                         "expected soft limits that leave a range");
+  }
+  joint.lower = lower;
+  joint.upper = upper;
+  narrowed_.push_back(fmt::format("'{}' to [{:.6g}, {:.6g}]", joint.name, lower, upper));
+}
+
+void UrdfReader::read_mimic(const XmlElement& element, Joint& joint) {
   const XmlElement* mimic = element.FirstChildElement("mimic");
   if (mimic == nullptr) return;
   xml_.check_attributes(*mimic, {"joint", "multiplier", "offset"});
@@ -217,7 +388,7 @@ void UrdfReader::connect_joints() {
   xml_.set_context("");
 }
 
-int UrdfReader::find_link(const XmlElement& joint, const char* end) const {
+int UrdfReader::find_link(const XmlElement& joint, const char* end) {
   const XmlElement& element = xml_.required_child(joint, end);
   xml_.check_attributes(element, {"link"});
   const std::string name = xml_.text(element, "link");
@@ -236,8 +407,8 @@ int UrdfReader::find_leader(const XmlElement& mimic) const {
 }  // namespace
 
 Result<Robot::Parts> read_urdf(std::string_view urdf, const std::string& source,
-                               const std::vector<std::string>& package_paths) {
-  return without_throwing([&] { return UrdfReader(source, package_paths).read(urdf); });
+                               const RobotOptions& options) {
+  return without_throwing([&] { return UrdfReader(source, options).read(urdf); });
 }
 
 }  // namespace mneme::internal

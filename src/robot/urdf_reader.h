@@ -15,9 +15,11 @@
 
 namespace mneme::internal {
 
-/// Finds the meshes of one URDF. Searches `package://NAME/PATH` in the given directories, then in
-/// those of ROS_PACKAGE_PATH: each is the package's folder or contains it. Last come the folders
-/// NAME above the URDF. `file:///PATH` is absolute; other names are relative to the URDF.
+/// Finds the meshes of one URDF. `package://NAME/PATH` and `model://NAME/PATH` are searched in the
+/// given directories, those of ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and the folders above the
+/// URDF. Each is the package's folder, by its name or its package.xml, a folder of packages, or an
+/// install prefix with share/NAME. `file:///PATH` is absolute; other names are relative to the
+/// URDF.
 class MeshFinder {
  public:
   MeshFinder(const std::string& urdf_path, const std::vector<std::string>& package_paths);
@@ -29,19 +31,19 @@ class MeshFinder {
   [[nodiscard]] Result<std::string> find_in_package(std::string_view name_and_path) const;
 
   std::string urdf_directory_;
-  std::vector<std::string> package_paths_;
+  std::vector<std::string> package_paths_;  ///< given ones, then those of variables
 };
 
 /// Returns the pose of the child <origin> of `element`; the identity without one.
 [[nodiscard]] Transform read_origin(XmlReader& xml, const XmlElement& element);
 
-/// Adds the shape or solid of a <collision> to `link`.
+/// Adds the shapes of a <collision> to `link`.
 void read_collision(XmlReader& xml, const MeshFinder& meshes, const XmlElement& element,
                     Link& link);
 
 /// Returns links and joints, checked and in tree order. `source` names the text in messages; meshes
 /// are relative to it.
 [[nodiscard]] Result<Robot::Parts> read_urdf(std::string_view urdf, const std::string& source,
-                                             const std::vector<std::string>& package_paths);
+                                             const RobotOptions& options);
 
 }  // namespace mneme::internal

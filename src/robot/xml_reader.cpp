@@ -42,13 +42,14 @@ std::string_view trimmed(std::string_view text) {
   return {begin, end};
 }
 
+/// May be infinite, but not NaN.
 std::optional<double> parse_number(std::string_view word) {
   // XML allows a plus sign, which from_chars does not.
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   double value = 0;
   const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
   const bool is_number = code == std::errc() && end == word.data() + word.size();
-  return is_number && std::isfinite(value) ? std::optional(value) : std::nullopt;
+  return is_number && !std::isnan(value) ? std::optional(value) : std::nullopt;
 }
 
 /// The name of tinyxml2's error, such as "mismatched element".
@@ -81,16 +82,50 @@ std::vector<const XmlElement*> children(const XmlElement& element, const char* n
 }
 
 void XmlReader::fail(int line, std::string_view what, ErrorCode code) const {
-  throw InputFailure{{code, place(line, what)}};
+  throw InputFailure{
+      {code, fmt::format("{}:{}: {}", source_, std::max(line, 1), in_context(what))}};
 }
 
 void XmlReader::fail(const XmlElement& element, std::string_view what, ErrorCode code) const {
   fail(element.GetLineNum(), fmt::format("<{}>: {}", element.Name(), what), code);
 }
 
-std::string XmlReader::place(int line, std::string_view what) const {
-  const std::string context = context_.empty() ? "" : context_ + ": ";
-  return fmt::format("{}:{}: {}{}", source_, std::max(line, 1), context, what);
+std::string XmlReader::in_context(std::string_view what) const {
+  return context_.empty() ? std::string(what) : fmt::format("{}: {}", context_, what);
+}
+
+void XmlReader::tolerate(int line, const std::string& what, std::string_view fault,
+                         ErrorCode code) {
+  if (is_strict()) fail(line, fault, code);
+  const auto known = std::ranges::find(findings_, what, &Finding::what);
+  if (known == findings_.end()) {
+    findings_.push_back({what, line});
+  } else {
+    ++known->count;
+  }
+}
+
+void XmlReader::tolerate(const XmlElement& element, std::string_view what, std::string_view fault,
+                         ErrorCode code) {
+  tolerate(element.GetLineNum(), in_context(fmt::format("<{}>: {}", element.Name(), what)),
+           fmt::format("<{}>: {}", element.Name(), fault), code);
+}
+
+std::vector<std::string> XmlReader::warnings() const {
+  constexpr std::size_t kMostNamed = 12;
+  if (findings_.empty()) return {};
+  std::vector<std::string> named;
+  int count = 0;
+  for (const Finding& finding : findings_) {
+    count += finding.count;
+    if (named.size() == kMostNamed) continue;
+    const std::string times =
+        finding.count > 1 ? fmt::format("{} times, first in ", finding.count) : "";
+    named.push_back(fmt::format("{} ({}line {})", finding.what, times, finding.line));
+  }
+  if (findings_.size() > named.size()) named.emplace_back("...");
+  return {fmt::format("{}: tolerated {} {} (an error if strict): {}", source_, count,
+                      count == 1 ? "fault" : "faults", fmt::join(named, "; "))};
 }
 
 const XmlElement& XmlReader::read_root(tinyxml2::XMLDocument& document, std::string_view text,
@@ -128,35 +163,45 @@ void XmlReader::check_children(const XmlElement& element,
     if (node->ToComment() != nullptr) continue;
     const XmlElement* child = node->ToElement();
     if (child == nullptr) {
-      take_stray_text(element, *node);
-      continue;
-    }
-    const std::string_view name = child->Name();
-    if (std::ranges::find(known, name) == known.end()) {
-      const bool is_xacro = name.starts_with("xacro:");
-      fail(child->GetLineNum(), "unknown element <{}> in <{}>; expected {}", name, element.Name(),
-           is_xacro ? "URDF, which xacro writes: xacro FILE.xacro > FILE.urdf"
-                    : fmt::format("one of: {}", fmt::join(known, ", ")));
-    }
-    if (contains(single, name) && element.FirstChildElement(child->Name()) != child) {
-      fail(child->GetLineNum(), "there is a second <{}> in <{}>", name, element.Name());
+      const std::string text =
+          fmt::format("text {} in <{}>", in_quotes(trimmed(node->Value())), element.Name());
+      tolerate(node->GetLineNum(), text, "unexpected " + text);
+    } else {
+      check_child(element, *child, contains(single, child->Name()), known);
     }
   }
 }
 
-void XmlReader::take_stray_text(const XmlElement& element, const tinyxml2::XMLNode& text) {
-  const std::string what = fmt::format("<{}>: text {} is not expected here", element.Name(),
-                                       in_quotes(trimmed(text.Value())));
-  if (stray_text_ == StrayText::fault) fail(text.GetLineNum(), what);
-  warnings_.push_back(place(text.GetLineNum(), what + "; it is left aside"));
+void XmlReader::check_child(const XmlElement& element, const XmlElement& child, bool is_single,
+                            const std::vector<std::string_view>& known) {
+  const std::string_view name = child.Name();
+  const int line = child.GetLineNum();
+  const std::string what = fmt::format("<{}> in <{}>", name, element.Name());
+  // A document whose macros are not expanded lacks links.
+  if (name.starts_with("xacro:") && name != "xacro:property" && name != "xacro:arg") {
+    fail(line,
+         "unknown element {}; expected URDF, which xacro writes: xacro FILE.xacro > FILE.urdf",
+         what);
+  }
+  if (std::ranges::find(known, name) == known.end()) {
+    tolerate(line, "unknown element " + what,
+             fmt::format("unknown element {}; expected one of: {}", what, fmt::join(known, ", ")));
+  } else if (is_single && element.FirstChildElement(child.Name()) != &child) {
+    tolerate(line, "a second " + what, "there is a second " + what);
+  }
 }
 
 void XmlReader::check_attributes(const XmlElement& element,
-                                 std::initializer_list<std::string_view> known) const {
+                                 std::initializer_list<std::string_view> known) {
   for (const auto* attribute = element.FirstAttribute(); attribute; attribute = attribute->Next()) {
-    if (contains(known, attribute->Name())) continue;
-    fail(element, "unknown attribute '{}'; expected one of: {}", attribute->Name(),
-         fmt::join(known, ", "));
+    const std::string_view name = attribute->Name();
+    if (contains(known, name) || name.starts_with("xmlns:")) continue;
+    const std::string hint =
+        did_you_mean(name, std::vector<std::string>(known.begin(), known.end()));
+    tolerate(element.GetLineNum(),
+             fmt::format("unknown attribute '{}' of <{}>{}", name, element.Name(), hint),
+             fmt::format("<{}>: unknown attribute '{}'; expected one of: {}", element.Name(), name,
+                         fmt::join(known, ", ")));
   }
 }
 
@@ -173,7 +218,7 @@ std::string XmlReader::text(const XmlElement& element, const char* attribute) co
   return value;
 }
 
-double XmlReader::number(const XmlElement& element, const char* attribute) const {
+double XmlReader::number_or_infinity(const XmlElement& element, const char* attribute) const {
   const std::string value = text(element, attribute);
   const auto fields = words(value);
   const auto result = fields.size() == 1 ? parse_number(fields[0]) : std::nullopt;
@@ -181,10 +226,11 @@ double XmlReader::number(const XmlElement& element, const char* attribute) const
   fail(element, "{} is {}, expected a finite number", attribute, in_quotes(value));
 }
 
-double XmlReader::positive_number(const XmlElement& element, const char* attribute) const {
-  const double value = number(element, attribute);
-  if (value <= 0) fail(element, "{} is {}, expected more than 0", attribute, value);
-  return value;
+double XmlReader::number(const XmlElement& element, const char* attribute) const {
+  const double value = number_or_infinity(element, attribute);
+  if (std::isfinite(value)) return value;
+  fail(element, "{} is {}, expected a finite number", attribute,
+       in_quotes(element.Attribute(attribute)));
 }
 
 double XmlReader::non_negative_number(const XmlElement& element, const char* attribute) const {
@@ -193,17 +239,26 @@ double XmlReader::non_negative_number(const XmlElement& element, const char* att
   return value;
 }
 
-Vec3 XmlReader::vector(const XmlElement& element, const char* attribute,
-                       const Vec3& fallback) const {
-  const char* value = element.Attribute(attribute);
-  if (value == nullptr) return fallback;
+std::vector<double> XmlReader::numbers(const XmlElement& element, const char* attribute,
+                                       std::initializer_list<std::size_t> counts,
+                                       std::string_view expected) const {
+  const std::string_view value = element.Attribute(attribute);
   std::vector<double> numbers;
   const auto fields = words(value);
   for (const std::string_view field : fields) {
-    if (const auto number = parse_number(field)) numbers.push_back(*number);
+    const auto number = parse_number(field);
+    if (number && std::isfinite(*number)) numbers.push_back(*number);
   }
-  if (fields.size() == 3 && numbers.size() == 3) return {numbers[0], numbers[1], numbers[2]};
-  fail(element, "{} is {}, expected three finite numbers", attribute, in_quotes(value));
+  const bool is_count = std::ranges::find(counts, fields.size()) != counts.end();
+  if (is_count && numbers.size() == fields.size()) return numbers;
+  fail(element, "{} is {}, expected {}", attribute, in_quotes(value), expected);
+}
+
+Vec3 XmlReader::vector(const XmlElement& element, const char* attribute,
+                       const Vec3& fallback) const {
+  if (element.Attribute(attribute) == nullptr) return fallback;
+  const auto n = numbers(element, attribute, {3}, "three finite numbers");
+  return {n[0], n[1], n[2]};
 }
 
 }  // namespace mneme::internal

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Strict reading of XML elements.
+/// Reading of XML elements, strict or lenient.
 #pragma once
 
 #include "mneme/base.h"
@@ -36,12 +36,20 @@ inline constexpr std::size_t kMaxRobotTextSize = std::size_t{64} << 20;
 /// "SOURCE:LINE: CONTEXT: what" at a faulty element.
 class XmlReader {
  public:
-  /// How text between elements is treated.
-  enum class StrayText { fault, warning };
-  explicit XmlReader(std::string source, StrayText stray_text = StrayText::fault)
-      : source_(std::move(source)), stray_text_(stray_text) {}
+  /// Strict: findings are errors. Lenient: warnings() lists them.
+  enum class Mode { strict, lenient };
+  explicit XmlReader(std::string source, Mode mode = Mode::strict)
+      : source_(std::move(source)), mode_(mode) {}
 
-  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+  [[nodiscard]] bool is_strict() const { return mode_ == Mode::strict; }
+  /// Records a finding such as "unknown element <x> in <link>", or fails with `fault` if strict.
+  void tolerate(int line, const std::string& what, std::string_view fault,
+                ErrorCode code = ErrorCode::parse);
+  /// The same with the context and the element's name before both texts.
+  void tolerate(const XmlElement& element, std::string_view what, std::string_view fault,
+                ErrorCode code = ErrorCode::parse);
+  /// Returns one warning that counts and names the findings; none without findings.
+  [[nodiscard]] std::vector<std::string> warnings() const;
   /// Names the current part, such as "link 'elbow'", in messages.
   void set_context(std::string context) { context_ = std::move(context); }
   [[noreturn]] void fail(int line, std::string_view what, ErrorCode code = ErrorCode::parse) const;
@@ -59,31 +67,42 @@ class XmlReader {
   /// The root element of `text`, which must be well-formed, at most 64 MB and one `name` element.
   const XmlElement& read_root(tinyxml2::XMLDocument& document, std::string_view text,
                               const char* name) const;
-  /// Allows comments, text that is no fault, each element of `single` at most once, and those of
-  /// `repeated` at will.
+  /// Finds text, elements other than `single` and `repeated`, and a second element of `single`: the
+  /// first one counts. Elements that xacro expands are an error in both modes.
   void check_children(const XmlElement& element, std::initializer_list<std::string_view> single,
                       std::initializer_list<std::string_view> repeated);
-  /// Refuses other attributes: a mistyped name must not become a default value.
-  void check_attributes(const XmlElement& element,
-                        std::initializer_list<std::string_view> known) const;
+  /// Finds other attributes.
+  void check_attributes(const XmlElement& element, std::initializer_list<std::string_view> known);
 
   const XmlElement& required_child(const XmlElement& element, const char* name) const;
   /// The attribute's text, not empty.
   std::string text(const XmlElement& element, const char* attribute) const;
   /// The attribute's value: one finite decimal number, whatever the locale.
   double number(const XmlElement& element, const char* attribute) const;
-  double positive_number(const XmlElement& element, const char* attribute) const;
   double non_negative_number(const XmlElement& element, const char* attribute) const;
+  /// The same, but infinite values are allowed.
+  double number_or_infinity(const XmlElement& element, const char* attribute) const;
+  /// The finite numbers of an attribute that exists, as many as one of `counts`; `expected` names
+  /// them in messages.
+  std::vector<double> numbers(const XmlElement& element, const char* attribute,
+                              std::initializer_list<std::size_t> counts,
+                              std::string_view expected) const;
   /// The attribute's three numbers; `fallback` where it is missing.
   Vec3 vector(const XmlElement& element, const char* attribute, const Vec3& fallback) const;
 
  private:
-  void take_stray_text(const XmlElement& element, const tinyxml2::XMLNode& text);
-  [[nodiscard]] std::string place(int line, std::string_view what) const;
+  struct Finding {
+    std::string what;
+    int line = 0;
+    int count = 1;
+  };
+  [[nodiscard]] std::string in_context(std::string_view what) const;
+  void check_child(const XmlElement& element, const XmlElement& child, bool is_single,
+                   const std::vector<std::string_view>& known);
 
   std::string source_;
-  StrayText stray_text_;
-  std::vector<std::string> warnings_;
+  Mode mode_;
+  std::vector<Finding> findings_;
   std::string context_;
 };
 

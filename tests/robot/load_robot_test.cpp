@@ -156,10 +156,10 @@ namespace {
 using internal::MeshFinder;
 namespace fs = std::filesystem;
 
-/// ROS_PACKAGE_PATH for the duration of a test.
+/// A variable with package paths for the duration of a test.
 struct RosPackagePath : test::EnvironmentVariable {
-  explicit RosPackagePath(const std::string& value)
-      : EnvironmentVariable("ROS_PACKAGE_PATH", value) {}
+  explicit RosPackagePath(const std::string& value, const char* name = "ROS_PACKAGE_PATH")
+      : EnvironmentVariable(name, value) {}
 };
 
 /// src/arm_description/{urdf,meshes/a.stl} and an empty folder, all below a temporary directory.
@@ -178,7 +178,7 @@ class Workspace {
 
  private:
   test::TemporaryDirectory directory_;
-  RosPackagePath none_{""};
+  RosPackagePath no_ros_1_{""}, no_ros_2_{"", "AMENT_PREFIX_PATH"};
 };
 
 constexpr const char* kMesh = "package://arm_description/meshes/a.stl";
@@ -212,6 +212,31 @@ TEST_SUITE("unit") {
     CHECK(MeshFinder(w / "arm.urdf", {}).find(kMesh) == w.mesh());
   }
 
+  TEST_CASE("install prefixes, package.xml and the spellings of package:// are understood") {
+    const Workspace w;
+    fs::create_directories(w / "install/share");
+    fs::rename(w / "src/arm_description", w / "install/share/arm_description");
+    const std::string mesh = w / "install/share/arm_description/meshes/a.stl";
+    CHECK(MeshFinder(w / "arm.urdf", {w / "install"}).find(kMesh) == mesh);
+    CHECK(MeshFinder(w / "arm.urdf", {w / "install"})
+              .find("package:///arm_description/meshes/a.stl") == mesh);
+    CHECK(
+        MeshFinder(w / "arm.urdf", {w / "install"}).find("model://arm_description/meshes/a.stl") ==
+        mesh);
+    {
+      const RosPackagePath variable(w / "install", "AMENT_PREFIX_PATH");
+      CHECK(MeshFinder(w / "arm.urdf", {}).find(kMesh) == mesh);
+    }
+    const std::string renamed = w / "src/arm-ros2";
+    fs::rename(w / "install/share/arm_description", renamed);
+    test::write_file(renamed + "/package.xml",
+                     "<package format=\"3\"><name>arm_description</name></package>");
+    for (const std::string& path : {w / "src", renamed}) {
+      CHECK(MeshFinder(w / "arm.urdf", {path}).find(kMesh) == renamed + "/meshes/a.stl");
+    }
+    CHECK(MeshFinder(renamed + "/urdf/arm.urdf", {}).find(kMesh) == renamed + "/meshes/a.stl");
+  }
+
   TEST_CASE("other names are relative to the URDF or absolute after file://") {
     const Workspace w;
     const MeshFinder meshes(w / "src/arm_description/urdf/arm.urdf", {});
@@ -226,11 +251,11 @@ TEST_SUITE("unit") {
     const std::string message =
         refusal(MeshFinder(w / "arm.urdf", {w / "empty", w / "src"}), missing, ErrorCode::io);
     CHECK(contains(message, "no such file; searched: "));
-    CHECK(contains(message, "/empty/arm_description/meshes/b.stl, "));
+    CHECK_FALSE(contains(message, "/empty/"));
     CHECK(contains(message, "/src/arm_description/meshes/b.stl"));
     const MeshFinder nowhere(w / "arm.urdf", {});
     CHECK(contains(refusal(nowhere, missing, ErrorCode::io),
-                   "where is the package 'arm_description'?"));
+                   "there is no package 'arm_description' in the folders above the URDF"));
     CHECK(contains(refusal(nowhere, "b.stl", ErrorCode::io), "/b.stl"));
     CHECK(contains(refusal(nowhere, "empty", ErrorCode::io), "is a directory"));
   }

@@ -60,7 +60,7 @@ TEST_SUITE("unit") {
     CHECK(all.chains.at(0).second.name == "l3");
     CHECK(all.subgroups.at(0).name == "hand");
     CHECK(srdf->end_effectors.at(0).name == "hand");
-    CHECK(srdf->virtual_joints.at(0).name == "world");
+    CHECK(srdf->virtual_joints.at(0).name.name == "world");
     CHECK(srdf->passive_joints.at(0).name == "wheel");
     CHECK(srdf->disabled.at(0).second.name == "l1");
     CHECK(srdf->disabled.at(0).second.line == 16);
@@ -93,7 +93,7 @@ TEST_SUITE("unit") {
       std::string text = kSrdf;
       const std::size_t at = text.find(c.from);
       REQUIRE_MESSAGE(at != std::string::npos, c.from);
-      const auto srdf = read_srdf(text.replace(at, c.from.size(), c.to), "arm.srdf");
+      const auto srdf = read_srdf(text.replace(at, c.from.size(), c.to), "arm.srdf", true);
       REQUIRE_FALSE(srdf.has_value());
       const std::string& message = srdf.error().message;
       CHECK_MESSAGE(message.starts_with("arm.srdf:" + std::to_string(c.line) + ": "), message);
@@ -102,19 +102,23 @@ TEST_SUITE("unit") {
     }
   }
 
-  TEST_CASE("text between elements is left aside with a warning") {
+  TEST_CASE("text, unknown elements and a state without a group are one warning") {
     std::string text = kSrdf;
+    constexpr std::string_view kState = " group=\"all\"><joint";
+    text.replace(text.find(kState), kState.size(), "><claw/><joint");
     constexpr std::string_view kComment = "<!-- a comment -->";
     text.replace(text.find(kComment), kComment.size(), "\\");
     constexpr std::string_view kJoint = "<joint name=\"j1\"/>";
     text.insert(text.find(kJoint), "stray");
     const auto srdf = read_srdf(text, "arm.srdf");
     REQUIRE(srdf.has_value());
-    REQUIRE(srdf->warnings.size() == 2);
+    REQUIRE(srdf->warnings.size() == 1);
     CHECK(srdf->warnings[0] ==
-          "arm.srdf:3: <robot>: text '\\' is not expected here; it is left aside");
-    CHECK(srdf->warnings[1] ==
-          "arm.srdf:5: group 'all': <group>: text 'stray' is not expected here; it is left aside");
+          "arm.srdf: tolerated 4 faults (an error if strict): text '\\' in <robot> (line 3); text "
+          "'stray' in <group> (line 5); <group_state>: no group (line 12); unknown element <claw> "
+          "in <group_state> (line 12)");
+    CHECK(srdf->states.at(0).joints.size() == 1);
+    CHECK_FALSE(read_srdf(text, "arm.srdf", true).has_value());
     CHECK(srdf->disabled.size() == read_srdf(kSrdf, "arm.srdf")->disabled.size());
   }
 
@@ -166,9 +170,36 @@ std::vector<std::pair<int, int>> pairs_of(const Robot::Parts& parts) {
 }  // namespace
 
 TEST_SUITE("unit") {
-  TEST_CASE("what is left aside in an SRDF is a warning of the robot") {
-    CHECK(applied("stray").warnings ==
-          Names{"a.srdf:2: <robot>: text 'stray' is not expected here; it is left aside"});
+  TEST_CASE("findings in an SRDF are a warning of the robot") {
+    CHECK(
+        applied("stray").warnings ==
+        Names{"a.srdf: tolerated 1 fault (an error if strict): text 'stray' in <robot> (line 2)"});
+  }
+
+  TEST_CASE("a virtual joint of the planned group and its value in a state are warnings") {
+    const auto warnings_of = [](const std::string& group) {
+      const Robot::Parts parts = applied(
+          R"(<virtual_joint name="odom" type="planar" parent_frame="map" child_link="l0"/>
+             <group name="arm"><joint name="j1"/></group>
+             <group name="all"><group name="arm"/><joint name="odom"/></group>
+             <group_state name="far" group="all"><joint name="odom" value="1 0 0"/>
+             <joint name="j1" value=" 0.3 "/></group_state>)");
+      RobotOptions options;
+      options.group = group;
+      const Robot robot = test::require_robot(parts, options);
+      CHECK(robot.named_states()[0].values == std::map<std::string, double>{{"j1", 0.3}});
+      return Names(robot.warnings().begin(), robot.warnings().end());
+    };
+    const Names all = warnings_of("all");
+    REQUIRE(all.size() == 2);
+    CHECK(
+        all[0] ==
+        "a.srdf: tolerated 1 fault (an error if strict): group_state 'far': <joint>: joint 'odom' "
+        "has several values and is ignored (line 5)");
+    CHECK(all[1] ==
+          "group 'all' has the virtual joint 'odom', which cannot be planned for: the base stays "
+          "where it is");
+    CHECK(warnings_of("arm").size() == 1);
   }
 
   TEST_CASE("groups are unions of joints, links' joints, chains and groups, in tree order") {

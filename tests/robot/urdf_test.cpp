@@ -42,8 +42,14 @@ std::string replaced(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-Robot require_parsed(const std::string& urdf) {
-  const auto robot = parse_robot(urdf, "arm.urdf");
+RobotOptions strictly() {
+  RobotOptions options;
+  options.strict = true;
+  return options;
+}
+
+Robot require_parsed(const std::string& urdf, const RobotOptions& options = {}) {
+  const auto robot = parse_robot(urdf, "arm.urdf", options);
   REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
   return *robot;
 }
@@ -60,7 +66,7 @@ void check_refusals(const std::vector<MalformedUrdf>& cases) {
   for (const MalformedUrdf& c : cases) {
     CAPTURE(c.from);
     CAPTURE(c.to);
-    const auto robot = parse_robot(replaced(c.from, c.to), "arm.urdf");
+    const auto robot = parse_robot(replaced(c.from, c.to), "arm.urdf", strictly());
     REQUIRE_FALSE(robot.has_value());
     const std::string& message = robot.error().message;
     CHECK_MESSAGE(message.starts_with("arm.urdf:" + std::to_string(c.line) + ": "), message);
@@ -182,6 +188,8 @@ TEST_SUITE("unit") {
          "joint 'turn': <joint>: the element <limit> is missing"},
         {"velocity=\"1\"", "velocity=\"-1\"", 16, "joint 'turn': <limit>: velocity is -1"},
         {"velocity=\"1\"", "velocity=\"nan\"", 16, "joint 'turn': <limit>: velocity is 'nan'"},
+        {"velocity=\"1\"", "velocity=\"inf\"", 16, "velocity is inf, expected a finite number"},
+        {"upper=\"1.5\"", "upper=\"inf\"", 16, "upper is 'inf', expected a finite number"},
         {"velocity=\"1\"", "velocity=\"fast\"", 16, "<limit>: velocity is 'fast'"},
         {"velocity=\"1\"", "acceleration=\"-1\"", 16, "<limit>: acceleration is -1"},
         {"xyz=\"0 1 0\"", "xyz=\"0 1e-10 0\"", 11, "joint 'turn': its axis"},
@@ -269,6 +277,127 @@ TEST_SUITE("unit") {
   }
 }
 
+namespace {
+
+struct Tolerated {
+  std::string from, to;
+  std::string finding;
+};
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("foreign parts are ignored with one warning that counts and names them") {
+    std::string text = replaced("<axis", "<axle/><axis");
+    text.replace(text.find("</robot>"), 8,
+                 "<sim:group xmlns:sim=\"x\"><sim:member/></sim:group><sim:group/>\n"
+                 "<drake:loop/></robot>");
+    text.insert(text.find("<collision>"), "<weightless>0</weightless>oops");
+    const Robot robot = require_parsed(text);
+    CHECK(robot.hash() == require_parsed(kArm).hash());
+    REQUIRE(robot.warnings().size() == 1);
+    CHECK(robot.warnings()[0] ==
+          "arm.urdf: tolerated 6 faults (an error if strict): unknown element <weightless> in "
+          "<link> (line 4); text 'oops' in <link> (line 4); unknown element <axle> in <joint> "
+          "(line 15); unknown element <sim:group> in <robot> (2 times, first in line 18); unknown "
+          "element <drake:loop> in <robot> (line 19)");
+  }
+
+  TEST_CASE("faults whose meaning is clear are tolerated by name, and refused if strict") {
+    const std::string shape = "<sphere radius=\"0.1\"/>";
+    const std::vector<Tolerated> cases{
+        {"<robot name=\"arm\">", "<robot>", "<robot>: no name, 'arm' is used (line 1)"},
+        {"<robot name=\"arm\">", "<robot name=\"\">", "no name, 'arm' is used"},
+        {"xyz=\"0 0 1\"", "xyz=\"0 0 1\" rpi=\"0 0 0\"",
+         "unknown attribute 'rpi' of <origin>; did you mean 'rpy'? (line 14)"},
+        {"effort=\"1\"", "command_effort=\"2\"", "unknown attribute 'command_effort' of <limit>"},
+        {"<geometry>", "<surface/><geometry>", "unknown element <surface> in <collision> (line 6)"},
+        {"<axis", "<axis xyz=\"0 1 0\"/><axis", "a second <axis> in <joint> (line 15)"},
+        {"lower=\"-1\"", "", "joint 'turn': <limit>: lower is missing and taken for 0"},
+        {"velocity=\"1\"", "velocity=\"inf\"", "<limit>: velocity is inf and counts as none"},
+        {"velocity=\"1\"", "velocity=\"-1\"", "<limit>: velocity is -1 and counts as none"},
+        {"upper=\"1.5\"", "upper=\"inf\"", "<limit>: upper is infinite and taken for 12.57"},
+        {"<limit lower=\"-1\" upper=\"1.5\" effort=\"1\" velocity=\"1\"/>", "",
+         "joint 'turn': <joint>: no limits, so that the joint stays at 0"},
+        {"</robot>",
+         "<link name=\"cart\"/><joint name=\"drive\" type=\"planar\"><parent link=\"cart\"/>"
+         "<child link=\"base\"/></joint></robot>",
+         "joint 'drive': <joint>: a planar joint cannot be planned for and stays at its origin"},
+        {"<collision>", "<collision/><collision>", "link 'tool': <collision>: it has no shape"},
+        {shape, shape + shape, "<geometry>: several shapes, which are all used"},
+        {"<geometry>", "<geometry/><geometry>",
+         "a second <geometry> in <collision>, which is used"},
+        {shape, shape + "<box size=\"0 0 0\"/>", "<box>: the shape has no size and is ignored"},
+    };
+    for (const Tolerated& c : cases) {
+      CAPTURE(c.to);
+      const std::string text = replaced(c.from, c.to);
+      const Robot robot = require_parsed(text);
+      REQUIRE(robot.warnings().size() == 1);
+      CHECK_MESSAGE(contains(robot.warnings()[0], c.finding), robot.warnings()[0]);
+      CHECK_FALSE(parse_robot(text, "arm.urdf", strictly()).has_value());
+    }
+  }
+
+  TEST_CASE("missing and infinite limits have values that are safe or clear") {
+    const auto joint_of = [](const std::string& limit) {
+      const std::string known = "lower=\"-1\" upper=\"1.5\" effort=\"1\" velocity=\"1\"";
+      return require_parsed(replaced(known, limit)).group_joint(0);
+    };
+    CHECK(joint_of("upper=\"1.5\" velocity=\"-1\"").lower == 0);
+    CHECK(joint_of("upper=\"1.5\" velocity=\"-1\"").velocity == 1);
+    CHECK(joint_of("velocity=\"2\"").upper == 0);
+    CHECK(joint_of("lower=\"-inf\" upper=\"inf\"").type == JointType::continuous);
+    CHECK(joint_of("lower=\"-inf\" upper=\"1\"").type == JointType::revolute);
+    CHECK(joint_of("lower=\"-inf\" upper=\"1\"").lower == -4 * kPi);
+    CHECK(joint_of("lower=\"0\" upper=\"1\" drake:acceleration=\"3\"").acceleration == 3);
+    std::string slide = replaced("lower=\"-1\"", "lower=\"-inf\"");
+    slide.replace(slide.find("revolute"), 8, "prismatic");
+    CHECK(require_parsed(slide).group_joint(0).lower == -100);
+  }
+
+  TEST_CASE("soft limits narrow a joint with a note, unless hard limits are wanted") {
+    const auto with = [](const std::string& attributes) {
+      return replaced("</joint>", "<safety_controller " + attributes + "/></joint>");
+    };
+    const std::string text = with("soft_lower_limit=\"-0.5\" soft_upper_limit=\"9\"");
+    const Robot soft = require_parsed(text);
+    CHECK(soft.group_joint(0).lower == -0.5);
+    CHECK(soft.group_joint(0).upper == 1.5);
+    REQUIRE(soft.warnings().size() == 1);
+    CHECK(soft.warnings()[0] ==
+          "arm.urdf: <safety_controller> narrows the limits of 'turn' to [-0.5, 1.5] (the limits "
+          "of <limit> apply with --hard-limits, hard_limits)");
+    RobotOptions hard;
+    hard.hard_limits = true;
+    CHECK(require_parsed(text, hard).group_joint(0).lower == -1);
+    CHECK(require_parsed(text, hard).warnings().empty());
+    CHECK(require_parsed(with("k_velocity=\"1\"")).warnings().empty());
+    const Robot unset = require_parsed(with("soft_lower_limit=\"0\" soft_upper_limit=\"0\""));
+    CHECK(unset.group_joint(0).upper == 1.5);
+    CHECK(contains(unset.warnings()[0], "its soft limits leave no range and are ignored"));
+  }
+
+  TEST_CASE("an origin may have a quaternion, but not angles too") {
+    const std::string half = "quat_xyzw=\"0 0 0.7071067811865476 0.7071067811865476\"";
+    const Robot robot = require_parsed(replaced("xyz=\"0 0 1\" rpy=\"0 0 0\"", half));
+    CHECK(robot.group_joint(0).origin.rotation.isApprox(rotation_about(Vec3::UnitZ(), kPi / 2)));
+    const auto refusal = [](const std::string& origin) {
+      return parse_robot(replaced("xyz=\"0 0 1\"", origin), "arm.urdf").error().message;
+    };
+    CHECK(contains(refusal(half), "<origin>: expected either rpy or quat_xyzw, got both"));
+  }
+
+  TEST_CASE("shapes that are unknown are refused though the reader is lenient") {
+    const std::string text = replaced("<sphere radius=\"0.1\"/>", "<ellipsoid/>");
+    CHECK(contains(parse_robot(text, "arm.urdf").error().message,
+                   "arm.urdf:7: link 'tool': unknown element <ellipsoid> in <geometry>"));
+    CHECK(contains(
+        parse_robot(replaced("</robot>", "<xacro:arm/></robot>"), "arm.urdf").error().message,
+        "xacro FILE.xacro > FILE.urdf"));
+  }
+}
+
 TEST_SUITE("law") {
   TEST_CASE("every prefix of a file is refused and no single damaged byte brings the reader down") {
     for (std::size_t length = 0; length + 2 < kArm.size(); ++length) {
@@ -311,6 +440,19 @@ void check_pose(const Transform& pose) {
 }  // namespace
 
 TEST_SUITE("unit") {
+  TEST_CASE("flat shapes get a thickness of 0.1 mm, and one scale counts for all axes") {
+    const Link plate = read_link(R"(<box size="1 2 0"/>)");
+    CHECK(std::get<Box>(plate.solids.at(0)).half_extents.isApprox(Vec3(0.5, 1, 5e-5)));
+    const Link disc = read_link(R"(<cylinder radius="1" length="0"/>)");
+    CHECK(std::get<Cylinder>(disc.solids.at(0)).length == 1e-4);
+    CHECK(read_link(R"(<cylinder radius="0" length="0"/>)").solids.empty());
+    CHECK(read_link(R"(<drake:capsule radius="1" length="2"/>)").capsules.size() == 1);
+    const test::TemporaryDirectory directory;
+    test::write_file(directory / "a.stl", "solid");
+    const Link scaled = read_link(R"(<mesh filename="a.stl" scale="0.5"/>)", directory / "r.urdf");
+    CHECK(std::get<MeshFile>(scaled.solids.at(0)).scale == Vec3::Constant(0.5));
+  }
+
   TEST_CASE("spheres and capsules become shapes, the rest solids, all at their poses") {
     const Sphere sphere = read_link(R"(<sphere radius="0.1"/>)").spheres.at(0);
     CHECK(sphere.center == Vec3(1, 2, 3));
@@ -375,7 +517,7 @@ TEST_SUITE("unit") {
     };
     for (const Case& c : cases) {
       CAPTURE(c.geometry);
-      const auto parts = parse_robot_parts(with_geometry(c.geometry), "r.urdf");
+      const auto parts = parse_robot_parts(with_geometry(c.geometry), "r.urdf", strictly());
       REQUIRE_FALSE(parts.has_value());
       const std::string& message = parts.error().message;
       CHECK_MESSAGE(message.starts_with("r.urdf:3: link 'arm': "), message);
