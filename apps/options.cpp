@@ -303,6 +303,11 @@ void add_robot_flags(CLI::App& app, RobotOptions& options) {
                  "directory in which the packages of package:// are; may be given several times")
       ->allow_extra_args(false)
       ->type_name("DIR");
+  app.add_flag("--strict", options.strict,
+               "refuse unknown elements and attributes, missing limits and shapes without size in "
+               "URDF and SRDF (default: one warning names them)");
+  app.add_flag("--hard-limits", options.hard_limits,
+               "use the limits of <limit>, not the narrower soft limits of <safety_controller>");
 }
 
 CLI::Option* add_database(CLI::App& app, std::string& url, DatabaseSettings& settings,

@@ -129,7 +129,7 @@ std::vector<CLI::Option*> add_settings(CLI::App& app, Settings& settings,
 void add_memory_settings(CLI::App& app, MemorySettings& settings);
 /// The flag --isa, which forces the instruction set of all kernels.
 void add_isa(CLI::App& app);
-/// The flags --srdf, --group and --package-path.
+/// Adds --srdf, --group, --package-path, --strict and --hard-limits.
 void add_robot_flags(CLI::App& app, RobotOptions& options);
 /// The flags --db, whose help is `help`, and --db-memory.
 CLI::Option* add_database(CLI::App& app, std::string& url, DatabaseSettings& settings,

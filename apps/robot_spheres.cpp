@@ -219,6 +219,10 @@ void add_robot_spheres(CLI::App& group, Action& action) {
       ->add_option("--package-path", options->reading.package_paths,
                    "directory of package:// meshes; may be repeated")
       ->type_name("DIR");
+  command->add_flag("--strict", options->reading.strict,
+                    "refuse unknown elements and attributes in URDF and SRDF");
+  command->add_flag("--hard-limits", options->reading.hard_limits,
+                    "use the limits of <limit>, not those of <safety_controller>");
   add_settings(*command, options->spheres);
   command
       ->add_option("--link-excess", options->link_excess,

@@ -123,8 +123,11 @@ void bind_factories(py::class_<SharedProblem>& problem) {
       [](const std::filesystem::path& where, py::object robot, py::object start, py::object goal,
          std::vector<PoseGoal> pose_goals, Constraints constraints,
          const std::filesystem::path& srdf, std::string group,
-         std::vector<std::string> package_paths, std::optional<double> self_filter) {
+         std::vector<std::string> package_paths, std::optional<double> self_filter, bool strict,
+         bool hard_limits) {
         RobotOptions options;
+        options.strict = strict;
+        options.hard_limits = hard_limits;
         options.srdf_path = srdf.string();
         options.group = std::move(group);
         options.package_paths = std::move(package_paths);
@@ -136,6 +139,7 @@ void bind_factories(py::class_<SharedProblem>& problem) {
       py::arg("goal") = py::none(), py::arg("pose_goals") = std::vector<PoseGoal>(),
       py::arg("constraints") = Constraints(), py::arg("srdf") = "", py::arg("group") = "",
       py::arg("package_paths") = std::vector<std::string>(), py::arg("self_filter") = py::none(),
+      py::arg("strict") = false, py::arg("hard_limits") = false,
       "Reads a problem: a YAML file, FILE.json#NAME for one of a compact file, or a motion plan\n"
       "request of MoveIt. Other arguments replace values of the file.\n\n"
       "robot: a name, the path of a URDF, or a Robot, which is then shared. A Robot also replaces\n"

@@ -89,8 +89,11 @@ void bind_factories(py::class_<Robot>& robot) {
       [](const std::filesystem::path& path, const std::filesystem::path& srdf,
          const std::string& group, const std::vector<std::string>& joints,
          const std::vector<std::string>& package_paths,
-         const std::map<std::string, double>& fixed_values, const py::kwargs& settings) {
+         const std::map<std::string, double>& fixed_values, bool strict, bool hard_limits,
+         const py::kwargs& settings) {
         RobotOptions options;
+        options.strict = strict;
+        options.hard_limits = hard_limits;
         options.srdf_path = srdf.string();
         options.group = group;
         options.joints = joints;
@@ -101,13 +104,17 @@ void bind_factories(py::class_<Robot>& robot) {
       py::arg("robot"), py::kw_only(), py::arg("srdf") = "", py::arg("group") = "",
       py::arg("joints") = std::vector<std::string>(),
       py::arg("package_paths") = std::vector<std::string>(),
-      py::arg("fixed_values") = std::map<std::string, double>(),
+      py::arg("fixed_values") = std::map<std::string, double>(), py::arg("strict") = false,
+      py::arg("hard_limits") = false,
       ("Reads a robot: a URDF file, or the name of a bundled robot.\n\n"
        "srdf: file with groups and allowed collisions. Default: the one beside the URDF.\n"
        "group: a group of the SRDF, or the chain 'base_link:tip_link'.\n"
        "joints: names of the joints to plan for, in the order of a configuration.\n"
        "package_paths: directories to search for packages of package:// URLs.\n"
-       "fixed_values: radians or metres of joints outside the group, by name.\n\n"
+       "fixed_values: radians or metres of joints outside the group, by name.\n"
+       "strict: refuses unknown elements and attributes, missing limits and shapes without size, "
+       "which are otherwise named in one warning.\n"
+       "hard_limits: uses the limits of <limit>, not the narrower ones of <safety_controller>.\n\n"
        "Settings of the sphere approximation of boxes, cylinders and meshes:\n\n" +
        describe_keywords<SphereSettings>())
           .c_str());

@@ -35,6 +35,8 @@ class Robot:
         joints: Sequence[str] = ...,
         package_paths: Sequence[str] = ...,
         fixed_values: Mapping[str, float] = ...,
+        strict: bool = False,
+        hard_limits: bool = False,
         excess: float = 0.015,
         tip_excess: float = 0.005,
         max_per_link: int = 1000,
@@ -220,6 +222,8 @@ class Problem:
         group: str = "",
         package_paths: Sequence[str] = ...,
         self_filter: Optional[float] = None,
+        strict: bool = False,
+        hard_limits: bool = False,
     ) -> Problem: ...
     @property
     def robot(self) -> Robot: ...
