@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What a database keeps, whatever keeps it, and its upkeep.
+/// Rows of experience and robot signatures: the types that every database engine stores.
 #pragma once
 
 #include "mneme/base.h"
@@ -16,20 +16,20 @@
 
 namespace mneme {
 
-/// A local sampler p_i(x | lw_i) in the canonical frame of its primitive. Without components: the
-/// primitive was tried, and nothing passes it.
+/// A local sampler p_i(x | lw_i) in the canonical frame of its primitive. No components: learning
+/// was tried and found no passage.
 struct LocalSampler : GaussianMixture {
-  /// False if a time budget ended its learning: a query that retrieves it learns on.
+  /// False if a time limit ended its learning. A query that retrieves it continues learning.
   bool is_complete = true;
 };
 
 /// A whole path that solved a problem.
 struct RememberedPath {
   int joint_count = 0;
-  std::vector<float> waypoints;   ///< row by row, both ends included
-  std::uint64_t constraints = 0;  ///< hash of the constraints that all of it keeps; 0: none
-  /// States that planning it has checked, shortening and improving not counted; nothing if it was
-  /// not measured.
+  std::vector<float> waypoints;   ///< one configuration after the other, both ends included
+  std::uint64_t constraints = 0;  ///< hash of the constraints that the whole path satisfies; 0:
+                                  ///< none
+  /// States checked while planning it, without shortening and improving. Empty if not measured.
   std::optional<std::uint64_t> planning_states;
 
   [[nodiscard]] int waypoint_count() const {
@@ -37,26 +37,26 @@ struct RememberedPath {
   }
 };
 
-/// Where a row of experience came from: for people, and never parsed. By it a merge decides which
-/// of two equal rows stays, and learning that is repeated knows what it has learned before.
+/// Origin of a row, as text for people; the program never parses it. A merge keeps the row with the
+/// smaller provenance of two equal rows.
 struct Provenance {
   std::string tool;      ///< such as "mneme 0.2.0"
-  std::string settings;  ///< of the learning, as text
+  std::string settings;  ///< learning settings as text
   std::uint64_t seed = 0;
   std::string time;  ///< UTC, ISO 8601; filled in by insert() if empty
 };
 
 /// A row of the database.
 struct Experience {
-  std::int64_t id = 0;  ///< given by the database
-  std::string kind;     ///< what the key means, such as "pairs/1": 1 to 64 bytes of UTF-8 without
-                        ///< control characters
-  std::vector<double> key;  ///< as many numbers as the other keys of its kind
+  std::int64_t id = 0;      ///< assigned by the database
+  std::string kind;         ///< meaning of the key, such as "pairs/1"; 1 to 64 bytes of UTF-8, no
+                            ///< control characters
+  std::vector<double> key;  ///< same length for all keys of a kind
   std::variant<LocalSampler, RememberedPath> content;
   Provenance provenance;
 
   [[nodiscard]] bool is_path() const { return std::holds_alternative<RememberedPath>(content); }
-  // Only of a row that holds one.
+  // Precondition: the row holds one.
   [[nodiscard]] const LocalSampler& sampler() const {
     assert(!is_path());
     return *std::get_if<LocalSampler>(&content);
@@ -73,34 +73,36 @@ struct Experience {
     assert(is_path());
     return *std::get_if<RememberedPath>(&content);
   }
-  /// Hash of the constraints that a path keeps; 0 of a sampler.
+  /// Hash of the constraints that a path satisfies; 0 for a sampler.
   [[nodiscard]] std::uint64_t constraints() const { return is_path() ? path().constraints : 0; }
-  /// Components of the sampler, or waypoints of the path.
+  /// Number of components of the sampler or of waypoints of the path.
   [[nodiscard]] int component_count() const {
     return is_path() ? path().waypoint_count() : sampler().component_count();
   }
 };
 
-/// The robot that experience was learned with: decides whether it applies at all.
+/// Identity of the robot that experience was learned with. It decides whether rows apply.
 struct RobotSignature {
   std::string robot_name;       ///< for messages only
-  std::string kinematics_hash;  ///< Robot::kinematics_hash(): where it is the same, rows apply
+  std::string kinematics_hash;  ///< Robot::kinematics_hash(); rows apply to robots with an equal
+                                ///< one
   std::string model_hash;       ///< Robot::hash()
   int joint_count = 0;
 };
 enum class OpenMode { read_only, read_write, create };
 
-/// One damaged row, or damage to the database itself (id 0).
+/// One damaged row, or damage to the database as a whole (id 0).
 struct Damage {
   std::int64_t id = 0;
   std::string what;
-  bool is_quarantined = false;  ///< it is set aside, and the rest can be used
+  bool is_quarantined = false;  ///< set aside, so that the other rows can be used
 };
 
 struct MergeSummary {
-  std::int64_t read = 0;      ///< rows of the source
-  std::int64_t added = 0;     ///< that the target did not have
-  std::int64_t replaced = 0;  ///< that the target had, learned later; the earlier provenance stays
+  std::int64_t read = 0;      ///< rows in the source
+  std::int64_t added = 0;     ///< rows that the target did not have
+  std::int64_t replaced = 0;  ///< rows that the target had with a later provenance; the earlier one
+                              ///< is kept
 };
 
 }  // namespace mneme

@@ -25,7 +25,7 @@ std::optional<std::string> describe_not_finite(const std::vector<float>& values,
 std::optional<std::string> describe_factor_flaw(const LocalSampler& sampler, std::size_t joints) {
   const std::size_t triangle = triangle_size(joints);
   if (sampler.factors.size() % triangle != 0) {
-    return fmt::format("its {} factor values are no multiple of {}", sampler.factors.size(),
+    return fmt::format("its {} factor values are not a multiple of {}", sampler.factors.size(),
                        triangle);
   }
   const auto row_count = static_cast<long long>(sampler.factors.size() / triangle);
@@ -50,7 +50,7 @@ std::optional<std::string> describe_text_flaw(const Provenance& provenance) {
   for (const auto& [what, text] :
        {std::pair("tool", &provenance.tool), std::pair("settings", &provenance.settings),
         std::pair("time", &provenance.time)}) {
-    if (!decode_utf8(*text)) return fmt::format("its {} is no UTF-8 text without NUL", what);
+    if (!decode_utf8(*text)) return fmt::format("its {} is not UTF-8 text without NUL", what);
   }
   return std::nullopt;
 }
@@ -60,7 +60,7 @@ std::optional<std::string> describe_text_flaw(const Provenance& provenance) {
 std::optional<std::string> describe_key_flaw(const std::string& kind,
                                              const std::vector<double>& key) {
   if (!is_kind(kind)) {
-    return fmt::format("its kind is no text of 1 to {} bytes without control characters",
+    return fmt::format("its kind is not a text of 1 to {} bytes without control characters",
                        kMostKindBytes);
   }
   if (key.empty()) return "its key has no numbers";
@@ -94,7 +94,7 @@ std::optional<std::string> describe_joint_flaw(int joint_count, const std::vecto
                        signature.joint_count);
   }
   if (values.size() % static_cast<std::size_t>(joint_count) != 0) {
-    return fmt::format("its {} {} are no multiple of {}", values.size(), what, joint_count);
+    return fmt::format("its {} {} are not a multiple of {}", values.size(), what, joint_count);
   }
   return describe_not_finite(values, what);
 }
@@ -122,7 +122,7 @@ std::optional<std::string> describe_flaw(const Experience& experience,
   if (auto flaw = describe_key_flaw(experience.kind, experience.key)) return flaw;
   if (auto flaw = describe_text_flaw(experience.provenance)) return flaw;
   if (experience.is_path() != holds_paths(experience.kind)) {
-    return fmt::format("it holds a {}, which no row of kind '{}' does",
+    return fmt::format("it holds a {}, which rows of kind '{}' cannot",
                        experience.is_path() ? "path" : "sampler", experience.kind);
   }
   if (!experience.is_path()) return describe_sampler_flaw(experience.sampler(), signature);
@@ -156,10 +156,10 @@ bool is_same_robot(const RobotSignature& a, const RobotSignature& b) {
 
 tl::unexpected<Error> refuse_robot(const std::string& url, const RobotSignature& found,
                                    const RobotSignature& wanted) {
-  std::string message = fmt::format("{}: holds experience of {}; expected that of {}", url,
-                                    describe(found), describe(wanted));
+  std::string message = fmt::format("{}: holds experience of {}; expected {}", url, describe(found),
+                                    describe(wanted));
   if (has_same_frames(found, wanted)) {
-    message += "; only joint limits differ: `mneme db adopt` makes it the other robot's";
+    message += "; only joint limits differ: `mneme db adopt` assigns it to this robot";
   }
   return fail(ErrorCode::wrong_robot, std::move(message));
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What an experience must look like to be stored, and to be used once read.
+/// Checks of rows and robot signatures, before storing and after reading.
 #pragma once
 
 #include "mneme/store.h"
@@ -16,24 +16,25 @@
 
 namespace mneme::internal {
 
-/// Numbers of a key beyond this cannot be metres; far larger ones would overflow the index's
+/// Largest magnitude of a key's numbers, metres. Far larger ones would overflow the index's squared
 /// distances.
 inline constexpr double kMaxKeyMagnitude = 1e6;
 
-/// Bytes in the name of a kind.
+/// Most bytes in the name of a kind.
 inline constexpr std::size_t kMostKindBytes = 64;
 
-/// Why there cannot be rows of `kind` with `key`, or nothing if there can.
+/// Reason why `kind` and `key` are invalid, or nothing.
 [[nodiscard]] std::optional<std::string> describe_key_flaw(const std::string& kind,
                                                            const std::vector<double>& key);
 
-/// True if rows of `kind` hold whole paths; those of other kinds hold samplers.
+/// True if rows of `kind` hold whole paths; other kinds hold samplers.
 [[nodiscard]] bool holds_paths(std::string_view kind);
 
-/// How long the keys of each kind are.
+/// Key length of each kind.
 class KeySizes {
  public:
-  /// Why a key of `size` numbers cannot be of `kind`, or nothing if it can. The first one decides.
+  /// Reason why a key of `size` numbers is invalid for `kind`, or nothing. The first call for a
+  /// kind sets its size.
   [[nodiscard]] std::optional<std::string> check(std::string_view kind, std::size_t size);
   [[nodiscard]] bool knows(std::string_view kind) const { return sizes_.contains(kind); }
 
@@ -41,23 +42,23 @@ class KeySizes {
   std::map<std::string, std::size_t, std::less<>> sizes_;
 };
 
-/// Why `experience` cannot be of that robot (content of another kind, sizes, values that are not
-/// finite, rows that do not exist, texts that are not UTF-8), or nothing if it can; how long the
-/// key should be is not checked. An empty sampler may have a joint count of 0.
+/// Reason why `experience` is invalid for that robot, or nothing. Checks the type of content, array
+/// sizes, finite values, factor indices and UTF-8; does not check the key's length. An empty
+/// sampler may have a joint count of 0.
 [[nodiscard]] std::optional<std::string> describe_flaw(const Experience& experience,
                                                        const RobotSignature& signature);
 
-/// True if a path that was stored under constraints of the hash `stored` serves a query under those
-/// of the hash `wanted`. Rows of schema 3 have only one of 900 numbers that derive from it.
+/// True if a path stored with constraint hash `stored` applies to a query with hash `wanted`. Rows
+/// migrated from schema 3 hold only a number from 1 to 900 that derives from the hash.
 [[nodiscard]] bool is_same_constraints(std::uint64_t stored, std::uint64_t wanted);
 
-/// A signature for messages.
+/// The signature as text for messages.
 [[nodiscard]] std::string describe(const RobotSignature& signature);
 
-/// True if both say that the joints stand in the same frames; limits do not count.
+/// True if both have the same joint frames; limits are not compared.
 [[nodiscard]] bool has_same_frames(const RobotSignature& a, const RobotSignature& b);
-/// True if experience of `a` is experience of `b`: of the same kinematics, or, where an older
-/// database does not say, of the very same model. Names do not count.
+/// True if experience of `a` applies to `b`: equal kinematics or, where an older database has none,
+/// equal models. Names are not compared.
 [[nodiscard]] bool is_same_robot(const RobotSignature& a, const RobotSignature& b);
 /// Error: wrong_robot, because `url` holds experience of `found`.
 [[nodiscard]] tl::unexpected<Error> refuse_robot(const std::string& url,

@@ -198,7 +198,7 @@ std::optional<std::string> decode(const StoredRow& row, const RobotSignature& si
       row.cell == cell_of(experience.key)) {
     return std::nullopt;
   }
-  return fmt::format("its content hash {} is that of another row", to_hex(row.content));
+  return fmt::format("its content hash {} does not match its content", to_hex(row.content));
 }
 
 std::array<std::int64_t, kHeadSize> to_numbers(const StoreState& state) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What stands in a store, as bytes and with its checksums: little-endian numbers without padding.
+/// Rows as bytes and their checksums: little-endian numbers without padding.
 #pragma once
 
 #include "mneme/store.h"
@@ -22,8 +22,8 @@
 
 namespace mneme::internal {
 
-/// XXH3 (128 bits) of a row's kind, key and content: rows with the same hash are the same
-/// experience, whenever, wherever and however they were learned.
+/// XXH3 (128 bits) of a row's kind, key and content. Rows with equal hashes are the same
+/// experience, whatever their provenance.
 using ContentHash = std::array<std::byte, 16>;
 
 inline void swap_to_little_endian([[maybe_unused]] std::span<std::byte> bytes,
@@ -44,7 +44,7 @@ std::vector<std::byte> to_bytes(const std::vector<Number>& numbers) {
   return bytes;
 }
 
-/// False if the bytes are not a whole number of elements.
+/// Returns false if the bytes are not a whole number of elements.
 template <class Number>
 bool from_bytes(std::span<const std::byte> bytes, std::vector<Number>& numbers) {
   if (bytes.size() % sizeof(Number) != 0) return false;
@@ -54,7 +54,7 @@ bool from_bytes(std::span<const std::byte> bytes, std::vector<Number>& numbers) 
   return true;
 }
 
-/// What an experience consists of; views into a statement or an EncodedRow.
+/// The columns of a row, as views into a statement or an EncodedRow.
 struct RowView {
   std::string_view kind;
   std::span<const std::byte> key;  ///< float64 each
@@ -72,8 +72,8 @@ struct RowView {
   std::string_view time;
 };
 
-/// A row as it stands in a store, sound or not: one record in the table `experience` and, unless
-/// only the keys are read, one in `mixture`.
+/// A stored row, sound or damaged: one record of the table `experience` and, unless only keys are
+/// read, one of `mixture`.
 struct StoredRow {
   std::int64_t id = 0;
   std::int64_t generation = 0;  ///< of the transaction that added it
@@ -83,17 +83,18 @@ struct StoredRow {
   RowView columns;
   std::int64_t key_checksum = 0;      ///< of the record in `experience`
   std::int64_t mixture_checksum = 0;  ///< of the record in `mixture`
-  std::string flaw;                   ///< what the store already knows to be wrong with it
+  std::string flaw;                   ///< damage that the store found while reading it; usually
+                                      ///< empty
 };
 
-/// How far a store has come, and what must be in it by then: the row of the table `head`. Whoever
-/// has read up to one state reads on from there.
+/// State of a store: counters and digests of its rows, the single row of the table `head`. A reader
+/// that knows an older state continues from it.
 struct StoreState {
-  std::int64_t generation = 0;  ///< transactions that changed something
+  std::int64_t generation = 0;  ///< number of transactions that changed something
   std::int64_t epoch = 0;       ///< changes whenever rows may have vanished
-  std::int64_t last_row = 0;    ///< ids up to these were given away
+  std::int64_t last_row = 0;    ///< largest id assigned so far
   std::int64_t last_tombstone = 0;
-  std::int64_t row_count = 0;   ///< dead ones included
+  std::int64_t row_count = 0;   ///< including dead rows
   std::int64_t row_digest = 0;  ///< exclusive or of tally_mark(id, key checksum)
   std::int64_t tombstone_count = 0;
   std::int64_t tombstone_digest = 0;
@@ -105,7 +106,7 @@ inline constexpr int kHeadSize = 8;
 [[nodiscard]] std::array<std::int64_t, kHeadSize> to_numbers(const StoreState& state);
 [[nodiscard]] StoreState to_state(std::span<const std::int64_t, kHeadSize> numbers);
 
-/// Says that a row is dead: it stays where it is, but nobody uses it any more.
+/// Marks a row as dead: it stays stored but is not used.
 struct Tombstone {
   std::int64_t id = 0;
   std::int64_t row = 0;
@@ -136,8 +137,8 @@ class EncodedRow {
 
 /// Edge of the cells that keys are sorted into, metres.
 inline constexpr double kCellEdge = 1.0;
-/// The cell of a key, by which a cluster may spread rows over machines: XXH3 of its numbers in
-/// units of kCellEdge, rounded down, as int64 each.
+/// Hash of the grid cell that a key lies in, by which a cluster may distribute rows: XXH3 of its
+/// numbers divided by kCellEdge, rounded down, as int64.
 [[nodiscard]] std::int64_t cell_of(const std::vector<double>& key);
 
 /// XXH3 of some bytes, as a signed integer.
@@ -170,11 +171,11 @@ class ColumnDigest {
 /// XXH3 over all columns of a record in `experience` and in `mixture`.
 [[nodiscard]] std::int64_t key_checksum(const StoredRow& row);
 [[nodiscard]] std::int64_t mixture_checksum(const StoredRow& row);
-/// What a row or tombstone adds, by exclusive or, to a digest of the store.
+/// Contribution of a row or tombstone to a digest of the store, which is the exclusive or of all.
 [[nodiscard]] std::int64_t tally_mark(std::int64_t id, std::int64_t checksum);
 
-/// Fills `experience`. Returns what is wrong with the row, if anything is; how long its key should
-/// be is not checked.
+/// Fills `experience`. Returns the row's damage in words, or nothing. Does not check the key's
+/// length.
 [[nodiscard]] std::optional<std::string> decode(const StoredRow& row,
                                                 const RobotSignature& signature,
                                                 Experience& experience);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Where experience is kept: the one interface that every engine implements.
+/// The interface that every database engine implements.
 #pragma once
 
 #include "mneme/store.h"
@@ -19,7 +19,7 @@
 
 namespace mneme::internal {
 
-/// A live row with a content that was asked for.
+/// A live row with one of the requested contents.
 struct KnownRow {
   ContentHash content{};
   std::int64_t id = 0;
@@ -35,37 +35,37 @@ enum class RowParts {
 using RowVisitor = std::function<Result<void>(const StoredRow&)>;
 using TombstoneVisitor = std::function<Result<void>(const Tombstone&)>;
 
-/// One transaction; rolls back unless it is committed. Reads see one snapshot. Not thread-safe.
-/// Errors of all calls: io, corrupt, and whatever a visitor returns.
+/// One transaction; rolls back unless committed. Reads see one snapshot. Not thread-safe. Errors of
+/// all calls: io, corrupt, and errors of visitors.
 class StoreTransaction {
  public:
   virtual ~StoreTransaction() = default;
 
-  /// corrupt if it is damaged. Of a writing transaction: no other can begin until this one ends.
+  /// The store's state. In a writing transaction it stays locked until the end. Error: corrupt.
   [[nodiscard]] virtual Result<StoreState> head() = 0;
-  /// Those after the id `after`, in order of ids.
+  /// Visits tombstones with ids above `after`, in order of ids.
   [[nodiscard]] virtual Result<void> read_tombstones(std::int64_t after,
                                                      const TombstoneVisitor& visit) = 0;
-  /// Dead ones included.
+  /// Visits rows with ids above `after`, including dead ones, in order of ids.
   [[nodiscard]] virtual Result<void> read_rows(std::int64_t after, RowParts parts,
                                                const RowVisitor& visit) = 0;
-  /// Whole rows in any order; ids that do not exist are passed over.
+  /// Visits whole rows in any order; skips ids that do not exist.
   [[nodiscard]] virtual Result<void> read_rows_by_id(std::span<const std::int64_t> ids,
                                                      const RowVisitor& visit) = 0;
-  /// The live rows with one of these contents.
+  /// Live rows with one of these contents.
   [[nodiscard]] virtual Result<std::vector<KnownRow>> find_contents(
       std::span<const ContentHash> contents) = 0;
-  /// How many numbers the key of the first live row of a kind has, if there is one.
+  /// Key length of the first live row of a kind; nothing if there is no row.
   [[nodiscard]] virtual Result<std::optional<std::size_t>> find_key_size(std::string_view kind) = 0;
-  /// Ids with a mixture but no key, unless they have a tombstone.
+  /// Ids of rows with a mixture but without a key and tombstone.
   [[nodiscard]] virtual Result<std::vector<std::int64_t>> find_orphans() = 0;
 
-  // Of writing transactions only.
+  // Only in writing transactions:
   [[nodiscard]] virtual Result<void> add_rows(std::span<const StoredRow> rows) = 0;
   [[nodiscard]] virtual Result<void> add_tombstones(std::span<const Tombstone> tombstones) = 0;
   [[nodiscard]] virtual Result<void> remove_tombstones(std::span<const std::int64_t> ids) = 0;
   [[nodiscard]] virtual Result<void> set_head(const StoreState& state) = 0;
-  /// Removes all rows with a tombstone, and the tombstones.
+  /// Deletes all rows that have a tombstone, and the tombstones.
   [[nodiscard]] virtual Result<void> remove_dead() = 0;
   [[nodiscard]] virtual Result<void> commit() = 0;
 };
@@ -76,21 +76,21 @@ class Store {
   enum class Kind { read, write };
   virtual ~Store() = default;
 
-  /// For messages: without a password.
+  /// URL without password, for messages.
   [[nodiscard]] virtual const std::string& name() const = 0;
-  /// 0 if there is nothing in it yet.
+  /// 0 if the store is empty.
   [[nodiscard]] virtual Result<int> schema_version() = 0;
-  /// Only of a store whose schema version is not 0.
+  /// Precondition: the schema version is not 0.
   [[nodiscard]] virtual Result<RobotSignature> signature() = 0;
-  /// Creates the tables of an empty store, unless another process was faster.
+  /// Creates the tables, unless another process already did.
   [[nodiscard]] virtual Result<void> create(const RobotSignature& signature) = 0;
   [[nodiscard]] virtual Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) = 0;
   [[nodiscard]] virtual Result<std::int64_t> bytes() = 0;
-  /// Adds what is wrong with the files beneath the rows.
+  /// Appends damage of the underlying files to `damages`.
   [[nodiscard]] virtual Result<void> check_structure(std::vector<Damage>& damages) = 0;
-  /// Gives the space of removed rows back.
+  /// Frees the space of deleted rows.
   [[nodiscard]] virtual Result<void> reclaim() = 0;
-  /// Says of a store that has a robot that it is of another one.
+  /// Replaces the robot signature of a store that has one.
   [[nodiscard]] virtual Result<void> set_signature(const RobotSignature& signature) = 0;
 };
 

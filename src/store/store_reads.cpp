@@ -27,14 +27,14 @@ std::optional<std::string> Tally::compare(const StoreState& head) const {
     return fmt::format("holds {} rows, but {} were inserted", found_.row_count, head.row_count);
   }
   if (found_.row_digest != head.row_digest) {
-    return "the ids or checksums of its rows are not those that were inserted";
+    return "the ids or checksums of its rows differ from the inserted ones";
   }
   if (found_.tombstone_count == head.tombstone_count &&
       found_.tombstone_digest == head.tombstone_digest) {
     return std::nullopt;
   }
-  return fmt::format("holds {} tombstones, but {} others were inserted", found_.tombstone_count,
-                     head.tombstone_count);
+  return fmt::format("its tombstones differ from the inserted ones: {} stored, {} inserted",
+                     found_.tombstone_count, head.tombstone_count);
 }
 
 Result<StoreChanges> read_changes(Store& store, const StoreState& since, RowParts parts,

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Reading a store: what came since the last time, and whether all of it is there.
+/// Reads the rows that were added since a known state, and verifies that none is missing.
 #pragma once
 
 #include "store/store.h"
@@ -10,31 +10,30 @@
 
 namespace mneme::internal {
 
-/// Follows rows and tombstones as they are read, and compares them with what must be there.
+/// Counts rows and tombstones as they are read, for comparison with the store's head.
 class Tally {
  public:
   explicit Tally(const StoreState& since) : found_(since) {}
   void add(const StoredRow& row);
   void add(const Tombstone& tombstone);
-  /// Counts and digests of all that was read.
+  /// Counts and digests of everything read so far.
   [[nodiscard]] const StoreState& found() const { return found_; }
-  /// What is missing, or came, or changed its id, if anything did.
+  /// Difference from `head` in words: rows missing, added or renumbered. Nothing if equal.
   [[nodiscard]] std::optional<std::string> compare(const StoreState& head) const;
 
  private:
   StoreState found_;
 };
 
-/// What changed in a store.
+/// Changes of a store since a known state.
 struct StoreChanges {
   StoreState state;
   bool is_complete = false;     ///< all rows were read, not only new ones
-  std::set<std::int64_t> dead;  ///< rows that are dead by now, new ones included
+  std::set<std::int64_t> dead;  ///< all dead rows, including newly dead ones
 };
 
-/// Visits the live rows that came since `since`, or all of them if rows may have vanished in the
-/// meantime, in one snapshot. Errors: corrupt if number or checksums of the rows are not those that
-/// were inserted.
+/// Visits the live rows added after `since` in one snapshot; all live rows if some may have been
+/// deleted. Error: corrupt if count or checksums differ from what was inserted.
 [[nodiscard]] Result<StoreChanges> read_changes(Store& store, const StoreState& since,
                                                 RowParts parts, const RowVisitor& visit);
 

@@ -101,7 +101,7 @@ class Append {
     known_.insert_or_assign(row.content(), KnownRow{row.content(), stored.id, provenance});
   }
 
-  const std::string& name_;  // of the store
+  const std::string& name_;
   StoreTransaction& transaction_;
   Duplicates rule_;
   KeySizes sizes_;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Changing a store: every change is one transaction that leaves a head which fits the rows.
+/// Changes of a store, each in one transaction that also updates the head.
 #pragma once
 
 #include "store/store.h"
@@ -10,40 +10,41 @@
 
 namespace mneme::internal {
 
-/// Which of two rows with the same content stays.
+/// Which of two rows with equal content is kept.
 enum class Duplicates {
-  keep_first,     ///< the one that is there
-  keep_earliest,  ///< the one with the smaller time, tool, settings, seed: the same in whatever
-                  ///< order they come
+  keep_first,     ///< the stored one
+  keep_earliest,  ///< the one with the smaller (time, tool, settings, seed), independent of
+                  ///< insertion order
 };
 
 struct Appended {
-  std::vector<std::int64_t> ids;    ///< per row: its own, or that of the row with its content
+  std::vector<std::int64_t> ids;    ///< per row: its own id, or the id of the stored row with equal
+                                    ///< content
   std::vector<bool> is_new;         ///< per row
-  std::int64_t replaced_count = 0;  ///< rows that later ones took the place of
-  StoreState before;                ///< what the rows were added to
+  std::int64_t replaced_count = 0;  ///< stored rows replaced by new ones
+  StoreState before;                ///< state before the insertion
   StoreState state;
 };
 
-/// Completes rows for storage. Errors: invalid, naming the row.
+/// Checks rows and completes joint counts and times. Error: invalid, naming the row.
 [[nodiscard]] Result<void> prepare_rows(std::vector<Experience>& rows,
                                         const RobotSignature& signature);
 
-/// Appends all rows or none; what the store holds already is not added again. The rows must be
-/// prepared.
+/// Appends all rows or none; skips rows whose content is already stored. The rows must have passed
+/// prepare_rows().
 [[nodiscard]] Result<Appended> append_rows(Store& store, std::span<const Experience> rows,
                                            Duplicates rule);
 
-/// Says within a transaction, with the head that is locked, which rows to append; what else it
-/// changes is committed with them, and undone if it fails.
+/// Chooses the rows to append, inside the transaction and with the head locked. Its own changes are
+/// committed or rolled back with the rows.
 using RowSource = std::function<Result<std::span<const Experience>>(const StoreState& head)>;
 [[nodiscard]] Result<Appended> append_rows_of(Store& store, const RowSource& source,
                                               Duplicates rule);
 
-/// A tombstone for `row`, which `state` counts from now on.
+/// Makes a tombstone for `row` and counts it in `state`.
 [[nodiscard]] Tombstone make_tombstone(StoreState& state, std::int64_t row, std::string reason);
 
-/// Now, UTC, ISO 8601.
+/// Current time, UTC, ISO 8601.
 [[nodiscard]] std::string current_time();
 
 }  // namespace mneme::internal

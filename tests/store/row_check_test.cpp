@@ -56,9 +56,9 @@ TEST_SUITE("unit") {
     CHECK(!internal::describe_flaw(row, arm_signature()));
     row.kind = "pairs/1";
     CHECK(internal::describe_flaw(row, arm_signature()) ==
-          "it holds a path, which no row of kind 'pairs/1' does");
+          "it holds a path, which rows of kind 'pairs/1' does");
     CHECK(flaw_after([](Experience& e) { e.kind = "paths/1"; }) ==
-          "it holds a sampler, which no row of kind 'paths/1' does");
+          "it holds a sampler, which rows of kind 'paths/1' does");
   }
 
   TEST_CASE("a key of the wrong size or with a number that is no length is a flaw") {
@@ -78,13 +78,13 @@ TEST_SUITE("unit") {
     CHECK(flaw_after([](Experience& e) { e.sampler().joint_count = 4; }) ==
           "its means are for 4 joints; expected 3");
     CHECK(flaw_after([](Experience& e) { e.sampler().means.pop_back(); }) ==
-          "its 14 means are no multiple of 3");
+          "its 14 means are not a multiple of 3");
     CHECK(flaw_after([](Experience& e) { e.sampler().sources.pop_back(); }) ==
           "it has 4 sources for 5 components");
     CHECK(flaw_after([](Experience& e) { e.sampler().factor_rows.push_back(0); }) ==
           "it has 6 factor rows for 5 components");
     CHECK(flaw_after([](Experience& e) { e.sampler().factors.pop_back(); }) ==
-          "its 5 factor values are no multiple of 6");
+          "its 5 factor values are not a multiple of 6");
     CHECK(flaw_after([](Experience& e) { e.sampler().factor_rows[3] = 1; }) ==
           "it refers to factor row 1 of 1");
     CHECK(flaw_after([](Experience& e) { e.sampler().factor_rows[3] = -2; }) ==
@@ -162,7 +162,7 @@ TEST_SUITE("unit") {
       const Error error = internal::refuse_robot("a.db", space, other).value();
       CHECK(error.code == ErrorCode::wrong_robot);
       CHECK(error.message == "a.db: holds experience of " + internal::describe(space) +
-                                 "; expected that of " + internal::describe(other));
+                                 "; expected " + internal::describe(other));
     }
   }
 }
