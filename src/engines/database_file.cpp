@@ -19,8 +19,7 @@ std::int64_t size_or_zero(const std::string& path) {
   return missing ? 0 : static_cast<std::int64_t>(size);
 }
 
-/// Only asks about the file: opening and closing it here would drop the locks that this process may
-/// hold on it.
+/// Checks access without opening: opening and closing would drop this process's locks on the file.
 Result<void> check_access(const std::string& path, int access, const char* verb) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
@@ -28,7 +27,7 @@ Result<void> check_access(const std::string& path, int access, const char* verb)
     return fail(ErrorCode::io, fmt::format("{}: is a directory; expected a database file", path));
   }
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    return fail(ErrorCode::io, fmt::format("{}: is no regular file", path));
+    return fail(ErrorCode::io, fmt::format("{}: is not a regular file", path));
   }
   if (::access(path.c_str(), access) != 0) {
     return fail(ErrorCode::io, fmt::format("{}: cannot be {}: {}", path, verb,
@@ -37,7 +36,7 @@ Result<void> check_access(const std::string& path, int access, const char* verb)
   return {};
 }
 
-/// Makes SQLite look at the file: until then it has read nothing.
+/// Makes SQLite read the file, so that errors surface here.
 Result<Connection> probed(Result<Connection> connection, const char* settings) {
   if (!connection) return connection;
   MNEME_TRY(connection->integer("PRAGMA schema_version"));
@@ -45,7 +44,7 @@ Result<Connection> probed(Result<Connection> connection, const char* settings) {
   return connection;
 }
 
-/// 16 MB of pages: the inner ones of a million rows stay, so that a row costs two reads.
+/// A cache of 16 MB holds the inner pages of a million rows, so that a row costs two reads.
 constexpr const char* kReading =
     "PRAGMA cell_size_check = ON; PRAGMA query_only = ON; PRAGMA cache_size = -16384";
 constexpr const char* kWriting = "PRAGMA cell_size_check = ON; PRAGMA synchronous = FULL";
@@ -60,13 +59,13 @@ std::string log_path(const std::string& path) {
 
 Result<Connection> open_for_reading(const std::string& path) {
   MNEME_TRY(check_access(path, R_OK, "read"));
-  // A writing handle, where that is allowed, so that the log of a killed process is put in order.
+  // A writing handle, if permitted, so that SQLite recovers the log of a killed process.
   auto connection = probed(Connection::open(path, Connection::Access::read_write), kReading);
   if (connection || connection.error().code != ErrorCode::io) return connection;
   if (size_or_zero(log_path(path)) > 0) {
     return fail(ErrorCode::io,
-                fmt::format("{}; its log {} holds unfinished work: open it once where its "
-                            "directory may be written",
+                fmt::format("{}; its log {} must be recovered first: open the database once "
+                            "where its directory is writable",
                             connection.error().message, log_path(path)));
   }
   return probed(Connection::open(path, Connection::Access::immutable), kReading);
@@ -83,8 +82,7 @@ Result<Connection> open_for_writing(const std::string& path, bool can_create) {
   if (connection && !connection->is_read_only()) return connection;
   if (!connection && connection.error().code != ErrorCode::io) return connection;
   return fail(ErrorCode::io,
-              fmt::format("{}; expected a file that may be written in a directory that may be "
-                          "written",
+              fmt::format("{}; expected a writable file in a writable directory",
                           connection ? path + ": is read-only" : connection.error().message));
 }
 

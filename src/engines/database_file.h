@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A database's file: opening it, with reasons that a person can act on, and what saves a damaged
-/// one.
+/// Opens a database's file, with errors that say what to do, and names the command that saves a
+/// damaged one.
 #pragma once
 
 #include "engines/sqlite_connection.h"
@@ -12,22 +12,22 @@
 
 namespace mneme::internal {
 
-/// Opens an existing file to read it, also where nothing beside it can be created. Errors: io if
-/// there is no such file, or it may not be read; corrupt if it is no SQLite file.
+/// Opens an existing file for reading, also in a read-only directory. Errors: io if the file is
+/// missing or unreadable; corrupt if it is no SQLite file.
 [[nodiscard]] Result<Connection> open_for_reading(const std::string& path);
 
-/// Opens a file so that what is committed survives a loss of power. Errors: those of
-/// open_for_reading, and io if it may not be written.
+/// Opens a file for writing; commits survive a loss of power. Errors: those of open_for_reading();
+/// io if the file is not writable.
 [[nodiscard]] Result<Connection> open_for_writing(const std::string& path, bool can_create);
 
-/// The write-ahead log of a file, which stands beside what a link leads to.
+/// Path of a file's write-ahead log, next to the target of a symbolic link.
 [[nodiscard]] std::string log_path(const std::string& path);
 
-/// Bytes of the file and of its write-ahead log.
+/// Size of the file with its write-ahead log, bytes.
 [[nodiscard]] std::int64_t bytes_on_disk(const std::string& path);
 
-/// The shell command that saves what can be read of a damaged file in a new one beside it: with
-/// the sqlite3 program's .recover, or .dump where SQLite is built without the table that it reads.
+/// The shell command that saves the readable rows of a damaged file into a new file next to it.
+/// Uses sqlite3's .recover, or .dump where SQLite is built without the table that .recover needs.
 [[nodiscard]] std::string saving_command(const std::string& path);
 
 }  // namespace mneme::internal

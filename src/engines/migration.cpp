@@ -42,8 +42,8 @@ std::optional<std::int64_t> states_in(std::string_view settings) {
   return std::bit_cast<std::int64_t>(states);
 }
 
-/// Takes 1000 times the number of the constraints out of a path's key, whose first number is the
-/// distance of its ends otherwise; returns that number.
+/// Schema 3 added 1000 times the number of the constraints to the first number of a path's key, the
+/// distance of its ends. Subtracts it and returns the number of the constraints.
 std::int64_t take_constraints(std::vector<double>& key) {
   const std::size_t end_size = (key.size() - 1) / 2;
   double sum = 0;
@@ -54,7 +54,7 @@ std::int64_t take_constraints(std::vector<double>& key) {
   return static_cast<std::int64_t>(number);
 }
 
-/// A row of schema 3 as this schema stores it.
+/// A row of schema 3, converted.
 class UpgradedRow {
  public:
   explicit UpgradedRow(const StoredRow& old) : row_(old) {
@@ -97,9 +97,8 @@ class UpgradedRow {
 };
 
 tl::unexpected<Error> missing(const std::string& store, const std::string& what) {
-  return fail(
-      ErrorCode::corrupt,
-      fmt::format("{}: {}; only the mneme that wrote it can set that in order", store, what));
+  return fail(ErrorCode::corrupt,
+              fmt::format("{}: {}; repair it with the mneme version that wrote it", store, what));
 }
 
 }  // namespace

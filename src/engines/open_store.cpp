@@ -33,8 +33,8 @@ Result<Engine> engine_of(const std::string& url) {
   if (scheme.empty()) return Engine::sqlite;
   if (scheme == "postgresql" || scheme == "postgres") return Engine::postgresql;
   return fail(ErrorCode::unsupported,
-              fmt::format("{}: databases of kind '{}' are not supported; expected the path of an "
-                          "SQLite file or postgresql://...",
+              fmt::format("{}: unknown scheme '{}'; expected the path of an SQLite file or "
+                          "postgresql://...",
                           without_password(url), scheme));
 }
 
@@ -50,7 +50,7 @@ std::string without_password(const std::string& url) {
   const std::size_t scheme = shown.find("://");
   if (scheme == std::string::npos) return shown;
   const std::size_t begin = scheme + 3;
-  // As libpq reads it: a question mark may stand in a password.
+  // libpq accepts a question mark within a password.
   const std::size_t host_end = std::min(shown.find('/', begin), shown.size());
   const std::size_t at = shown.rfind('@', host_end);
   const std::size_t colon = shown.find(':', begin);
@@ -79,7 +79,7 @@ tl::unexpected<Error> refuse_postgres(const std::string& url) {
 }
 #endif
 
-/// Reads what the store is of.
+/// Reads schema version and signature.
 Result<OpenedStore> identified(std::unique_ptr<Store> store) {
   OpenedStore opened;
   const auto version = MNEME_TRY(store->schema_version());
@@ -136,8 +136,8 @@ Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url,
   const auto engine = MNEME_TRY(engine_of(url));
   if (engine == Engine::sqlite) {
     return fail(ErrorCode::unsupported,
-                fmt::format("{}: workers share tasks on a PostgreSQL server only; for a file, "
-                            "learn in shards and merge them",
+                fmt::format("{}: workers can share tasks only on a PostgreSQL server; with "
+                            "files, learn in shards and merge them",
                             url));
   }
 #ifdef MNEME_HAS_POSTGRESQL
@@ -151,7 +151,7 @@ Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url,
 
 Error with_advice(Error error, const std::string& url) {
   if (error.code == ErrorCode::corrupt) {
-    error.message += fmt::format("; `mneme db verify {}` names all damage and says what to do",
+    error.message += fmt::format("; `mneme db verify {}` lists the damage and what to do",
                                  without_password(url));
   }
   return error;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The engine that a URL asks for.
+/// Opens the database engine that a URL selects.
 #pragma once
 
 #include "mneme/base.h"
@@ -17,8 +17,7 @@ namespace mneme::internal {
 /// Errors: unsupported if the engine is unknown or was not built in; those of the engine.
 [[nodiscard]] Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode);
 
-/// Opens a store that must hold experience of `signature`, and creates it if `mode` says so;
-/// returns it with its schema version. Errors: wrong_robot.
+/// Opens a store of the robot `signature`; creates it if `mode` allows. Error: wrong_robot.
 struct OpenedStore {
   std::unique_ptr<Store> store;
   RobotSignature signature;
@@ -26,19 +25,18 @@ struct OpenedStore {
 };
 [[nodiscard]] Result<OpenedStore> open_store_of(const std::string& url,
                                                 const RobotSignature& signature, OpenMode mode);
-/// Opens a store for reading, whatever signature it is of; the signature of an empty one has no
-/// joints.
+/// Opens a store of any robot for reading. The signature of an empty store has 0 joints.
 [[nodiscard]] Result<OpenedStore> inspect_store(const std::string& url);
 
-/// The tasks that processes share beside the database of `signature` at `url`. Errors: unsupported
-/// if it is not on a PostgreSQL server.
+/// Opens the shared task queue of the database at `url`. Error: unsupported if it is not on a
+/// PostgreSQL server.
 [[nodiscard]] Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url,
                                                             const RobotSignature& signature,
                                                             TaskOwner owner);
 
-/// The same error; if it says that `url` is damaged, with the command that helps.
+/// The error; if its code is corrupt, with advice to run `mneme db verify`.
 [[nodiscard]] Error with_advice(Error error, const std::string& url);
-/// The same result, its error with_advice().
+/// The result, its error passed through with_advice().
 template <class T>
 [[nodiscard]] Result<T> advised(Result<T> result, const std::string& url) {
   if (!result) return tl::unexpected(with_advice(std::move(result).error(), url));
@@ -47,14 +45,14 @@ template <class T>
 
 enum class Engine { sqlite, postgresql };
 
-/// A path is SQLite's, whatever characters are in it, unless it begins like a URL: letters and
-/// "://". Errors: unsupported for other schemes than postgresql and postgres.
+/// Engine of a URL. Everything that does not start with letters and "://" is the path of an SQLite
+/// file. Error: unsupported for schemes other than postgresql and postgres.
 [[nodiscard]] Result<Engine> engine_of(const std::string& url);
 
-/// The same database by a name that stays right when the process changes its directory.
+/// The URL with an absolute path, valid after the process changes its directory.
 [[nodiscard]] std::string lasting_url(const std::string& url);
 
-/// A PostgreSQL URL for messages: with asterisks for the password.
+/// The URL with its password replaced by asterisks, for messages.
 [[nodiscard]] std::string without_password(const std::string& url);
 
 }  // namespace mneme::internal

@@ -83,7 +83,7 @@ void PostgresConnection::Finish::operator()(pg_conn* connection) const { PQfinis
 Result<PostgresConnection> PostgresConnection::open(const std::string& url) {
   PostgresConnection opened;
   opened.name_ = without_password(url);
-  // What the URL says overrides what stands before it.
+  // Options in the URL override these defaults.
   const std::array<const char*, 5> keywords = {"connect_timeout", "client_encoding",
                                                "fallback_application_name", "dbname", nullptr};
   const std::array<const char*, 5> values = {"10", "UTF8", "mneme", url.c_str(), nullptr};
@@ -131,7 +131,7 @@ Result<void> PostgresConnection::stream(
     return error_of(nullptr);
   }
   Result<void> outcome;
-  // All that was sent must be taken, also after an error.
+  // All results must be read, also after an error.
   while (pg_result* result = PQgetResult(connection_.get())) {
     const PostgresAnswer answer(result);
     if (!outcome) continue;

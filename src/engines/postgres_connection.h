@@ -22,17 +22,17 @@ struct pg_result;
 
 namespace mneme::internal {
 
-/// What a statement answered, in libpq's binary format.
+/// Result of a statement, in libpq's binary format.
 class PostgresAnswer {
  public:
   explicit PostgresAnswer(pg_result* result) : result_(result) {}
 
   [[nodiscard]] int row_count() const;
-  /// What was done, such as "COMMIT" or, instead of it after an error, "ROLLBACK".
+  /// Command that the server executed; "ROLLBACK" for a COMMIT after an error.
   [[nodiscard]] std::string_view command() const;
-  // Rows and columns count from 0. Views are valid as long as the answer.
+  // Rows and columns count from 0. Views are valid as long as the answer lives.
   [[nodiscard]] bool is_null(int row, int column) const;
-  /// Of a boolean or a whole number of any width.
+  /// Value of a boolean or an integer of any width.
   [[nodiscard]] std::int64_t integer(int row, int column) const;
   [[nodiscard]] std::string_view text(int row, int column) const;
   [[nodiscard]] std::span<const std::byte> blob(int row, int column) const;
@@ -60,28 +60,28 @@ class PostgresRow {
   int row_;
 };
 
-/// The text of an array parameter.
+/// Numbers as the text of an array parameter.
 [[nodiscard]] std::string array_of(std::span<const std::int64_t> numbers);
 
-/// One connection to a server. Not thread-safe. Errors name the URL without its password; `corrupt`
-/// stands for damage that the server reports and for tables that are not as we created them, `io`
-/// for everything else.
+/// One connection to a server. Not thread-safe. Errors name the URL without its password. Code
+/// `corrupt`: damage that the server reports, or tables that differ from ours. Code `io`: all other
+/// errors.
 class PostgresConnection {
  public:
-  /// `url` goes to libpq as it is, with its TLS options, roles and search path; without a
-  /// connect_timeout, connecting may take 10 s.
+  /// `url` is passed to libpq unchanged, with its TLS options, roles and search path. Default
+  /// connect_timeout: 10 s.
   [[nodiscard]] static Result<PostgresConnection> open(const std::string& url);
 
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Connects again if the connection was lost.
   [[nodiscard]] Result<void> revive();
-  /// How often it did.
+  /// Number of reconnections so far.
   [[nodiscard]] int revivals() const { return revivals_; }
 
   /// Parameters are text; $1 is the first.
   [[nodiscard]] Result<PostgresAnswer> query(const std::string& sql,
                                              const std::vector<std::string>& parameters = {});
-  /// Hands each row to `visit` as row 0 of an answer, without keeping them all in memory.
+  /// Passes each row to `visit` as row 0 of an answer, without holding all rows in memory.
   [[nodiscard]] Result<void> stream(
       const std::string& sql, const std::vector<std::string>& parameters,
       const std::function<Result<void>(const PostgresAnswer&)>& visit);
@@ -103,7 +103,7 @@ class PostgresConnection {
   std::unique_ptr<pg_conn, Finish> connection_;
 };
 
-/// Rows as a COPY in binary format wants them.
+/// Rows in the binary format of COPY.
 class BinaryCopy {
  public:
   BinaryCopy();
@@ -113,7 +113,7 @@ class BinaryCopy {
   BinaryCopy& add(std::optional<std::int64_t> value);
   BinaryCopy& add(std::string_view text);
   BinaryCopy& add(std::span<const std::byte> bytes);
-  /// All rows with the end mark; nothing can be added afterwards.
+  /// All rows with the end mark. Nothing can be added afterwards.
   [[nodiscard]] const std::string& finish();
 
  private:

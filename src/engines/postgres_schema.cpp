@@ -24,7 +24,7 @@ constexpr std::string_view kTombstoneTable =
     "NULL, reason text NOT NULL, time text NOT NULL, checksum bigint NOT NULL)";
 constexpr std::string_view kTombstoneIndex =
     "INDEX mneme_tombstone_row ON mneme_tombstone (row_id)";
-/// What kOldSchema has otherwise.
+/// Tables that kOldSchema has in another form.
 constexpr std::array kNewTables = {
     std::string_view(
         "TABLE mneme_robot (id integer PRIMARY KEY CHECK (id = 1), schema_version integer NOT "
@@ -81,7 +81,7 @@ Result<void> create_all(PostgresConnection& connection, const RobotSignature& ro
   return write_postgres_head(connection, StoreState{});
 }
 
-/// Two processes that create the same tables collide in one of these ways.
+/// SQLSTATEs when two processes create the same tables at once.
 bool was_faster(const std::string& state) {
   return state == "42P07" || state == "23505" || state == "42710";
 }
@@ -182,7 +182,7 @@ Result<void> put_old_tables_aside(PostgresConnection& connection) {
                               "ALTER TABLE mneme_mixture RENAME TO mneme_old_mixture"});
 }
 
-/// Temporary tables hide others of their names; the views are made before.
+/// Temporary tables hide permanent ones of the same name, so the views are created first.
 Result<void> hide_old_tables(PostgresConnection& connection) {
   for (const char* table : {"experience", "mixture", "head", "tombstone"}) {
     MNEME_TRY(connection.query(
@@ -193,7 +193,7 @@ Result<void> hide_old_tables(PostgresConnection& connection) {
                               "INSERT INTO mneme_tombstone TABLE mneme_old_tombstone"});
 }
 
-/// In pieces, because the visitor uses the connection.
+/// In batches, because the visitor uses the same connection.
 Result<void> read_old_rows(PostgresConnection& connection,
                            const std::function<Result<void>(std::span<const StoredRow>)>& visit) {
   constexpr int kRowsAtOnce = 500;
@@ -230,7 +230,7 @@ Result<void> migrate_tables(PostgresConnection& connection, OpenMode mode,
   MNEME_TRY(create(connection, kNewTables, is_reader));
   MNEME_TRY(write_rows([&](const auto& visit) { return read_old_rows(connection, visit); }));
   MNEME_TRY(insert_robot(connection, robot));
-  // Views would keep another process from dropping the tables.
+  // Remaining views would keep another process from dropping the tables.
   return run_all(connection, {is_reader ? "DROP VIEW mneme_old_experience, mneme_old_mixture, "
                                           "mneme_old_head, mneme_old_tombstone"
                                         : "DROP TABLE mneme_old_experience, mneme_old_mixture"});

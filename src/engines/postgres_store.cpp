@@ -174,13 +174,13 @@ class PostgresTransaction final : public StoreTransaction {
   bool is_over_ = false;
 };
 
-/// Brings tables of kOldSchema up to ours, unless another process was faster.
+/// Migrates tables of kOldSchema, unless another process already did.
 Result<void> migrate(PostgresConnection& connection, OpenMode mode) {
   const bool is_reader = mode == OpenMode::read_only;
   MNEME_TRY(connection.query(is_reader ? "BEGIN ISOLATION LEVEL REPEATABLE READ" : "BEGIN"));
   PostgresTransaction transaction(connection, Store::Kind::write, false);
-  // Either waits for another process that brings them up, and the second lock makes the server
-  // notice what was replaced meanwhile.
+  // Both locks wait for another process that migrates. The second makes the server notice tables
+  // that were replaced meanwhile.
   if (!is_reader) MNEME_TRY(connection.query("SELECT 1 FROM mneme_head FOR UPDATE"));
   MNEME_TRY(connection.query("LOCK TABLE mneme_experience IN ACCESS SHARE MODE"));
   const auto version = MNEME_TRY(read_postgres_version(connection));
@@ -191,7 +191,7 @@ Result<void> migrate(PostgresConnection& connection, OpenMode mode) {
   return transaction.commit();
 }
 
-/// Another process may replace the old tables between two looks at them.
+/// Another process may replace the old tables between two queries.
 Result<int> read_lasting_version(PostgresConnection& connection) {
   auto version = read_postgres_version(connection);
   const bool is_replaced = !version && version.error().code == ErrorCode::corrupt;
@@ -252,7 +252,7 @@ class PostgresStore final : public Store {
     return size->integer(0, 0);
   }
 
-  /// A server looks after its own files.
+  /// The server checks its own files.
   Result<void> check_structure(std::vector<Damage>&) override { return {}; }
 
   Result<void> reclaim() override {
@@ -264,7 +264,7 @@ class PostgresStore final : public Store {
   }
 
  private:
-  /// Connects again if the connection was lost, and with it a reader's copy of old tables.
+  /// Reconnects if the connection was lost. A reader then migrates its temporary copy again.
   Result<void> revive() {
     MNEME_TRY(connection_.revive());
     const bool was_lost =
@@ -273,8 +273,8 @@ class PostgresStore final : public Store {
     return {};
   }
 
-  /// Locks the head, whether or not it is sound, and makes a commit wait for the disk even where
-  /// the server's settings do not.
+  /// Locks the head, even a damaged one, and makes commits wait for the disk whatever the server's
+  /// default.
   Result<void> prepare_writing() {
     for (const char* sql : {"SELECT 1 FROM mneme_head FOR UPDATE",
                             "SELECT set_config('synchronous_commit', 'on', true) WHERE "

@@ -13,7 +13,7 @@
 namespace mneme::internal {
 namespace {
 
-// Locking the head keeps two processes from making the table at once.
+// Locking the head keeps two processes from creating the table at the same time.
 constexpr std::array kCreate = {
     "BEGIN",
     "SELECT 1 FROM mneme_head FOR UPDATE",
@@ -25,7 +25,7 @@ constexpr std::array kCreate = {
     "COMMIT",
 };
 
-// Nobody waits for anybody: tasks that another process is taking are passed over.
+// No process waits: rows locked by another process are skipped.
 constexpr const char* kTake =
     "WITH free AS MATERIALIZED (SELECT task FROM mneme_task WHERE job = $1::bigint AND "
     "done_generation IS NULL AND (leased_until IS NULL OR leased_until < clock_timestamp()) "
@@ -45,7 +45,7 @@ constexpr const char* kRelease =
     "FROM unnest($2::bigint[], $3::bigint[]) AS held (task, attempt) WHERE t.job = $1::bigint AND "
     "t.task = held.task AND t.attempt = held.attempt AND t.done_generation IS NULL";
 
-// A task that this attempt has done already matches, for a commit whose answer was lost.
+// Also matches a task that this attempt already finished, after a commit whose answer was lost.
 constexpr const char* kFinish =
     "UPDATE mneme_task t SET done_generation = $4::bigint, leased_until = NULL "
     "FROM unnest($2::bigint[], $3::bigint[]) AS held (task, attempt) WHERE t.job = $1::bigint AND "

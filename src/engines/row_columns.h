@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The columns of the tables, in one order for both engines. What is read answers to
-/// integer(column), text(column), blob(column) and is_null(column); what is written, to add(value)
-/// in the order of the columns.
+/// Columns of the tables, in one order for both engines. A Source has integer(column),
+/// text(column), blob(column) and is_null(column); a Sink has add(value), called in the order of
+/// the columns.
 #pragma once
 
 #include "store/store.h"
@@ -27,7 +27,7 @@ inline constexpr std::string_view kHeadColumns =
 inline constexpr std::string_view kRobotColumns =
     "robot_name, kinematics_hash, model_hash, joint_count, checksum";
 
-/// A row of kKeyColumns and, unless only keys are read, kMixtureColumns.
+/// Reads a row of kKeyColumns and, unless only keys are read, kMixtureColumns.
 template <class Source>
 StoredRow read_row(const Source& source, RowParts parts) {
   StoredRow row;
@@ -59,7 +59,7 @@ StoredRow read_row(const Source& source, RowParts parts) {
   return row;
 }
 
-/// The columns of `experience`, in the order of its table.
+/// Writes the columns of `experience`.
 template <class Sink>
 void write_key(Sink& sink, const StoredRow& row) {
   const RowView& columns = row.columns;
@@ -67,7 +67,7 @@ void write_key(Sink& sink, const StoredRow& row) {
   sink.add(row.components).add(columns.constraints).add(columns.key).add(row.key_checksum);
 }
 
-/// The columns of `mixture`, in the order of its table.
+/// Writes the columns of `mixture`.
 template <class Sink>
 void write_mixture(Sink& sink, const StoredRow& row) {
   const RowView& columns = row.columns;
@@ -77,7 +77,7 @@ void write_mixture(Sink& sink, const StoredRow& row) {
   sink.add(columns.settings).add(columns.seed).add(columns.time).add(row.mixture_checksum);
 }
 
-/// id, tool, settings, seed and time of a row with that content.
+/// Reads id, tool, settings, seed and time of a row with that content.
 template <class Source>
 KnownRow read_known_row(const Source& source, const ContentHash& content) {
   const Provenance provenance{std::string(source.text(1)), std::string(source.text(2)),
@@ -99,7 +99,7 @@ void write_tombstone(Sink& sink, const Tombstone& tombstone) {
   sink.add(tombstone.checksum);
 }
 
-/// A row of kHeadColumns; nothing if it is damaged.
+/// Reads a row of kHeadColumns; nothing if it is damaged.
 template <class Source>
 std::optional<StoreState> parse_head(const Source& source) {
   std::array<std::int64_t, kHeadSize> numbers{};
@@ -108,7 +108,7 @@ std::optional<StoreState> parse_head(const Source& source) {
   return to_state(numbers);
 }
 
-/// A row of kRobotColumns; nothing if it is damaged.
+/// Reads a row of kRobotColumns; nothing if it is damaged.
 template <class Source>
 std::optional<RobotSignature> parse_robot(const Source& source) {
   RobotSignature robot{std::string(source.text(0)), std::string(source.text(1)),

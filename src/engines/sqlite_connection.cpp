@@ -10,8 +10,8 @@
 namespace mneme::internal {
 namespace {
 
-/// Everything that no healthy database of ours answers counts as damage: a statement that does not
-/// compile means that the tables are not the ones that were created.
+/// Errors that a sound database of ours cannot cause count as damage. A statement that does not
+/// compile means that the tables were changed.
 ErrorCode code_of(int status) {
   switch (status & 0xff) {
     case SQLITE_CORRUPT:
@@ -38,17 +38,16 @@ tl::unexpected<Error> sqlite_error(const std::string& path, sqlite3* handle, int
   }
   const bool is_busy = (status & 0xff) == SQLITE_BUSY || (status & 0xff) == SQLITE_LOCKED;
   return fail(code, fmt::format("{}: {}{}", path, reason,
-                                is_busy ? " by another process for longer than expected" : ""));
+                                is_busy ? " by another process for more than 10 s" : ""));
 }
 
-/// A name that SQLite takes for a file whatever it looks like; an empty name or ":memory:" would be
-/// none.
+/// A name that SQLite always takes for a file, unlike an empty name or ":memory:".
 std::string plain_name(const std::string& path) {
   return path.starts_with('/') ? path : "./" + path;
 }
 
 std::string immutable_uri(const std::string& path) {
-  // The two slashes stand for an empty host; without them a path that begins with two would name
+  // The two slashes mean an empty host; otherwise a path that begins with two slashes would name
   // one.
   std::string uri = path.starts_with('/') ? "file://" : "file:";
   for (const char c : plain_name(path)) {
@@ -164,8 +163,7 @@ Result<Connection> Connection::open(const std::string& path, const std::string& 
   if (const char* file = sqlite3_db_filename(handle, "main")) connection.lasting_path_ = file;
   sqlite3_extended_result_codes(handle, 1);
   sqlite3_busy_timeout(handle, kBusyTimeoutMs);
-  // A file from elsewhere must not run code of its own through views, triggers or a doctored
-  // schema.
+  // An untrusted file must not run code through views, triggers or a manipulated schema.
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
@@ -214,7 +212,7 @@ Result<std::int64_t> Connection::integer(std::string_view sql) {
 }
 
 Result<void> Connection::enter_wal_mode() {
-  // SQLite does not wait by itself here when two processes create one file at the same time.
+  // SQLite does not wait here when two processes create one file at the same time.
   constexpr int kPauseMs = 10;
   for (int waited_ms = 0;; waited_ms += kPauseMs) {
     auto changed = execute("PRAGMA journal_mode = WAL");
@@ -229,7 +227,7 @@ bool Connection::is_read_only() const { return sqlite3_db_readonly(handle_.get()
 
 namespace {
 
-/// What has no answers.
+/// Runs a statement without rows.
 Result<void> run_kept(Connection& connection, std::string_view sql) {
   return connection.kept(sql).and_then(
       [](const KeptStatement& statement) { return statement->step().map([](bool) {}); });
@@ -238,7 +236,7 @@ Result<void> run_kept(Connection& connection, std::string_view sql) {
 }  // namespace
 
 Result<Transaction> Transaction::begin(Connection& connection, Kind kind) {
-  // Who writes waits for the disk: there a kept statement gains nothing.
+  // A writer waits for the disk anyway, so a kept statement would gain nothing.
   MNEME_TRY(kind == Kind::write ? connection.execute("BEGIN IMMEDIATE")
                                 : run_kept(connection, "BEGIN"));
   return Transaction(connection);

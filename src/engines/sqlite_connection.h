@@ -23,24 +23,24 @@ namespace mneme::internal {
 /// A prepared statement. Errors surface at step(): a failed bind makes step() fail.
 class Statement {
  public:
-  /// Parameters count from 1. What is bound must stay alive until reset() or destruction.
+  /// Parameters count from 1. Bound values must live until reset() or destruction.
   Statement& bind(int parameter, std::int64_t value);
   Statement& bind(int parameter, std::string_view text);
   Statement& bind(int parameter, std::span<const std::byte> blob);
   Statement& bind(int parameter, std::optional<std::int64_t> value);
-  /// Binds the parameter after the one that was added last, or the first.
+  /// Binds the parameter after the last added one, starting with the first.
   template <class Value>
   Statement& add(Value value) {
     return bind(++last_added_, value);
   }
 
-  /// True if there is a row to read, false at the end.
+  /// Returns true if there is a row to read, false at the end.
   [[nodiscard]] Result<bool> step();
   /// Visits all rows.
   [[nodiscard]] Result<void> for_each(const std::function<Result<void>()>& visit);
-  /// Runs a statement without rows, and makes it ready for other parameters.
+  /// Runs a statement that returns no rows, then resets it.
   [[nodiscard]] Result<void> run();
-  /// Makes the statement ready for other parameters.
+  /// Makes the statement ready for new parameters.
   void reset();
 
   /// Columns count from 0. Views are valid until the next step() or reset().
@@ -62,42 +62,41 @@ class Statement {
   int last_added_ = 0;
 };
 
-/// Ends as a statement that is ready for other parameters.
+/// Resets a statement instead of destroying it.
 struct ResetStatement {
   void operator()(Statement* statement) const { statement->reset(); }
 };
 using KeptStatement = std::unique_ptr<Statement, ResetStatement>;
 
-/// One open file. Not thread-safe. Errors name the file; `corrupt` stands for whatever a sound
-/// database of ours cannot answer, `io` for what the machine refuses.
+/// One open file. Not thread-safe. Errors name the file. Code `corrupt`: a sound database of ours
+/// could not cause the error. Code `io`: the operating system refused.
 class Connection {
  public:
   enum class Access { read_write, create, immutable };
-  /// Opening reads nothing yet: the first statement does. `immutable` reads a file that nobody
-  /// writes, without locks or files beside it. Waits `kBusyTimeoutMs` for other processes.
+  /// Opens without reading anything yet. `immutable`: for a file without writers, uses neither
+  /// locks nor other files. Later statements wait up to kBusyTimeoutMs for other processes.
   [[nodiscard]] static Result<Connection> open(const std::string& path, Access access);
 
   static constexpr int kBusyTimeoutMs = 10000;
 
-  /// As it was asked for: for messages.
+  /// The path as given, for messages.
   [[nodiscard]] const std::string& path() const { return *path_; }
-  /// The file's name, which stays right when the process changes its directory; of a copy in
-  /// memory, that of the file.
+  /// Absolute path of the file; for a copy in memory, the path of the copied file.
   [[nodiscard]] const std::string& lasting_path() const { return lasting_path_; }
   [[nodiscard]] Result<void> execute(const char* sql);
   [[nodiscard]] Result<Statement> prepare(std::string_view sql);
-  /// Prepares it once: to compile a statement takes as long as to read some rows. One at a time of
-  /// each `sql`, and none that outlives the connection.
+  /// Prepares each `sql` once and keeps it, since compiling a statement takes as long as reading
+  /// several rows. Use one at a time per `sql`; the connection must outlive it.
   [[nodiscard]] Result<KeptStatement> kept(std::string_view sql);
-  /// The first column of the first row.
+  /// First column of the first row.
   [[nodiscard]] Result<std::int64_t> integer(std::string_view sql);
-  /// Switches the file to a write-ahead log, where its file system has the means for one.
+  /// Switches the file to a write-ahead log, if the file system supports one.
   [[nodiscard]] Result<void> enter_wal_mode();
-  /// True if the operating system lets this process only read the file.
+  /// True if this process has read access only.
   [[nodiscard]] bool is_read_only() const;
-  /// What the file holds, as a database of its own, which ends with the connection.
+  /// Copies the database into memory; the copy lives as long as its connection.
   [[nodiscard]] Result<Connection> copy_in_memory();
-  /// True if it was opened as `immutable`.
+  /// True if opened as `immutable`.
   [[nodiscard]] bool is_immutable() const { return is_immutable_; }
 
  private:
@@ -106,7 +105,7 @@ class Connection {
   };
   [[nodiscard]] static Result<Connection> open(const std::string& path, const std::string& name,
                                                int flags);
-  // On the heap because statements keep pointing to it when the connection moves.
+  // On the heap, because statements point to it and the connection may move.
   std::unique_ptr<const std::string> path_;
   std::unique_ptr<sqlite3, Close> handle_;
   std::map<std::string, Statement, std::less<>> kept_;
@@ -114,7 +113,7 @@ class Connection {
   bool is_immutable_ = false;
 };
 
-/// A transaction that rolls back unless it was committed.
+/// A transaction; rolls back unless committed.
 class Transaction {
  public:
   enum class Kind { read, write };

@@ -14,12 +14,12 @@ namespace {
 
 struct Table {
   std::string_view name;
-  std::string_view sql;  ///< as SQLite keeps it, so that a changed schema is noticed
-  bool is_old = false;   ///< kOldSchema has it, too
+  std::string_view sql;  ///< exactly as SQLite stores it, to detect a changed schema
+  bool is_old = false;   ///< also in kOldSchema
 };
 
-// In alphabetical order of names.
-// Keys stand apart from mixtures, so that an index over all keys reads a tenth of the bytes.
+// In alphabetical order of names. Keys are separate from mixtures, so that indexing all keys reads
+// a tenth of the bytes.
 constexpr std::array kFileTables = {
     Table{"experience",
           "CREATE TABLE experience ("
@@ -55,14 +55,15 @@ constexpr std::array kFileTables = {
     Table{"tombstone_row", "CREATE INDEX tombstone_row ON tombstone (row)", true},
 };
 
-// Nine mixtures of 24 means of an eight-joint arm fill such a page.
+// A page holds nine mixtures of 24 means of an eight-joint arm.
 constexpr const char* kPageSize = "PRAGMA page_size = 8192";
 
 tl::unexpected<Error> damaged(const Connection& connection, std::string_view what) {
   return fail(ErrorCode::corrupt, fmt::format("{}: {}", connection.path(), what));
 }
 
-/// Errors unless the tables are exactly kFileTables. What .recover could not place is passed over.
+/// Error: corrupt, unless the tables are exactly kFileTables. Ignores the lost_and_found tables of
+/// .recover.
 Result<void> check_tables(Connection& connection) {
   auto statement = MNEME_TRY(connection.prepare(
       "SELECT name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%' AND NOT (type = 'table' "
@@ -75,7 +76,7 @@ Result<void> check_tables(Connection& connection) {
     ++count;
     if (is_known) return {};
     return damaged(connection,
-                   fmt::format("the table '{}' is not one that mneme creates", statement.text(0)));
+                   fmt::format("the table '{}' is not a table of mneme", statement.text(0)));
   }));
   if (count == kFileTables.size()) return {};
   return damaged(connection, fmt::format("the table '{}' is missing", kFileTables[count].name));
@@ -115,15 +116,17 @@ Result<int> identify(Connection& connection) {
   if (table_count == 0 && page_count <= 1 && (is_unmarked || (is_ours && version == 0))) return 0;
   const auto checked = check_tables(connection);
   if (is_ours && version == kSchemaVersion) return checked.map([] { return kSchemaVersion; });
-  // .dump saves our tables without these numbers.
+  // .dump saves our tables without application_id and user_version.
   if (is_unmarked && checked) return kSchemaVersion;
   if (!is_ours) {
     return damaged(connection,
-                   "an SQLite file, but no mneme database, or its application_id is damaged");
+                   "an SQLite file but not a mneme database, or its application_id is damaged");
   }
-  // Another schema has other tables.
+  // Tables of another schema would differ.
   if (checked) {
-    return damaged(connection, fmt::format("its user_version is {}, but not its tables", version));
+    return damaged(
+        connection,
+        fmt::format("its user_version is {}, but its tables are those of another schema", version));
   }
   if (version == kOldSchema) return kOldSchema;
   if (version < 1) return damaged(connection, fmt::format("schema {} was never in use", version));

@@ -141,16 +141,16 @@ class SqliteTransaction final : public StoreTransaction {
   bool is_empty_;
 };
 
-/// Makes an opened file ready to be written.
+/// Prepares an opened file for writing.
 Result<void> prepare_for_writing(Connection& connection) {
   MNEME_TRY(check_pages(connection));
   MNEME_TRY(mark(connection));
   MNEME_TRY(connection.enter_wal_mode());
-  // Content hashes are spread over their index at random: it should stay in memory.
+  // Content hashes are random, so their index should stay in memory.
   return connection.execute("PRAGMA cache_size = -65536");
 }
 
-/// Brings a database of kOldSchema up to ours, unless another process was faster.
+/// Migrates a database of kOldSchema, unless another process already did.
 Result<void> migrate(Connection& connection) {
   auto writing = MNEME_TRY(Transaction::begin(connection, Transaction::Kind::write));
   const auto version = MNEME_TRY(identify(connection));
@@ -215,7 +215,7 @@ class SqliteStore final : public Store {
   }
 
  private:
-  /// What SQLite reads as immutable it never looks at again by itself.
+  /// SQLite never rereads an immutable file; open it again to see changes.
   Result<void> look_again() {
     if (!connection_.is_immutable()) return {};
     auto connection = MNEME_TRY(open_for_reading(connection_.lasting_path()));
@@ -223,7 +223,7 @@ class SqliteStore final : public Store {
     return {};
   }
 
-  /// Identifies the file, unless its tables are those that it had the last time.
+  /// Identifies the file; cached while its schema is unchanged.
   Result<int> current_version() {
     const auto cookie = MNEME_TRY(connection_.integer("PRAGMA schema_version"));
     if (version_ > 0 && cookie_ == cookie) return version_;
@@ -252,9 +252,9 @@ Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, OpenMo
   const bool is_writer = mode != OpenMode::read_only;
   auto connection = MNEME_TRY(is_writer ? open_for_writing(path, mode == OpenMode::create)
                                         : open_for_reading(path));
-  // Before anything is written: a stranger's file stays as it is.
+  // Identify before writing: another program's file must stay unchanged.
   const auto version = MNEME_TRY(identify_once(connection));
-  // A new file gets its page size, which a log would fix, before it gets a log.
+  // A new file needs its page size before it enters WAL mode, which fixes it.
   if (is_writer && version != 0) MNEME_TRY(prepare_for_writing(connection));
   if (version == kOldSchema) {
     if (!is_writer) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Tasks that several processes share through a database's server.
+/// Tasks that several processes share through a database server.
 #pragma once
 
 #include "mneme/store.h"
@@ -14,7 +14,7 @@
 
 namespace mneme::internal {
 
-/// The right to finish a task, as long as nobody was given a later attempt at it.
+/// The right to finish a task; valid until another process gets a later attempt.
 struct Lease {
   std::int64_t task = 0;
   std::int64_t attempt = 0;  ///< from 1
@@ -22,35 +22,35 @@ struct Lease {
   bool operator==(const Lease&) const = default;
 };
 
-/// The tasks of one job. The server's clock decides what has expired. Not thread-safe; a connection
-/// that was lost is made again by the next call. Errors of all calls: io, corrupt.
+/// The tasks of one job. The server's clock decides when a lease expires. Not thread-safe. A call
+/// after a lost connection reconnects. Errors of all calls: io, corrupt.
 class TaskQueue {
  public:
   virtual ~TaskQueue() = default;
 
-  /// Makes tasks known. One that was done before opens again if it was done up to `generation` of
-  /// the database: whoever adds it has not found its result there.
+  /// Adds tasks. A task done at or before the database's `generation` is reopened, because the
+  /// caller did not find its result there.
   [[nodiscard]] virtual Result<void> add(std::span<const std::int64_t> tasks,
                                          std::int64_t generation) = 0;
-  /// Takes up to `count` tasks that are neither done nor leased, or whose lease has expired, for
-  /// `seconds`: the first ones first.
+  /// Leases up to `count` open tasks for `seconds`, lowest numbers first. Open: not done, and
+  /// without a lease or with an expired one.
   [[nodiscard]] virtual Result<std::vector<Lease>> take(int count, double seconds) = 0;
-  /// The heartbeat: leases last `seconds` from now on. Returns those that are still good, also if
-  /// they had expired and nobody noticed.
+  /// Extends leases to `seconds` from now. Returns the valid ones; an expired lease is valid if no
+  /// other process took its task.
   [[nodiscard]] virtual Result<std::vector<Lease>> renew(std::span<const Lease> leases,
                                                          double seconds) = 0;
-  /// Gives tasks back at once.
+  /// Returns tasks to the queue.
   [[nodiscard]] virtual Result<void> release(std::span<const Lease> leases) = 0;
-  /// Inserts the rows of the leases that are still good and marks their tasks as done, in one
-  /// transaction. `rows` has one per lease. Returns those leases. Whoever does not know whether it
-  /// succeeded may do it again. Errors also: invalid, as of Database::insert().
+  /// Inserts the rows of valid leases and marks their tasks as done, in one transaction. `rows` has
+  /// one row per lease. Returns the valid leases. Safe to repeat after an unknown outcome. Errors
+  /// also: invalid, see Database::insert().
   [[nodiscard]] virtual Result<std::vector<Lease>> finish(std::span<const Lease> leases,
                                                           std::vector<Experience> rows) = 0;
-  /// Tasks that are not done.
+  /// Number of tasks that are not done.
   [[nodiscard]] virtual Result<std::int64_t> count_open() = 0;
 };
 
-/// Which job, and for the eyes of an administrator who works on it.
+/// Number of the job, and the worker's name for administrators.
 struct TaskOwner {
   std::int64_t job = 0;
   std::string worker;

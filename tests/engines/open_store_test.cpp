@@ -75,7 +75,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("advice is given on damage only") {
     CHECK(internal::with_advice({ErrorCode::corrupt, "x"}, "a.db").message ==
-          "x; `mneme db verify a.db` names all damage and says what to do");
+          "x; `mneme db verify a.db` lists the damage and what to do");
     CHECK(internal::with_advice({ErrorCode::io, "x"}, "a.db").message == "x");
   }
 }

@@ -232,7 +232,7 @@ TEST_SUITE("unit") {
     REQUIRE(::mkfifo((directory / "pipe").c_str(), 0600) == 0);
     opened = internal::open_for_reading(directory / "pipe");
     REQUIRE(!opened.has_value());
-    CHECK(opened.error().message.find("is no regular file") != std::string::npos);
+    CHECK(opened.error().message.find("is not a regular file") != std::string::npos);
   }
 
   TEST_CASE("a file in a directory that does not exist cannot be created") {
