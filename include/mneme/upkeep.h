@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Keeping databases in order: verification, merging, compaction, files for other programs.
+/// Maintenance of databases: verify, merge, adopt, compact, export and import.
 #pragma once
 
 #include "mneme/base.h"
@@ -14,45 +14,45 @@
 namespace mneme {
 
 enum class VerifyMode {
-  report,      ///< changes nothing
-  quarantine,  ///< sets damaged rows aside, so that the rest can be used
+  report,      ///< report damage only
+  quarantine,  ///< set damaged rows aside, so that the other rows can be used
 };
-/// Checks the structure and every row's checksums. Empty if all is well. Where the file beneath the
-/// rows is damaged nothing is set aside: the last entry holds the shell command that saves what can
-/// be read in a new file. Errors: io; unsupported if a newer or an older mneme wrote it.
+/// Checks the file structure and every row's checksums. Returns all damage; empty if the database
+/// is sound. If the file itself is damaged, nothing is set aside, and the last entry holds the
+/// shell command that saves the readable rows into a new file. Errors: io; unsupported if a newer
+/// or older mneme wrote it.
 [[nodiscard]] Result<std::vector<Damage>> verify_database(const std::string& url,
                                                           VerifyMode mode = VerifyMode::report);
 
-/// Adds the rows of `from` to `into`, which is created if it is missing: a union of sets, in which
-/// rows are the same if their kinds, keys and contents are. Idempotent, and what
-/// results does not depend on the order of merging. In transactions of some hundred rows: repeat it
-/// if it was interrupted. If `from` is damaged, `into` stays as it was. Errors: wrong_robot if the
-/// two are not of one robot; those of Database::open().
+/// Adds the rows of `from` to `into`, which is created if missing. Rows with equal kind, key and
+/// content are merged. Idempotent; the result does not depend on the order of merges. Works in
+/// transactions of some hundred rows: repeat it after an interruption. If `from` is damaged, `into`
+/// is not changed. Errors: wrong_robot if the databases are of different robots; those of
+/// Database::open().
 [[nodiscard]] Result<MergeSummary> merge_databases(const std::string& into,
                                                    const std::string& from);
 
-/// Says that the experience of `url` is that of `robot` from now on: where only joint limits
-/// differ, or where an older mneme said less. Rows stay as they are; returns the robot that it was
-/// of. Errors: wrong_robot if the joints stand in other frames, or, unless `is_forced`, if the
-/// database does not say in which; invalid if there is nothing in it yet; io.
+/// Assigns the database to `robot`, if only joint limits differ or an older mneme stored no joint
+/// frames. Rows are not changed. Returns the previous signature. Errors: wrong_robot if joint
+/// frames differ or, unless `is_forced`, are unknown; invalid if the database is empty; io.
 [[nodiscard]] Result<RobotSignature> adopt_database(const std::string& url,
                                                     const RobotSignature& robot,
                                                     bool is_forced = false);
 
 struct CompactSummary {
-  std::int64_t removed = 0;  ///< rows that were set aside
+  std::int64_t removed = 0;  ///< rows that were set aside and are now deleted
   std::int64_t bytes_before = 0;
   std::int64_t bytes_after = 0;
 };
-/// Removes rows that were set aside, and gives the space back. Other processes may go on.
+/// Deletes rows that were set aside and frees their space. Other processes may keep using the
+/// database.
 [[nodiscard]] Result<CompactSummary> compact_database(const std::string& url);
 
-/// Writes all rows as JSON lines (`.jsonl`, docs/design/database.md) in an order that depends on
-/// their content alone, so that equal sets give equal bytes. Returns their number. Errors: invalid
-/// if the name ends otherwise; io.
+/// Writes all rows as JSON lines (docs/design/database.md), ordered by content: equal sets of rows give
+/// equal files. Returns the number of rows. Errors: invalid if `path` does not end in .jsonl; io.
 [[nodiscard]] Result<std::int64_t> export_database(const std::string& url, const std::string& path);
-/// Adds the rows of a file that export_database() or another program wrote, as merge_databases()
-/// does. Errors: parse, naming the line; wrong_robot; those of Database::open().
+/// Merges the rows of a file written by export_database() or another program, like
+/// merge_databases(). Errors: parse, naming the line; wrong_robot; those of Database::open().
 [[nodiscard]] Result<MergeSummary> import_database(const std::string& url, const std::string& path);
 
 }  // namespace mneme

@@ -21,10 +21,10 @@ namespace {
 Result<void> check_name(const std::string& path) {
   if (path.ends_with(".jsonl") || path == "/dev/stdout" || path == "/dev/stdin") return {};
   return fail(ErrorCode::invalid,
-              fmt::format("{}: expected a name that ends in .jsonl (JSON lines)", path));
+              fmt::format("{}: expected a file name that ends in .jsonl (JSON lines)", path));
 }
 
-/// Rows on their way from a file into a database.
+/// Inserts rows into a database in batches.
 class Import {
  public:
   explicit Import(internal::OpenedStore opened) : opened_(std::move(opened)) {}
@@ -56,7 +56,7 @@ class Import {
   MergeSummary summary_;
 };
 
-/// The lines of a file, one by one. Errors name file and line.
+/// Reads a file line by line. Errors name file and line.
 class LineReader {
  public:
   static Result<LineReader> open(const std::string& path) {
@@ -83,7 +83,7 @@ class LineReader {
     if (std::ferror(file_.get()) != 0) return error({ErrorCode::io, "cannot be read to its end"});
     return !line.empty();
   }
-  /// What is wrong with the last line.
+  /// An error of the last line, with file and line number.
   [[nodiscard]] tl::unexpected<Error> error(const Error& error) const {
     return fail(error.code, fmt::format("{}:{}: {}", path_, number_, error.message));
   }
@@ -105,8 +105,8 @@ Result<std::int64_t> export_database(const std::string& url, const std::string& 
   MNEME_TRY(check_name(path));
   const auto opened = MNEME_TRY(internal::advised(internal::inspect_store(url), url));
   if (opened.schema_version == 0) {
-    return fail(ErrorCode::invalid,
-                fmt::format("{}: is empty, and of no robot yet", opened.store->name()));
+    return fail(ErrorCode::invalid, fmt::format("{}: the database is empty and has no robot yet",
+                                                opened.store->name()));
   }
   const auto list = MNEME_TRY(internal::advised(internal::list_by_content(*opened.store), url));
   auto file = MNEME_TRY(internal::NewFile::create(path));

@@ -19,7 +19,7 @@ using Json = nlohmann::json;
 
 constexpr const char* kFormat = "mneme experience 3";
 
-/// The shortest digits, but "-0.0" for "-0": whole numbers have no sign of zero.
+/// The shortest digits; "-0.0" instead of "-0", which JSON readers take for the integer 0.
 template <class Number>
 std::string digits_of(Number number) {
   return number == 0 && std::signbit(number) ? "-0.0" : fmt::format("{}", number);
@@ -62,12 +62,12 @@ std::string quoted(const std::string& text) {
   return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-/// Reads the fields of one line; the first thing that is wrong stays as `error`.
+/// Reads the fields of one line. error() is the first flaw found.
 class Fields {
  public:
   explicit Fields(std::string_view line)
       : json_(Json::parse(line.begin(), line.end(), nullptr, false)) {
-    if (json_.is_discarded() || !json_.is_object()) error_ = "is no JSON object";
+    if (json_.is_discarded() || !json_.is_object()) error_ = "is not a JSON object";
   }
 
   std::string text(const char* name) {
@@ -99,7 +99,7 @@ class Fields {
     if (field == nullptr || !append(*field, numbers)) wrong<int>(name, "a list of numbers");
     return numbers;
   }
-  /// All rows one after the other; `width` is their common size.
+  /// The rows of a list of lists, concatenated; `width` is their common size.
   std::vector<float> table(const char* name, std::size_t& width) {
     std::vector<float> numbers;
     const Json* field = find(name);
@@ -188,7 +188,7 @@ LocalSampler parse_sampler(Fields& fields) {
   sampler.factors = fields.table("factors", triangle);
   sampler.sources = fields.list<int>("sources");
   sampler.is_complete = fields.truth("is_complete");
-  // Without means the factors tell.
+  // Without means, the joint count follows from the factors.
   while (triangle_size(joints) < triangle && sampler.means.empty()) ++joints;
   sampler.joint_count = static_cast<int>(joints);
   if (triangle != 0 && triangle != triangle_size(joints)) {
@@ -256,8 +256,9 @@ Result<Experience> parse_row(std::string_view line) {
     return fail(ErrorCode::parse, *flaw);
   }
   if (fields.has("content") && fields.text("content") != to_hex(EncodedRow(row).content())) {
-    return fail(ErrorCode::parse,
-                "its content is not what 'content' says; leave that out after a change by hand");
+    return fail(
+        ErrorCode::parse,
+        "its content does not match the hash 'content'; remove that field after editing a row");
   }
   return row;
 }

@@ -11,14 +11,14 @@
 
 namespace mneme::internal {
 
-/// The first line of a file: what its experience is of.
+/// The first line of a file: the robot signature.
 [[nodiscard]] std::string json_of(const RobotSignature& signature);
-/// A line of one row, which does not depend on its id.
+/// The line of one row; independent of its id.
 [[nodiscard]] std::string json_of(const Experience& row);
 
 // Errors: parse, without file and line.
 [[nodiscard]] Result<RobotSignature> parse_signature(std::string_view line);
-/// The sizes are not checked against a signature.
+/// Array sizes are not checked against a signature.
 [[nodiscard]] Result<Experience> parse_row(std::string_view line);
 
 }  // namespace mneme::internal

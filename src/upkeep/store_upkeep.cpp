@@ -73,7 +73,7 @@ Result<void> visit_rows(Store& store, const RobotSignature& signature,
 
 namespace {
 
-/// Counts what is there. Starts from the old head if that is legible.
+/// Recounts rows and tombstones; keeps counters of the old head if it is readable.
 Result<StoreState> recount(StoreTransaction& transaction) {
   const auto head = transaction.head();
   if (!head && head.error().code != ErrorCode::corrupt) return tl::unexpected(head.error());

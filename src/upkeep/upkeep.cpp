@@ -15,14 +15,14 @@ namespace {
 
 using internal::Store;
 
-/// Damage, and how deep it goes.
+/// Damage found by a verification.
 struct Findings {
   std::vector<Damage> damages;
   std::vector<std::int64_t> tombstones;  ///< ids of damaged ones
-  bool is_structural = false;            ///< the file beneath the rows is damaged
+  bool is_structural = false;            ///< the file itself is damaged
 };
 
-/// Takes what says that the database is damaged as a finding; anything else ends the verification.
+/// Records a corrupt error as damage; other errors end the verification.
 Result<void> note(const Error& error, Findings& findings) {
   if (error.code != ErrorCode::corrupt) return tl::unexpected(error);
   findings.damages.push_back({0, error.message, false});
@@ -59,7 +59,7 @@ Result<void> verify_orphans(Store& store, Findings& findings) {
   return {};
 }
 
-/// A tombstone that changed could revive a row or hide one.
+/// A changed tombstone could revive a row or hide one.
 Result<void> verify_tombstones(Store& store, Findings& findings) {
   const auto transaction = store.begin(Store::Kind::read);
   if (!transaction) return note(transaction.error(), findings);
@@ -89,16 +89,16 @@ Result<Findings> verify(const std::string& url) {
       .map([&] { return findings; });
 }
 
-/// Sets damaged rows aside, and removes damaged tombstones, whose rows are judged anew.
+/// Sets damaged rows aside and deletes damaged tombstones, whose rows are verified again.
 Result<void> quarantine(const std::string& url, const Findings& findings) {
   const auto store = MNEME_TRY(internal::open_store(url, OpenMode::read_write));
   return internal::quarantine_rows(*store, findings.damages, findings.tombstones);
 }
 
-/// How to save what can be read of a database that is damaged beneath its rows.
+/// Advice for a database whose file is damaged.
 std::string advice_for(const std::string& url) {
   if (internal::engine_of(url) != internal::Engine::sqlite) {
-    return "what stands beneath the rows can only be repaired on the server";
+    return "the server's files are damaged; repair them on the server";
   }
   return "the file itself is damaged; to save what can be read: " + internal::saving_command(url);
 }
@@ -113,7 +113,7 @@ Result<std::vector<Damage>> verify_database(const std::string& url, VerifyMode m
     return found.damages;
   }
   if (mode == VerifyMode::report) return found.damages;
-  // The rows of damaged tombstones come back in the first pass, and are judged in the second.
+  // The first pass revives the rows of damaged tombstones; the second verifies them.
   Findings left = found;
   for (int pass = 0; pass < 2 && !left.damages.empty(); ++pass) {
     if (const auto done = quarantine(url, left); !done) {
@@ -137,7 +137,7 @@ Result<MergeSummary> merge_databases(const std::string& into, const std::string&
     return internal::advised(internal::visit_rows(*source.store, source.signature, list, visit),
                              from);
   };
-  // All of it, before anything is made or changed: what is damaged adds nothing.
+  // Read everything before changing anything: a damaged source must not be merged in part.
   MNEME_TRY(visit_all([](auto) { return Result<void>(); }));
   const auto target = MNEME_TRY(
       internal::advised(internal::open_store_of(into, source.signature, OpenMode::create), into));
@@ -157,8 +157,7 @@ Result<void> check_adoption(const std::string& url, const RobotSignature& found,
   auto refused = internal::refuse_robot(url, found, wanted);
   if (can_fit) {
     refused.value().message +=
-        "; an older mneme made it, which did not note the joints' frames: --force if they are the "
-        "same";
+        "; an older mneme wrote it without joint frames; if these are equal, use --force";
   }
   return refused;
 }
@@ -170,7 +169,7 @@ Result<RobotSignature> adopt_database(const std::string& url, const RobotSignatu
   const auto found = MNEME_TRY(internal::advised(internal::inspect_store(url), url));
   if (found.schema_version == 0) {
     return fail(ErrorCode::invalid,
-                fmt::format("{}: there is no experience in it", internal::without_password(url)));
+                fmt::format("{}: the database is empty", internal::without_password(url)));
   }
   MNEME_TRY(check_adoption(found.store->name(), found.signature, signature, is_forced));
   const auto store = MNEME_TRY(internal::open_store(url, OpenMode::read_write));
