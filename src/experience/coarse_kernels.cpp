@@ -62,7 +62,7 @@ using CellsV = hn::Vec<Cells>;
 using SumsV = hn::Vec<Sums>;
 constexpr std::size_t kSumLanes = hn::MaxLanes(Sums());
 constexpr std::size_t kParts = kCoarseBlock / kSumLanes;
-/// That are looked at together.
+/// Blocks that are scanned together.
 constexpr std::size_t kMostBlocks = 4;
 
 /// Both numbers of a pair of the query in each lane of a sum.

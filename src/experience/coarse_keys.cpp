@@ -11,15 +11,15 @@ namespace mneme::internal {
 namespace {
 
 constexpr double kMostCells = 8191;
-/// Below, cells per unit would not be finite when squared.
+/// Below this width, the square of cells per unit would not be finite.
 constexpr double kLeastWidth = 1e-100;
 constexpr std::int32_t kMostSquared = std::numeric_limits<std::int32_t>::max();
 
-/// One number may spread so wide (that of whole paths which keeps constraints apart does) that its
-/// cells would tell nothing of the others; unless these hardly spread at all.
+/// One number may spread so much wider than the others (such as a large distance in a key) that its
+/// cells would not resolve them. Its width is then capped, unless the others hardly spread.
 constexpr double kMostWiderThanOthers = 4, kLeastShareOfWidest = 1e-6;
 
-/// What the cells of each number cover, from the least on; all beyond is in the last cell.
+/// Width that the cells of each number cover, from its minimum; larger values are in the last cell.
 double covered_width(const std::vector<double>& lower, const std::vector<double>& upper) {
   double widest = 0, second = 0;
   for (std::size_t i = 0; i < lower.size(); ++i) {
@@ -33,7 +33,7 @@ double covered_width(const std::vector<double>& lower, const std::vector<double>
 
 std::size_t blocks_of(std::size_t count) { return (count + kCoarseBlock - 1) / kCoarseBlock; }
 
-/// Of a key, or of a box, in its block.
+/// Place of a key's or box's number within its block.
 std::size_t place_of(std::size_t key, std::size_t number) {
   return 2 * (key % kCoarseBlock) + number % 2;
 }
@@ -98,12 +98,12 @@ void CoarseKeys::add_box(std::size_t leaf, std::size_t number, std::int16_t leas
 
 std::int16_t CoarseKeys::cell(double x, std::size_t number) const {
   const double cells = std::floor((x - lower_[number]) * per_cell_);
-  // A number that is none counts as the first cell: it is near nothing by exact distances.
+  // NaN goes into the first cell; its exact distance is never near.
   return static_cast<std::int16_t>(std::fmin(std::fmax(cells, 0), last_cell_));
 }
 
 std::vector<std::int16_t> CoarseKeys::query(const double* key) const {
-  // Beyond all keys the nearest cell stands for the query, which no key is farther from.
+  // A query outside the range is clamped to the nearest cell, which only lowers distances.
   std::vector<std::int16_t> cells(2 * pair_count_);
   for (std::size_t i = 0; i < key_size_; ++i) cells[i] = cell(key[i], i);
   return cells;
@@ -111,13 +111,13 @@ std::vector<std::int16_t> CoarseKeys::query(const double* key) const {
 
 CoarseBound CoarseKeys::bound(double squared_distance) const {
   if (!(squared_distance > 0)) return {};
-  // Cells are rounded in another order than distances are.
+  // Cells and distances round differently, hence the slack.
   const auto squared_cells = [](double most) {
     most = most * (1 + 1e-9) + 1;
     return most < kMostSquared ? static_cast<std::int32_t>(most) : kMostSquared;
   };
   const double boxes = squared_distance * per_cell_ * per_cell_;
-  // A number's cells are apart by less than it is, and one.
+  // Rounding adds less than one cell per number.
   const double keys = std::sqrt(boxes) + std::sqrt(static_cast<double>(key_size_));
   return {squared_cells(boxes), squared_cells(keys * keys)};
 }

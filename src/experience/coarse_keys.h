@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Keys in two bytes per number, which say soon that most of them are not near.
+/// Keys in two bytes per number, which quickly exclude most keys from a search.
 #pragma once
 
 #include "experience/coarse_kernels.h"
@@ -14,34 +14,34 @@
 
 namespace mneme::internal {
 
-/// Squared distances in cells: no box of anything that is nearer than something is farther than the
-/// one, none of its keys than the other.
+/// Integer bounds for a squared distance: leaf boxes beyond `boxes` and keys beyond `keys` can be
+/// skipped.
 struct CoarseBound {
   std::int32_t boxes = -1, keys = -1;
 };
 
-/// The keys of a tree's leaves, and boxes around leaves, in cells of one width. Const is
+/// The keys of a tree's leaves and their bounding boxes, in cells of one width. Const is
 /// parallel-safe.
 class CoarseKeys {
  public:
-  /// Least squared distance of a leaf's box, in cells, and which leaf it is.
+  /// Lower bound of a leaf's squared distance, in cells, and the leaf's index.
   using NearLeaf = std::pair<std::int32_t, std::size_t>;
 
-  /// Leaf i has the keys from `begins[i]` to `begins[i + 1]`, and all of the first numbers of its
-  /// keys, then all of the second ones, and so on, are in `keys`.
+  /// Leaf i has the keys `begins[i]` to `begins[i + 1]`. `keys` stores, leaf by leaf, the first
+  /// number of each key, then the second of each, and so on.
   CoarseKeys(std::size_t key_size, std::span<const double> keys,
              std::span<const std::size_t> begins);
 
-  /// What near_keys() and near_leaves() take.
+  /// The query's cells, for near_keys() and near_leaves().
   [[nodiscard]] std::vector<std::int16_t> query(const double* key) const;
-  /// Of what is nearer than a squared distance; -1 if nothing is.
+  /// Bounds for keys nearer than a squared distance; -1 if there can be none.
   [[nodiscard]] CoarseBound bound(double squared_distance) const;
 
-  /// Those that are not farther than `most`, in order of leaves. Looks at one box per kCoarseBlock
-  /// leaves, and into those that are near enough: neighbours in the tree are neighbours in space.
+  /// Leaves whose box is at most `most` away, in order. Checks one box per kCoarseBlock leaves
+  /// first.
   [[nodiscard]] std::vector<NearLeaf> near_leaves(const std::vector<std::int16_t>& query,
                                                   std::int32_t most) const;
-  /// A bit for each key of a leaf, of at most 64; those behind the last one mean nothing.
+  /// One bit per key of a leaf, at most 64; bits beyond the last key are undefined.
   [[nodiscard]] std::uint64_t near_keys(std::size_t leaf, const std::vector<std::int16_t>& query,
                                         std::int32_t most) const;
 
@@ -54,11 +54,11 @@ class CoarseKeys {
   std::size_t key_size_;
   std::size_t pair_count_;
   double last_cell_;
-  double per_cell_ = 0;  ///< cells per unit; 0 if all keys are as good as the same
+  double per_cell_ = 0;  ///< cells per unit; 0 if all keys are practically equal
   std::vector<double> lower_;
-  std::vector<std::size_t> first_blocks_;  ///< per leaf, and one behind the last
+  std::vector<std::size_t> first_blocks_;  ///< per leaf, and the end
   std::vector<CoarsePair> keys_;
-  std::vector<CoarsePair> boxes_;        ///< of leaves
+  std::vector<CoarsePair> boxes_;        ///< around leaves
   std::vector<CoarsePair> outer_boxes_;  ///< around the blocks of boxes_
 };
 

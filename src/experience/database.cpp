@@ -28,11 +28,11 @@ using internal::StoreState;
 
 namespace {
 
-/// Rows on their way into a database's memory.
+/// Rows to add to the index and the cache.
 struct FreshRows {
   std::map<internal::RowGroup, internal::IndexRows> groups;
   std::int64_t count = 0;
-  std::vector<SharedExperience> rows;  // those that were read whole
+  std::vector<SharedExperience> rows;  // complete rows only
 
   void add(const Experience& row, std::uint64_t constraints, std::int64_t components) {
     internal::IndexRows& keys = groups[{row.kind, constraints}];
@@ -49,7 +49,7 @@ std::int64_t size_of(const GroupIndexes& groups) {
   return size;
 }
 
-/// Hands the ids of each tree to `visit`, group by group.
+/// Passes the ids of each tree to `visit`, group by group.
 template <class Visit>
 void visit_trees(const GroupIndexes& groups, const Visit& visit) {
   for (const auto& [group, index] : groups) {
@@ -67,8 +67,8 @@ internal::KeySizes sizes_of(const GroupIndexes& groups) {
 
 }  // namespace
 
-/// What is not const belongs to whoever holds `writing`, but for the index: whoever searches takes
-/// the one that is there, and goes on with it while the next one is made.
+/// `writing` guards all members that are not const, except the published index: a search takes a
+/// snapshot of it and continues with that while the next one is built.
 struct Database::State {
   State(internal::OpenedStore opened, const std::string& lasting_url,
         const DatabaseSettings& settings);
@@ -76,16 +76,16 @@ struct Database::State {
   State& operator=(const State&) = delete;
   ~State() { save_if_useful(); }
 
-  /// Reads the index that was saved, if there is a good one, and all that came since.
+  /// Reads the saved index, if it is valid, and all rows added since.
   Result<void> read();
   Result<void> take_saved_index();
-  /// Reads what came since `last_state`; returns the number of rows.
+  /// Reads rows added since `last_state`; returns their number.
   Result<std::int64_t> catch_up();
-  /// Reads what the store is of, if that was not known yet. False if nothing is in it.
+  /// Reads the signature if not yet known. False if the store is empty.
   Result<bool> is_filled();
   Result<internal::StoreChanges> read_fresh(FreshRows& fresh,
                                             std::unordered_set<std::int64_t>& seen);
-  /// Forgets rows, and adds others.
+  /// Removes and adds rows in memory.
   void change(const std::vector<std::int64_t>& removed, FreshRows fresh);
   void save_if_useful();
 
@@ -101,14 +101,14 @@ struct Database::State {
   const RobotSignature signature;
   const bool is_too_large;
   std::atomic<std::uint64_t> iterations = 0;  ///< since a row was earned
-  const std::string index_file;               // empty if there is no place for one
+  const std::string index_file;               // empty: none
   internal::RowLoader rows;
 
   std::mutex writing;
   int schema_version;
   std::unique_ptr<internal::Store> store;
   StoreState last_state;
-  std::int64_t saved_size = 0;  // of the index in the file
+  std::int64_t saved_size = 0;  // rows in the index file
 
   mutable std::mutex publishing;
   std::shared_ptr<const GroupIndexes> published;  // never null
@@ -131,8 +131,8 @@ Result<void> Database::State::take_saved_index() {
   if (!saved) return {};
   const auto transaction = MNEME_TRY(store->begin(internal::Store::Kind::read));
   const auto head = MNEME_TRY(transaction->head());
-  // Of the same epoch only new rows need be read, and the digest tells whether the old ones are
-  // those of the index. Otherwise it may be that of another file which had this one's name.
+  // Within an epoch only new rows must be read; the digest then shows if the old ones match the
+  // index. In another epoch the index may belong to another file of the same name.
   if (head.epoch != saved->state.epoch || head.row_count < saved->state.row_count) return {};
   last_state = saved->state;
   saved_size = size_of(saved->groups);
@@ -377,7 +377,7 @@ Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows,
       MNEME_TRY(internal::append_rows(*state_->store, rows, internal::Duplicates::keep_first));
   if (is_new != nullptr) *is_new = appended.is_new;
   if (appended.before != state_->last_state) {
-    // The rows are safe, whatever becomes of those of others: refresh() will tell.
+    // Our rows are stored. Errors with other processes' rows surface at the next refresh().
     (void)state_->catch_up();
     return appended.ids;
   }

@@ -17,7 +17,7 @@
 namespace mneme::internal {
 namespace {
 
-/// Machines with big-endian numbers do without the file.
+/// Big-endian machines do not use the file.
 constexpr bool kIsLittleEndian = std::endian::native == std::endian::little;
 
 /// "mneme ix" and the version of the layout.
@@ -33,7 +33,7 @@ std::string_view bytes_of(const Value* values, std::size_t count) {
   return {reinterpret_cast<const char*>(values), count * sizeof(Value)};
 }
 
-/// Takes numbers off the front of bytes.
+/// Reads numbers from bytes.
 class Taker {
  public:
   explicit Taker(std::string_view bytes) : rest_(bytes) {}
@@ -57,8 +57,7 @@ class Taker {
   std::string_view rest_;
 };
 
-/// Before the trees of a group: the length of its kind's name, its constraints, its key size, the
-/// number of trees.
+/// Header of a group: length of its kind's name, constraints, key size, number of trees.
 using GroupHeader = std::array<std::int64_t, 4>;
 
 std::optional<KeyTreeData> take_tree(Taker& taker, std::size_t key_size) {
@@ -75,7 +74,7 @@ std::optional<KeyTreeData> take_tree(Taker& taker, std::size_t key_size) {
   return is_inside ? std::optional(std::move(data)) : std::nullopt;
 }
 
-/// Puts the index of the next group among `groups`.
+/// Reads the next group into `groups`.
 bool take_group(Taker& taker, GroupIndexes& groups) {
   GroupHeader header{};
   std::vector<char> name;
@@ -119,7 +118,7 @@ bool is_of(const Header& header, const RobotSignature& signature) {
          header[3] == checksum_of(signature);
 }
 
-/// Nothing if it does not begin as the index of `signature` does: then it may be any large file.
+/// Reads the file if its header fits `signature`; otherwise it may be any large file.
 std::string read_index_of(const RobotSignature& signature, const std::string& path) {
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
@@ -135,7 +134,7 @@ std::string read_index_of(const RobotSignature& signature, const std::string& pa
   return file ? bytes : std::string();
 }
 
-/// Without the checksum at the end, or nothing if that is wrong.
+/// The content without its checksum; empty if that does not match.
 std::string_view checked(std::string_view bytes) {
   std::int64_t checksum = 0;
   if (bytes.size() < sizeof checksum) return {};

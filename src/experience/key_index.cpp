@@ -19,7 +19,7 @@ std::size_t leaf_count(std::size_t size) {
   return leaves;
 }
 
-/// Sorts keys into the halves of halves that the leaves of a tree are.
+/// Sorts keys into leaves by repeated halving along the widest number.
 class Splitter {
  public:
   Splitter(const std::vector<double>& keys, std::size_t key_size, std::vector<std::uint32_t>& order)
@@ -138,7 +138,8 @@ void KeyTree::search(const double* query, NearestMatches& nearest) const {
   double wanted = nearest.bound();
   CoarseBound bound = coarse_.bound(wanted);
   auto leaves = coarse_.near_leaves(cells, bound.boxes);
-  // What the nearest leaves have leaves others out; to sort all would take longer than to look.
+  // Nearest leaves first, because their keys exclude others. Sorting all would cost more than
+  // scanning.
   if (leaves.size() > kSortedLeaves) {
     std::ranges::nth_element(leaves, leaves.begin() + kSortedLeaves, {},
                              &CoarseKeys::NearLeaf::first);
@@ -176,7 +177,7 @@ void KeyTree::offer(std::size_t leaf, std::uint64_t near, const double* query,
 
 namespace {
 
-/// Trees up to this size are built anew in some microseconds, so that a new row always joins one.
+/// Trees up to this size are rebuilt in microseconds, so a new row always joins one.
 constexpr std::size_t kSmallTree = 64;
 
 template <class Value>
@@ -251,7 +252,7 @@ std::vector<IndexMatch> ExperienceIndex::find(std::span<const std::vector<double
     found.insert(found.end(), nearest.matches().begin(), nearest.matches().end());
     threshold = nearest.limit();
   }
-  // A key may be near to several images: its nearest one, the first of equals, stands for it.
+  // A key near several images is reported once, with its nearest image, the first of equals.
   std::sort(found.begin(), found.end(), [](const IndexMatch& a, const IndexMatch& b) {
     return std::tie(a.id, a.error, a.image) < std::tie(b.id, b.error, b.image);
   });

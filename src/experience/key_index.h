@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Nearest keys among rows that come and, rarely, go.
+/// Nearest-neighbour index over keys, with insertion and rare removal.
 #pragma once
 
 #include "experience/coarse_keys.h"
@@ -24,8 +24,8 @@ namespace mneme::internal {
 
 /// A key near a query.
 struct IndexMatch {
-  std::int64_t id = 0;      ///< of its row
-  std::uint32_t image = 0;  ///< the image of the query that is nearest; the first of equals
+  std::int64_t id = 0;      ///< id of its row
+  std::uint32_t image = 0;  ///< index of the nearest image of the query; the first of equals
   double error = 0;         ///< squared distance to it
 };
 
@@ -36,21 +36,20 @@ inline bool is_nearer(const IndexMatch& a, const IndexMatch& b) {
 /// The nearest keys to one image under a threshold, ties by id; at most `max_matches` (0: all).
 class NearestMatches {
  public:
-  /// `keys_left`, if it is not null, counts down the keys that may be looked at.
+  /// `keys_left`, if not null, is the number of keys that may still be inspected.
   NearestMatches(double threshold, std::size_t max_matches, std::uint32_t image,
                  std::int64_t* keys_left = nullptr)
       : threshold_(threshold), max_matches_(max_matches), image_(image), keys_left_(keys_left) {}
 
-  /// Keys that are not nearer than this need not be offered. A little more than what is still
-  /// wanted, because bounds are summed in another order than distances and because keys as far as
-  /// the worst match may come before it.
+  /// Keys beyond this squared distance need not be offered. Slightly above the exact limit, because
+  /// bounds are summed in another order than distances, and ties are broken by id.
   [[nodiscard]] double bound() const {
     if (keys_left_ != nullptr && *keys_left_ <= 0) return -1;
     const double worst = is_full() ? matches_.front().error : threshold_;
     return worst * (1 + 1e-12) + DBL_MIN;
   }
 
-  /// A threshold that leaves out nothing of what is among the nearest, of this image and others.
+  /// A threshold for further images that excludes no key among the nearest of all images.
   [[nodiscard]] double limit() const {
     return is_full() ? std::nextafter(matches_.front().error, DBL_MAX) : threshold_;
   }
@@ -72,7 +71,7 @@ class NearestMatches {
     if (max_matches_ > 0) std::push_heap(matches_.begin(), matches_.end(), is_nearer);
   }
 
-  /// In no particular order.
+  /// In arbitrary order.
   [[nodiscard]] const std::vector<IndexMatch>& matches() const { return matches_; }
 
  private:
@@ -86,42 +85,42 @@ class NearestMatches {
   std::vector<IndexMatch> matches_;
 };
 
-/// What an index knows of its rows, in order of their insertion.
+/// Rows of an index, in order of insertion.
 struct IndexRows {
   std::vector<std::int64_t> ids;
   std::vector<std::int32_t> components;
-  std::vector<double> keys;  ///< one after the other; finite, at most kMaxKeyMagnitude
+  std::vector<double> keys;  ///< concatenated; finite, at most kMaxKeyMagnitude
 };
 
-/// The keys of some rows in the order of the tree's leaves. A leaf holds the first numbers of its
-/// keys, then the second ones, and so on, so that a scan of it needs no jumps. Which keys belong to
-/// a leaf follows from their number: every node hands half of them to each child.
+/// Rows of a tree, with keys in the order of its leaves. A leaf stores the first number of each of
+/// its keys, then the second of each, and so on, for a sequential scan. The leaves follow from the
+/// number of keys: every node passes half of them to each child.
 struct KeyTreeData {
   std::vector<std::int64_t> ids;         ///< in order of insertion
   std::vector<std::int32_t> components;  ///< likewise
-  std::vector<std::uint32_t> order;      ///< per key in the tree: its place in `ids`
+  std::vector<std::uint32_t> order;      ///< per key in the tree: its index in `ids`
   std::vector<double> keys;
 };
 
 /// Const is parallel-safe.
 class KeyTree {
  public:
-  /// Keys in a leaf, at most: data() of another number means something else.
+  /// Most keys in a leaf; part of the format of data().
   static constexpr std::size_t kLeafSize = 64;
 
   /// O(n log n).
   KeyTree(int key_size, IndexRows rows);
-  /// Of data() that was kept: O(n). The sizes must fit, and `order` must be a permutation.
+  /// Restores a tree from its data(); O(n). Sizes must fit, and `order` must be a permutation.
   KeyTree(int key_size, KeyTreeData data);
 
   [[nodiscard]] std::size_t size() const { return data_.ids.size(); }
-  /// Of all rows together.
+  /// Sum over all rows.
   [[nodiscard]] std::int64_t components() const { return components_; }
   [[nodiscard]] const KeyTreeData& data() const { return data_; }
   [[nodiscard]] IndexRows rows() const;
 
-  /// Offers all keys that are nearer to `query` than what `nearest` still wants. Their squared
-  /// distances are summed from the first number to the last.
+  /// Offers all keys within nearest.bound() of `query`. Squared distances are summed from the first
+  /// number to the last.
   void search(const double* query, NearestMatches& nearest) const;
 
  private:
@@ -134,28 +133,26 @@ class KeyTree {
   std::size_t key_size_;
   KeyTreeData data_;
   std::int64_t components_;
-  std::vector<std::size_t> begins_;  // of the leaves, and the end of the last
+  std::vector<std::size_t> begins_;  // begin of each leaf, and the end
   CoarseKeys coarse_;
 };
 
-/// A few trees, each at least about twice as large as the next: a new one takes in those that are
-/// not larger than itself (Bentley and Saxe, "Decomposable searching problems I", 1980). A copy
-/// shares the trees, which never change: who writes changes a copy while others search the index as
-/// it was. Const is parallel-safe.
+/// A few trees, each at least about twice as large as the next; a new tree absorbs smaller ones
+/// (Bentley and Saxe, "Decomposable searching problems I", 1980). Copies share the immutable trees,
+/// so a writer can change a copy while others search. Const is parallel-safe.
 class ExperienceIndex {
  public:
   explicit ExperienceIndex(int key_size) : key_size_(key_size) {}
-  /// Of the trees() of another.
+  /// Makes an index from the trees() of another.
   ExperienceIndex(int key_size, std::vector<std::shared_ptr<const KeyTree>> trees);
 
-  /// O(log^2 size) per row, seen over all of them.
+  /// O(log^2 size) per row, amortized.
   void append(IndexRows rows);
   void remove(const std::function<bool(std::int64_t)>& is_gone);
 
-  /// The rows whose key's squared distance to the nearest of `images` is less than `threshold`:
-  /// nearest first, ties by id, at most `max_matches` (0: all). Of `keys_left`, if it is not null,
-  /// the keys that were looked at are taken, a leaf at a time; without any left, it ends with what
-  /// it has.
+  /// Rows with a squared key distance below `threshold` to the nearest of `images`: nearest first,
+  /// ties by id, at most `max_matches` (0: all). `keys_left`, if not null, limits the keys
+  /// inspected and is reduced leaf by leaf; at 0 the search ends.
   [[nodiscard]] std::vector<IndexMatch> find(std::span<const std::vector<double>> images,
                                              double threshold, int max_matches,
                                              std::int64_t* keys_left = nullptr) const;
@@ -164,7 +161,7 @@ class ExperienceIndex {
   [[nodiscard]] std::int64_t size() const { return size_; }
   /// Of all rows together.
   [[nodiscard]] std::int64_t components() const { return components_; }
-  /// Of the row at a position in order of insertion, 0 to size() - 1.
+  /// Id of the row at a position in order of insertion, 0 to size() - 1.
   [[nodiscard]] std::int64_t id(std::int64_t position) const;
   [[nodiscard]] const std::vector<std::shared_ptr<const KeyTree>>& trees() const { return trees_; }
 
@@ -177,7 +174,7 @@ class ExperienceIndex {
   std::int64_t components_ = 0;
 };
 
-/// Rows that one search is among: those of a kind, and of paths those under the same constraints.
+/// Rows that are searched together: one kind and one hash of constraints.
 struct RowGroup {
   std::string kind;
   std::uint64_t constraints = 0;

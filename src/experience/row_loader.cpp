@@ -14,13 +14,13 @@
 namespace mneme::internal {
 namespace {
 
-/// Whoever searches waits for no more than these at a time.
+/// Rows cached under one lock, so that searches wait only briefly.
 constexpr std::size_t kRowsAtOnce = 8;
-/// Rows are seldom smaller: for so many the table need not grow, which would take milliseconds.
+/// Typical row size. The table is reserved for this many rows, because growing takes milliseconds.
 constexpr std::int64_t kUsualRow = 1024;
 constexpr std::int64_t kMostPlaces = 1 << 18;
 
-/// Of the allocator, the list and the table, per row.
+/// Overhead of allocator, list and table per row.
 constexpr std::size_t kOverhead = 160;
 
 template <class Value>
@@ -69,7 +69,7 @@ void ExperienceCache::keep(std::span<const SharedExperience> rows) {
 }
 
 void ExperienceCache::keep_few(std::span<const SharedExperience> rows) {
-  Rows released;  // outlives the lock: nobody waits for their memory to be given back
+  Rows released;  // freed after the lock is released
   const std::lock_guard lock(mutex_);
   for (const SharedExperience& row : rows) {
     if (places_.contains(row->id)) continue;
@@ -155,7 +155,7 @@ Result<void> RowLoader::read(std::span<const std::int64_t> ids, Reading& reading
   });
 }
 
-/// Others may have set rows aside, or removed them, since their ids were read.
+/// Another process may have set rows aside or deleted them since their ids were read.
 Result<void> RowLoader::check_absent(StoreTransaction& transaction, const Reading& reading,
                                      std::span<const std::int64_t> ids) const {
   std::set<std::int64_t> dead;

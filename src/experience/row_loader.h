@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Rows by their ids: from memory, up to a number of bytes, or else from where they are stored.
+/// Loads rows by id, from a cache of limited size or from the store.
 #pragma once
 
 #include "mneme/experience.h"
@@ -18,20 +18,20 @@ namespace mneme::internal {
 
 using SharedExperience = std::shared_ptr<const Experience>;
 
-/// Lets go of the rows that were not asked for the longest time. Thread-safe.
+/// Cache of rows; drops the least recently used. Thread-safe.
 class ExperienceCache {
  public:
   explicit ExperienceCache(std::int64_t capacity_bytes);
 
-  /// One per id; empty where it is not here.
+  /// One pointer per id; null if not cached.
   [[nodiscard]] std::vector<SharedExperience> find(std::span<const std::int64_t> ids);
   void keep(std::span<const SharedExperience> rows);
   void forget(std::span<const std::int64_t> ids);
-  /// It has let rows go that others may still ask for.
+  /// True if rows were dropped for lack of space.
   [[nodiscard]] bool is_full() const;
 
  private:
-  /// The row that was asked for last comes first.
+  /// Most recently used first.
   using Rows = std::list<SharedExperience>;
 
   void keep_few(std::span<const SharedExperience> rows);
@@ -44,22 +44,21 @@ class ExperienceCache {
   bool is_full_ = false;
 };
 
-/// What a row takes in memory, about.
+/// Approximate size of a row in memory, bytes.
 [[nodiscard]] std::int64_t bytes_of(const Experience& row);
 
-/// Has a connection of its own, so that whoever reads does not wait for whoever writes.
-/// Thread-safe.
+/// Loads rows on a separate connection, so that readers do not wait for writers. Thread-safe.
 class RowLoader {
  public:
-  /// `url` has to stay right when the process changes its directory.
+  /// `url` must remain valid when the process changes its directory.
   RowLoader(std::string url, RobotSignature signature, std::int64_t capacity_bytes);
 
   [[nodiscard]] ExperienceCache& cache() const { return cache_; }
-  /// Rows whose ids were known in `epoch` may have been removed in a later one.
+  /// Rows known in `epoch` may be missing in a later one.
   void set_epoch(std::int64_t epoch) { epoch_ = epoch; }
 
-  /// One per id; empty for those that were set aside in the meantime. What had to be read stays in
-  /// memory if `is_kept`. Errors: corrupt, naming the row; io.
+  /// One pointer per id; null for rows that were set aside meanwhile. `is_kept`: cache the rows
+  /// read from the store. Errors: corrupt, naming the row; io.
   [[nodiscard]] Result<std::vector<SharedExperience>> load(std::span<const std::int64_t> ids,
                                                            bool is_kept) const;
 
