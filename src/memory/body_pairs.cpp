@@ -39,7 +39,7 @@ Eigen::Matrix3d square_root(const Eigen::Matrix3d& m) {
          solver.eigenvectors().transpose();
 }
 
-/// Centroid and S of an obstacle.
+/// Centroid of an obstacle, and S of body_key().
 struct Body {
   Vec3 centroid;
   Eigen::Matrix3d spread;
@@ -131,7 +131,7 @@ extern constinit const MemoryKind kBodyPairs = {
     .name = "body_pairs",
     .version = kBodyPairsVersion,
     .summary = "two near obstacles of any shapes, by place and moments; for arms in space",
-    // Samples around a mean just inside an obstacle are at its surface, where they help.
+    // Samples around a mean just inside an obstacle lie at its surface, where they are useful.
     .defaults = {.share = {.retrieve_after = 1500},
                  .sigma = 0.3,
                  .similarity = 0.05,

@@ -18,7 +18,8 @@ namespace mneme {
 namespace internal {
 namespace {
 
-// Robot files give angles to about 1e-9 and lengths to a micrometre; anything larger is meant.
+// Robot files give angles to about 1e-9 and lengths to a micrometre; larger deviations are
+// intended.
 constexpr double kTolerance = 1e-6;
 
 bool is_on_x_axis(const Link& link) {
@@ -38,7 +39,7 @@ bool is_turned(const Transform& before, const Transform& after, double angle) {
          (expected.translation - after.translation).norm() < kTolerance;
 }
 
-/// Why the rotations and mirror images of Symmetry are not symmetries of `robot`, if they are not.
+/// Reason why rotations and mirror images are not symmetries of `robot`, or nothing.
 std::optional<std::string> describe_asymmetry(const Robot& robot) {
   if (!robot.is_planar() || robot.joint_count() == 0) {
     return "it is not planar: all its joints must turn about the z axis";
@@ -74,7 +75,7 @@ double shape_extent(const Link& link) {
   return extent;
 }
 
-/// How far from the base any point of the robot can get, if no joint had limits.
+/// Largest distance of any point of the robot from the base, ignoring joint limits.
 double reach(const Robot& robot) {
   std::vector<double> extents(robot.links().size(), 0.0);
   double result = 0;

@@ -12,7 +12,7 @@
 namespace mneme::internal {
 namespace {
 
-/// The stored pair where its symmetry takes it in the scene, named as the scene's pair is.
+/// The stored pair moved to the scene, with its circles in the order of the scene's pair.
 PrimitiveKey stored_pair(const Match& match, const PrimitiveKey& scene_pair) {
   PrimitiveKey pair = moved_key(match.to_scene, match.experience->key);
   const auto distance = [&](std::size_t shift) {
@@ -27,16 +27,16 @@ PrimitiveKey stored_pair(const Match& match, const PrimitiveKey& scene_pair) {
   return pair;
 }
 
-/// A match, and what is the same for all its means.
+/// A match with data shared by all its means.
 struct FittedMatch {
   std::shared_ptr<const Experience> experience;
   Symmetry to_scene;
   SampleSource source = 0;
   GapSegment stored;
   GapFit fit;
-  int least_link = 0;  ///< deeper than this no means are wanted
+  int least_link = 0;  ///< means that cross with a link before this one are skipped
   bool is_crossed = false;
-  std::tuple<bool, std::size_t, double> order;  ///< the least is the most relevant
+  std::tuple<bool, std::size_t, double> order;  ///< smaller is more relevant
 };
 
 class FittedMeans final : public ComponentSource {
@@ -107,8 +107,7 @@ class FittedMeans final : public ComponentSource {
     return matches_[static_cast<std::size_t>(group)];
   }
 
-  /// The link that is farthest out of those that start and goals cross the pair with first; -1 if
-  /// none of them does.
+  /// The least first link that the start or a goal crosses the pair with; -1 if none crosses.
   [[nodiscard]] int shallowest_crossing(const MemoryQuery& query, const PrimitiveKey& pair) const {
     std::vector<int> links;
     if (query.start != nullptr) links.push_back(first_crossing_link(chain_, pair, *query.start));

@@ -16,15 +16,15 @@ double direction_of(const Vec2& v) { return std::atan2(v.y(), v.x()); }
 
 double width(const GapSegment& gap) { return (gap.b - gap.a).norm(); }
 
-/// From a gap's normal, on the side of `along`, whose direction is `direction`.
+/// Angle from the gap's normal, on the side of `along`, to `direction`.
 double tilt_of(const GapSegment& gap, const Vec2& along, double direction) {
   const Vec2 normal(gap.a.y() - gap.b.y(), gap.b.x() - gap.a.x());
   const double there = direction_of(normal.dot(along) < 0 ? Vec2(-normal) : normal);
   return std::remainder(direction - there, 2 * std::numbers::pi);
 }
 
-/// The directions of two links of lengths `first` and `second` from the origin to `target`.
-/// `side`: positive if the second one turns left.
+/// Directions of two links of lengths `first` and `second` from the origin to `target`. `side`:
+/// positive if the second link turns left.
 struct TwoLinks {
   bool is_reached = false;
   double first = 0, second = 0;
@@ -82,14 +82,14 @@ bool GapFit::fit(const GapCrossing& crossing, std::span<double> q) const {
   return fit_later_link(crossing, target, q);
 }
 
-/// There is but one direction.
+/// The first link has only one direction to the target.
 bool GapFit::fit_first_link(const Vec2& target, std::span<double> q) const {
   if (target.norm() > chain_->length(0)) return false;
   q[0] = chain_->joint_value(0, direction_of(target), 0);
   return true;
 }
 
-/// Two links to the target itself: the tilt is what comes of it.
+/// Two links to the target; the tilt follows.
 bool GapFit::fit_second_link(const GapCrossing& crossing, const Vec2& target,
                              std::span<double> q) const {
   const auto& [before, start, first, second] = crossing.directions;
@@ -108,7 +108,7 @@ bool GapFit::fit_later_link(const GapCrossing& crossing, const Vec2& target,
   const auto& [before, first, second, across] = crossing.directions;
   const double new_across = across + turn_ - (1 - tilt_scale_) * crossing.tilt;
   const Vec2 new_base = target - crossing.entry * unit(new_across);
-  // What comes before the two links before it turns as a whole.
+  // The links before the two bent ones turn as a whole.
   Vec2 start = crossing.bases.front();
   double direction = before;
   if (link > 2) {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Section IV-A of the paper. One departure makes learning cheap: queries go from shallow to deep,
-// and each one samples with Algorithm 1 from what the shallower ones have taught.
+// Section IV-A of the paper, with one departure that makes learning cheap: queries go from shallow
+// to deep, and each samples with Algorithm 1 from the components learned so far.
 #include "mneme/memory.h"
 
 #include "memory/planar_chain.h"
@@ -39,7 +39,7 @@ class Learner {
     result_.sampler.joint_count = checker.robot().joint_count();
   }
 
-  /// Shallow are the queries whose last link alone crosses the gap.
+  /// Starts with the shallowest queries, where only the last link crosses the gap.
   LearnResult run() {
     for (int link = chain_.link_count() - 1; link >= 0 && !is_late(); --link) learn_from(link);
     if (settings_.merge_cliques && result_.sampler.component_count() > 0) {
@@ -70,7 +70,7 @@ class Learner {
     }
   }
 
-  /// Algorithm 1 over what was learned so far.
+  /// Algorithm 1 over the components learned so far.
   std::shared_ptr<const Sampler> make_sampler() {
     if (result_.sampler.component_count() == 0) return uniform_;
     auto so_far = std::make_shared<const GaussianMixture>(result_.sampler);
@@ -131,7 +131,7 @@ class Learner {
   LearnResult result_;
 };
 
-/// A key of another kind would be read as circles that nobody meant.
+/// Rejects keys of other kinds, which would be misread as circles.
 Result<void> check_circles(const PrimitiveKey& key) {
   constexpr double kFarthest = 1e6;
   // Written so that a NaN is no length.

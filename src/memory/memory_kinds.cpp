@@ -12,7 +12,7 @@
 namespace mneme {
 namespace internal {
 
-// To add a kind: its file, which defines it, and its name in these two lists.
+// To add a kind, define it in its own file and add its name to these two lists.
 extern const MemoryKind kCirclePairs, kBodyPairs, kWholePaths;
 
 namespace {
@@ -29,7 +29,7 @@ std::string default_text(const Value& value) {
   }
 }
 
-/// The default of one setting, with that for planners with escape walks where it differs.
+/// The default of one setting, and the default with escape walks where it differs.
 template <class Value>
 std::string share_text(const MemoryDefaults& defaults, Value (*read)(const MemoryShare&)) {
   const std::string text = default_text(read(defaults.share_for(false)));
@@ -142,11 +142,11 @@ Result<std::vector<Experience>> learn_from_paths(const MemoryQuery& query,
                                                  std::span<const Path> paths,
                                                  const MemorySettings& settings, double reach) {
   const MemoryKind* const kind = MNEME_TRY(choose_kind(query.robot, settings));
-  // A waypoint may be where it is because of an obstacle or of a constraint.
+  // A waypoint may be due to an obstacle or to a constraint.
   if (!query.constraints.empty() && !kind->can_replay()) {
     return fail(ErrorCode::unsupported,
-                fmt::format("memory of the kind '{}' knows no constraints: paths that keep some "
-                            "teach it nothing",
+                fmt::format("memory of the kind '{}' does not support constraints; use the kind "
+                            "'paths'",
                             kind->name));
   }
   return kind->learn_from_paths(query, paths, settings.max_gap.value_or(kind->defaults.max_gap),
@@ -163,7 +163,7 @@ Result<std::vector<Match>> find_matches(const Database& database, const MemoryKi
       database.find(kind.version, keys, threshold, max_matches, keys_left, primitive.constraints));
   std::vector<Match> matches;
   for (KeyMatch& match : found) {
-    // A row whose content is not what its kind keeps is of no use.
+    // Skip rows whose type of content does not fit their kind.
     if (match.experience->is_path() != (kind.bend != nullptr)) continue;
     const Symmetry to_canonical{0, images[match.image].is_mirrored};
     matches.push_back({std::move(match.experience), match.similarity_error,

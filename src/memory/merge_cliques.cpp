@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Section V-A of the paper. Finding the fewest cliques is NP-hard; as in the paper they are found
-// one after the other, here each starting from the first configuration that is left.
+// Section V-A of the paper. Finding the fewest cliques is NP-hard. As in the paper they are found
+// greedily, here each from the first remaining configuration.
 #include "mneme/memory.h"
 
 #include "robot/joint_space.h"
@@ -86,8 +86,7 @@ class CliqueMerger {
                                       : std::vector<float>());
   }
 
-  /// Displacements of the members from the first one: free of the jump where continuous joints
-  /// wrap.
+  /// Displacements of the members from the first one, without jumps where continuous joints wrap.
   [[nodiscard]] Eigen::MatrixXd offsets_from_first(const std::vector<std::size_t>& clique) const {
     Eigen::MatrixXd offsets(sampler_.joint_count, static_cast<Eigen::Index>(clique.size()));
     Eigen::VectorXf delta(sampler_.joint_count);

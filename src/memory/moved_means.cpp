@@ -27,7 +27,8 @@ class Synthesizer {
       const float* mean = local.means.data() + static_cast<std::size_t>(i) * joints;
       if (!add_moved_mean(match.to_scene, {mean, joints})) continue;
       pooled_.sources.push_back(source);
-      // Neither symmetry changes a covariance: one adds to the mean, the other negates all joints.
+      // Symmetries do not change a covariance: a rotation or lift adds to the mean, a mirror image
+      // negates all joints.
       pooled_.add_factor(local.factor(i));
     }
   }
@@ -53,7 +54,7 @@ class Synthesizer {
     return is_inside;
   }
 
-  /// A turn and a half of a joint with limits may be half a turn, which lies within them.
+  /// Wraps the value into the turn around the middle of the limits.
   void turn(float& value, double rotation) const {
     const float middle = 0.5f * (space_.lower(symmetric_.turn) + space_.upper(symmetric_.turn));
     value += static_cast<float>(rotation);
@@ -67,8 +68,9 @@ class Synthesizer {
   GaussianMixture pooled_;
 };
 
-/// Per link whether a joint of the group moves it. The lift of a robot with a turning joint does
-/// not count: what only it carries, such as a torso or a head, is turned by no symmetry.
+/// Flags per link: true if a joint of the group moves it. A lift of a robot with a turning joint is
+/// not counted, because no symmetry turns the links that only the lift carries, such as a torso or
+/// a head.
 std::vector<bool> arm_links(const Robot& robot) {
   const SymmetricJoints symmetric = find_symmetric_joints(robot);
   const int ignored = symmetric.turn >= 0 ? symmetric.lift : -1;

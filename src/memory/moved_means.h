@@ -1,37 +1,35 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What kinds of memory share whose primitives are pairs of obstacles: means that a symmetry of the
-/// robot moves to the query, and waypoints of solved paths that belong to a primitive.
+/// Shared by kinds whose primitives are pairs of obstacles: moves stored means to a query by
+/// symmetries of the robot, and assigns waypoints of solved paths to primitives.
 #pragma once
 
 #include "mneme/memory.h"
 
 namespace mneme::internal {
 
-/// Algorithm 2, line 10: pools the components of all matches, each moved to the scene by its
-/// symmetry, equally likely; that is what a_i = M_i / N says. Components count for the primitive
-/// that they were retrieved for, and stand in order of relevance: the most similar match first.
-/// Those that a symmetry moves outside the joint limits are dropped.
+/// Algorithm 2, line 10: pools the components of all matches, moved to the scene by their
+/// symmetries, with equal weights (a_i = M_i / N). A component's source is its primitive. The most
+/// similar match comes first. Components moved outside the joint limits are dropped.
 [[nodiscard]] GaussianMixture pool_moved_means(const MemoryQuery& query,
                                                std::span<const PrimitiveRetrieval> primitives);
 
-/// MemoryKind::retarget of the kind "pairs". A match is a group. Pairs that start or a goal cross
-/// come first: the best match of each of them takes part from the first draw on; then those of the
-/// others, then the second best ones, and so on. Means that are deeper in a gap than start and
-/// goals are have nothing to say, nor have those that GapFit or the joint limits refuse. Null for
-/// an arm that is no PlanarChain.
+/// MemoryKind::retarget of the kind "pairs"; a match is a group. Order: best matches of pairs that
+/// the start or a goal crosses, which are sampled from the beginning; second-best ones of these
+/// pairs, and so on; then the matches of other pairs. Skips means deeper in a gap than start and
+/// goals, and means that GapFit or the joint limits reject. Null for an arm that is no PlanarChain.
 [[nodiscard]] std::shared_ptr<const ComponentSource> retarget_means(
     const MemoryQuery& query, std::span<const PrimitiveRetrieval> primitives,
     SampleSource first_source);
 
-/// Per primitive one row with the waypoints of `paths` that belong to it, moved to the canonical
-/// frame; see learn_from_paths(). Primitives without a waypoint have none.
+/// One row per primitive with the waypoints of `paths` that belong to it, in the canonical frame;
+/// see learn_from_paths(). Primitives without a waypoint are skipped.
 [[nodiscard]] std::vector<Experience> gather_waypoints(
     const MemoryQuery& query, const std::vector<LocalPrimitive>& primitives,
     std::span<const Path> paths, double reach);
 
-/// MemoryKind::learn_from_paths of a kind that decomposes so.
+/// MemoryKind::learn_from_paths for a kind with this `decompose`.
 template <Result<std::vector<LocalPrimitive>> (*decompose)(const MemoryQuery&, double)>
 [[nodiscard]] Result<std::vector<Experience>> learn_waypoints(const MemoryQuery& query,
                                                               std::span<const Path> paths,

@@ -35,7 +35,7 @@ std::vector<Bounds> bound_all(const Scene& scene) {
   return result;
 }
 
-/// The axis along which lower bounds differ most: few boxes share a place on it.
+/// The axis along which lower bounds differ most, for a sparse sweep.
 Eigen::Index longest_axis(const std::vector<Bounds>& all) {
   Vec3 least = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 most = -least;
@@ -92,10 +92,9 @@ Result<std::vector<std::pair<int, int>>> find_near_pairs(const Scene& scene, dou
       pairs.emplace_back(std::minmax(all[i].index, all[j].index));
       if (pairs.size() > most) {
         return fail(ErrorCode::unsupported,
-                    fmt::format("scene '{}': of its {} obstacles more than {} pairs are within {} "
-                                "m of each other; expected fewer: lower the max-gap, or plan "
-                                "without memory",
-                                scene.name, scene.obstacles.size(), most, gap));
+                    fmt::format("scene '{}': more than {} pairs of its {} obstacles are within {} "
+                                "m of each other; lower max-gap or plan without memory",
+                                scene.name, most, scene.obstacles.size(), gap));
       }
     }
   }

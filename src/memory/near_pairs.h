@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Pairs of obstacles that are close to each other.
+/// Finds pairs of obstacles that are close to each other.
 #pragma once
 
 #include "mneme/scene.h"
@@ -12,21 +12,20 @@
 
 namespace mneme::internal {
 
-/// The scene with oriented boxes in place of points, meshes and octrees, whose moments no key can
-/// hold. Nothing if the scene has none of these, or no pair.
+/// The scene with oriented boxes instead of clouds, meshes and octrees, whose moments are not
+/// computed. Nothing if the scene has no such shape or less than two obstacles.
 [[nodiscard]] std::optional<Scene> with_boxed_compounds(const Scene& scene);
 
-/// More pairs than this fill gigabytes.
+/// Limit on pairs; more would fill gigabytes.
 inline constexpr std::size_t kMaxNearPairs = 500000;
 
-/// Pairs of indices, the lesser first, sorted: all pairs of obstacles that are at most `gap` metres
-/// apart, and some that are further apart. Sorts and sweeps: O(n log n + pairs) where few boxes
-/// share a place on the longest axis. Error: unsupported, if there are more than `most`.
+/// Sorted pairs of indices, the smaller first: all pairs of obstacles at most `gap` metres apart,
+/// and some further apart. Sort and sweep: O(n log n + pairs) for boxes spread along one axis.
+/// Error: unsupported for more than `most` pairs.
 [[nodiscard]] Result<std::vector<std::pair<int, int>>> find_near_pairs(
     const Scene& scene, double gap, std::size_t most = kMaxNearPairs);
 
-/// Least distance between shapes of two obstacles, metres; infinite if all are further apart than
-/// `most`.
+/// Least distance between shapes of two obstacles, metres; infinite if beyond `most`.
 [[nodiscard]] double obstacle_distance(const Obstacle& a, const Obstacle& b, double most);
 
 }  // namespace mneme::internal

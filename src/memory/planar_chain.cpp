@@ -99,7 +99,7 @@ bool do_segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& 
   const Vec2 ab = b - a, cd = d - c;
   const double side_c = cross(ab, c - a), side_d = cross(ab, d - a);
   const double side_a = cross(cd, a - c), side_b = cross(cd, b - c);
-  // On one line no side tells segments apart, their boxes do.
+  // Collinear segments are separated by their boxes only.
   return side_c * side_d <= 0 && side_a * side_b <= 0 && do_boxes_meet(a, b, c, d);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A planar arm as a chain of segments, and its configurations in the gap between two circles.
+/// Planar arms as chains of segments, and their configurations in the gap between two circles.
 #pragma once
 
 #include "mneme/memory.h"
@@ -28,7 +28,7 @@ struct Limits {
 /// A serial arm in the plane z = 0 whose links are single capsules that start at their joint.
 class PlanarChain {
  public:
-  /// Error: a robot of another build.
+  /// Error: unsupported for other robots.
   [[nodiscard]] static Result<PlanarChain> make(const Robot& robot);
 
   [[nodiscard]] int link_count() const { return static_cast<int>(lengths_.size()); }
@@ -37,14 +37,14 @@ class PlanarChain {
 
   /// Points 0 to link_count(): the base, then the far end of each link, at joint values `q`.
   void points(std::span<const double> q, std::vector<Vec2>& result) const;
-  /// Joint values from the directions of the links, radians in the world; wrapped to [-pi, pi), or
-  /// whole turns from there if that is within the limits.
+  /// Joint values from the links' directions in the world, radians. Wrapped to [-pi, pi), or
+  /// shifted by a whole turn into the limits.
   [[nodiscard]] Configuration joint_values(std::span<const double> directions) const;
 
-  /// The value of joint `link` that turns its link into `direction` if the link before it has
-  /// direction `before` (0 for the first link).
+  /// Value of joint `link` for its link's `direction`, given the direction `before` of the link
+  /// before it (0 for the first link).
   [[nodiscard]] double joint_value(int link, double direction, double before) const;
-  /// The inverse: the direction of `link` with its joint at `value`.
+  /// Direction of `link` with its joint at `value`; the inverse.
   [[nodiscard]] double direction(int link, double value, double before) const;
   [[nodiscard]] const Limits& limits(int link) const {
     return limits_[static_cast<std::size_t>(link)];
@@ -69,11 +69,11 @@ struct GapSegment {
 /// True if the segments ab and cd share a point.
 [[nodiscard]] bool do_segments_cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d);
 
-/// The first link that crosses the segment between the two circles, or -1: then the arm is out.
+/// The first link that crosses the gap between the two circles, or -1.
 [[nodiscard]] int first_crossing_link(const PlanarChain& chain, const PrimitiveKey& key,
                                       std::span<const double> q);
-/// A random configuration, free of contact, whose first link through the gap of the circles is
-/// `first_link`. Nothing if none was found in `attempts` tries.
+/// A random valid configuration whose first link through the gap is `first_link`. Nothing if
+/// `attempts` tries fail.
 [[nodiscard]] std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
                                                            const PlanarChain& chain,
                                                            const PrimitiveKey& key, int first_link,

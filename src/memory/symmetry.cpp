@@ -13,13 +13,13 @@ namespace {
 double wrapped(double angle) {
   constexpr double kTurn = 2 * std::numbers::pi;
   const double result = angle - kTurn * std::floor((angle + std::numbers::pi) / kTurn);
-  // The subtraction may round up to pi, which stands outside the half-open interval.
+  // The subtraction may round up to pi, outside the half-open interval.
   return result < std::numbers::pi ? result : -std::numbers::pi;
 }
 
 constexpr double kAxisTolerance = 1e-6;
 
-/// Walks down from the root as long as one joint carries all further joints of the group.
+/// Walks from the root as long as one joint carries all further joints of the group.
 class LeadingJoints {
  public:
   explicit LeadingJoints(const Robot& robot)
@@ -38,7 +38,7 @@ class LeadingJoints {
   }
 
  private:
-  /// The only joint of the group below `link` that no other one of them stands before, or -1.
+  /// The only joint of the group directly below `link`, or -1.
   int next_after(int link) const {
     int next = -1;
     for (int i = 0; i < robot_.joint_count(); ++i) {
@@ -61,19 +61,19 @@ class LeadingJoints {
 
   bool is_in_group(int joint) const { return std::ranges::count(robot_.group(), joint) > 0; }
 
-  /// True if another joint moves with this one: then what it carries does not stay rigid.
+  /// True if another joint mimics this one: then the links it carries do not move rigidly.
   bool is_followed(int joint) const {
     return std::ranges::any_of(robot_.joints(), [&](const Joint& other) {
       return other.mimic && other.mimic->joint == joint;
     });
   }
 
-  /// Notes the joint if it is a symmetry; both kinds may be found once.
+  /// Records the joint if it is a symmetry; one prismatic and one turning joint at most.
   bool take(int index, const Joint& joint, SymmetricJoints& found) const {
     if (is_followed(robot_.group()[static_cast<std::size_t>(index)])) return false;
     const Transform& pose = poses_[static_cast<std::size_t>(joint.child_link)];
     const Vec3 axis = pose.rotation * joint.axis;
-    // Towards +z: a joint that turns or lifts the other way would need the opposite sign.
+    // Only +z: a joint about or along -z would need the opposite sign.
     if (axis.z() < 1 - kAxisTolerance) return false;
     if (joint.type == JointType::prismatic) {
       if (found.lift >= 0) return false;
@@ -94,7 +94,7 @@ class LeadingJoints {
 }  // namespace
 
 Symmetry inverse(const Symmetry& motion) {
-  // A mirror image followed by a rotation is a reflection, which undoes itself.
+  // A mirror image followed by a rotation is a reflection, its own inverse.
   const double rotation = motion.is_mirrored ? motion.rotation : wrapped(-motion.rotation);
   return {rotation, motion.is_mirrored, -motion.lift};
 }

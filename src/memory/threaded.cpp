@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Threaded configurations are built link by link: the links before the gap at random among the
-// directions that leave it within reach, the two links that lead into it by two-link inverse
-// kinematics onto a random point of it, the links behind it at random. All of them keep the limits
-// of their joints.
+// Builds threaded configurations link by link, within joint limits. Links before the gap get random
+// directions that keep it within reach. The two links into the gap reach a random point of it by
+// two-link inverse kinematics. Links behind it are random.
 #include "memory/planar_chain.h"
 
 #include <algorithm>
@@ -47,8 +46,8 @@ class ThreadedBuilder {
     return directions_.empty() ? 0 : directions_.back();
   }
 
-  /// A random direction of the next link, within `window` of `toward` or within the limits of its
-  /// joint, whichever is the narrower range.
+  /// A random direction of the next link, within `window` of `toward` or within its joint limits,
+  /// whichever range is narrower.
   double draw_direction(double toward, double window) {
     const Limits& limits = chain_.limits(next_link());
     if (limits.width() >= 2 * window) return toward + rng_.uniform(-window, window);
@@ -56,8 +55,8 @@ class ThreadedBuilder {
     return chain_.direction(next_link(), value, last_direction());
   }
 
-  /// Appends a link if it is free: its joint within the limits, outside both circles, crossing no
-  /// link but its neighbour, and crossing the gap only if it `may_cross`.
+  /// Appends a link if its joint is within limits, it is outside both circles, crosses no link
+  /// except its neighbour, and crosses the gap only if `may_cross`.
   bool add_link(double direction, bool may_cross) {
     const int link = next_link();
     const double value = chain_.joint_value(link, direction, last_direction());
@@ -74,13 +73,12 @@ class ThreadedBuilder {
     return true;
   }
 
-  /// Appends a link that does not cross the gap, and from whose end the target is at most `rest`
-  /// away.
+  /// Appends a link that does not cross the gap and ends at most `rest` from the target.
   bool add_leading_link(double rest) {
     const Vec2 to_target = target_ - points_.back();
     const double distance = to_target.norm();
     const double length = chain_.length(next_link());
-    // Cosine rule; beyond [-1, 1] no direction will do, or any.
+    // Cosine rule: above 1 no direction works, below -1 any does.
     const double cosine =
         (distance * distance + length * length - rest * rest) / (2 * distance * length);
     if (cosine >= 1) return false;
@@ -131,8 +129,8 @@ class ThreadedBuilder {
   const PrimitiveKey& key_;
   GapSegment gap_;
   Rng& rng_;
-  Vec2 target_ = Vec2::Zero();  ///< point of the gap that the first link through it passes
-  double entry_length_ = 0;     ///< part of that link before the target
+  Vec2 target_ = Vec2::Zero();  ///< point of the gap on the first link through it
+  double entry_length_ = 0;     ///< length of that link before the target
   std::vector<Vec2> points_;
   std::vector<double> directions_;
 };

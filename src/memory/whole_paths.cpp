@@ -41,7 +41,7 @@ std::uint64_t hash_of(std::span<const OrientationConstraint> constraints) {
     const Vec3 &axis = constraint.axis, &up = constraint.up;
     for (const double number :
          {axis.x(), axis.y(), axis.z(), up.x(), up.y(), up.z(), constraint.angle}) {
-      // Adding 0 makes a negative one positive.
+      // Adding 0 turns -0 into 0.
       one = derive_seed(one, std::bit_cast<std::uint64_t>(number + 0.0));
     }
     all += one;
@@ -78,9 +78,9 @@ LocalPrimitive make_query_primitive(const Robot& robot, std::span<const double> 
 namespace internal {
 namespace {
 
-/// Bends remembered paths so that their ends become those of the query: adds to a waypoint the
-/// differences of the ends, each the more the nearer the waypoint is to that end along the path. A
-/// path that leads the other way round is one of the query's reverse.
+/// Deforms remembered paths so that their ends match the query's: each waypoint is shifted by the
+/// ends' offsets, weighted by its arc length from them. Paths that match better in reverse are
+/// reversed.
 class PathWarper {
  public:
   PathWarper(const Robot& robot, std::span<const double> start, std::span<const double> goal)
@@ -93,7 +93,7 @@ class PathWarper {
         delta_(joints_),
         at_(joints_) {}
 
-  /// The waypoints between the ends, each twice: bent in proportion and as it was.
+  /// Adds the waypoints between the ends, each twice: shifted in proportion, and unchanged.
   void add(std::span<const float> path, std::vector<float>& means) {
     const std::size_t count = path.size() / joints_;
     if (count < 3) return;
@@ -107,9 +107,8 @@ class PathWarper {
     }
   }
 
-  /// The whole path from the query's start to its goal. What is further from an end than
-  /// kRunPerShift times its shift stays as it was: where the path is close to something, that is
-  /// free, and little beside it.
+  /// The whole path from the query's start to its goal. Beyond kRunPerShift times an end's shift
+  /// the path is unchanged: near obstacles only the stored path is known to be free.
   std::vector<std::vector<float>> bend(std::span<const float> path) {
     const std::size_t count = path.size() / joints_;
     const bool is_reversed = measure(path, count);
@@ -135,7 +134,7 @@ class PathWarper {
     return std::clamp(kRunPerShift * shift, kLeastLength, lengths_.back());
   }
 
-  /// The configuration at `way` from the path's start.
+  /// The configuration at arc length `way` from the path's start.
   void write_at(std::span<const float> path, float way, float* q) {
     const auto next = std::ranges::upper_bound(lengths_, way);
     const auto i = std::min<std::size_t>(static_cast<std::size_t>(next - lengths_.begin()),
@@ -159,8 +158,8 @@ class PathWarper {
     return space_.difference(a, b.data(), delta_.data());
   }
 
-  /// How far the ends are off, and arc lengths from the path's start to each waypoint. True if the
-  /// path leads from the goal to the start.
+  /// Computes the ends' shifts and each waypoint's arc length. Returns true if the path leads from
+  /// the goal to the start.
   bool measure(std::span<const float> path, std::size_t count) {
     const float* first = path.data();
     const float* last = path.data() + (count - 1) * joints_;
@@ -179,7 +178,7 @@ class PathWarper {
   }
 
   static constexpr float kLeastLength = 1e-6f;
-  /// Less brings an end to its place by a sharper corner.
+  /// Smaller values make sharper corners.
   static constexpr float kRunPerShift = 2;
   JointSpace space_;
   std::size_t joints_;
@@ -203,7 +202,7 @@ Result<std::vector<LocalPrimitive>> find_queries(const MemoryQuery& query, doubl
   return queries;
 }
 
-/// The query, and the one from the goal to the start, whose key is as long.
+/// The query and its reverse.
 std::vector<KeyImage> images_of_query(const PrimitiveKey& canonical) {
   PrimitiveKey reversed = canonical;
   const auto ends = reversed.begin() + 1;
@@ -244,8 +243,7 @@ Path bend_path(const MemoryQuery& query, const Configuration& goal, const Experi
   return path;
 }
 
-/// Per path that is not empty one row whose key is that of its ends and whose means are its
-/// waypoints, ends included, in their order.
+/// One row per path that is not empty: the key of its ends, and all its waypoints in order.
 Result<std::vector<Experience>> remember_paths(const MemoryQuery& query,
                                                std::span<const Path> paths, double, double) {
   std::vector<Experience> rows;
