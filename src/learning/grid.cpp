@@ -15,9 +15,9 @@
 namespace mneme {
 namespace {
 
-/// Candidates per chosen primitive: more spread the primitives more evenly and take longer.
+/// Candidates per chosen primitive. More spread the primitives more evenly and take longer.
 constexpr int kCandidates = 8;
-/// The range counts as covered once this many random primitives in a row have a match.
+/// The range is covered once this many random primitives in a row have a match.
 constexpr int kCoveredInARow = 2000;
 
 /// Nearest similarity errors to a growing set of keys.
@@ -83,7 +83,7 @@ PrimitiveKey sample_primitive(const PrimitiveGrid& grid, Rng& rng) {
   for (;;) {
     const double radius_a = rng.uniform(grid.radius[0], grid.radius[1]);
     const double radius_b = rng.uniform(grid.radius[0], grid.radius[1]);
-    // Narrow gaps are harder, so they are drawn more often: the density falls linearly.
+    // Narrow gaps are harder, so they are sampled more often: the density falls linearly.
     const double gap = grid.gap[0] + (grid.gap[1] - grid.gap[0]) * (1 - std::sqrt(rng.uniform()));
     const double distance = rng.uniform(grid.distance[0], grid.distance[1]);
     const double tilt = rng.uniform(-std::numbers::pi, std::numbers::pi);

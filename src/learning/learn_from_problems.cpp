@@ -12,7 +12,7 @@
 namespace mneme {
 namespace {
 
-/// Says in the provenance what a row was learned from. The hash tells problems of one name apart.
+/// Provenance of a row, with a hash that distinguishes problems of equal names.
 std::string provenance_text(const Problem& problem, const MemorySettings& memory,
                             const ProblemLesson& lesson) {
   std::string all = to_compact_json(problem, problem.robot.hash());
@@ -21,8 +21,8 @@ std::string provenance_text(const Problem& problem, const MemorySettings& memory
   return fmt::format("{} paths of problem {} ({:016x})", lesson.paths, problem.name, hash);
 }
 
-/// What several paths teach alike, such as those that go straight, once: the database would keep
-/// one of these rows, and the summary would count them all.
+/// Removes rows with equal content, such as those of straight paths: the database keeps one, but
+/// the summary would count all.
 void drop_repetitions(std::vector<Experience>& rows) {
   std::set<internal::ContentHash> known;
   std::erase_if(rows, [&](const Experience& row) {
@@ -30,7 +30,7 @@ void drop_repetitions(std::vector<Experience>& rows) {
   });
 }
 
-/// The problems that have taught the database nothing of this kind yet.
+/// Indices of the problems that were not learned yet.
 Result<std::vector<std::size_t>> open_problems(std::span<const Problem> problems,
                                                const MemorySettings& memory,
                                                const ProblemLesson& lesson,

@@ -15,7 +15,7 @@ struct Lesson {
   std::uint64_t seed = 0;
 };
 
-/// Depends on the primitive, not on its place in a list.
+/// Depends on the primitive, not on its position in a list.
 std::uint64_t lesson_seed(std::uint64_t job_seed, const PrimitiveKey& key) {
   std::uint64_t seed = job_seed;
   for (const double value : key) {
@@ -26,7 +26,7 @@ std::uint64_t lesson_seed(std::uint64_t job_seed, const PrimitiveKey& key) {
   return seed;
 }
 
-/// The lessons of a job, each primitive once. Refers to its arguments.
+/// The lessons of a job, without repeated primitives. Refers to its arguments.
 class Lessons {
  public:
   Lessons(const Robot& robot, const LearnJob& job)
@@ -48,7 +48,7 @@ class Lessons {
   }
 
  private:
-  /// Those that were not learned with these settings before.
+  /// Lessons that were not learned with these settings yet.
   Result<std::vector<std::size_t>> open_tasks(const Database& database) const {
     std::set<std::uint64_t> known;
     MNEME_TRY(database.for_each([&](const auto& row) {

@@ -14,12 +14,11 @@
 namespace mneme::internal {
 namespace {
 
-/// What is learned is saved after this time, or when there is this much of it: a transaction costs
-/// a few milliseconds, processes take turns at a server, and one that is killed loses what it
-/// holds.
+/// Results are saved after this time or this number: a transaction costs milliseconds and blocks
+/// other processes at a server, but a killed process loses unsaved results.
 constexpr double kSaveAfter_s = 0.5;
 constexpr std::size_t kTasksPerTransaction = 32;
-/// How often a process that has nothing to do looks whether somebody's lease has expired.
+/// Poll interval for expired leases of an idle process.
 constexpr double kLongestPoll_s = 1;
 
 class Run {
@@ -43,7 +42,7 @@ class Run {
   }
 
  private:
-  /// Ends the threads, whatever ends what they are served by.
+  /// Ends the threads however serve() ends.
   class Stop {
    public:
     explicit Stop(Run& run) : run_(run) {}
@@ -61,13 +60,13 @@ class Run {
 
   Result<void> serve_threads() {
     const Threads threads(thread_count_, [this] { work(); });
-    if (threads.size() == 0) return fail(ErrorCode::io, "cannot learn: no thread to be had");
+    if (threads.size() == 0) return fail(ErrorCode::io, "cannot learn: no thread could be started");
     thread_count_ = threads.size();
     const Stop stop(*this);  // before the threads are joined
     return serve();
   }
 
-  /// A thread; what ends it is thrown by collect(), for whoever waits for its results.
+  /// Body of a thread. collect() rethrows its exception.
   void work() {
     try {
       learn();
@@ -78,7 +77,7 @@ class Run {
     }
   }
 
-  /// Learns what was taken.
+  /// Runs tasks until the end.
   void learn() {
     std::unique_lock lock(mutex_);
     for (;;) {
@@ -88,7 +87,7 @@ class Run {
       ready_.pop_front();
       lock.unlock();
       auto learned = tasks_.learn(task);
-      // What a cancellation cut short is not what the arguments say.
+      // A cancelled lesson is incomplete; drop it.
       if (is_cancelled(run_)) return;
       lock.lock();
       finished_.emplace_back(task, std::move(learned));
@@ -96,7 +95,7 @@ class Run {
     }
   }
 
-  /// Speaks with the source until all is done.
+  /// Exchanges tasks and results with the source until all are done.
   Result<void> serve() {
     double sound_s = stopwatch_.elapsed_s();
     while (!is_cancelled(run_)) {
@@ -136,7 +135,7 @@ class Run {
     return {};
   }
 
-  /// Keeps one task in hand for every thread, so that none waits for the source.
+  /// Keeps one spare task per thread, so that none waits for the source.
   Result<void> take() {
     if (in_work_ > thread_count_ || stopwatch_.elapsed_s() < next_take_s_) return {};
     const auto taken = MNEME_TRY(source_.take(2 * thread_count_ - in_work_));
@@ -151,7 +150,7 @@ class Run {
     return {};
   }
 
-  /// Counts what is left when there may be nothing left, and for whoever watches.
+  /// Counts open tasks when there may be none left or a progress report is due.
   Result<void> look_around() {
     const double begin_s = stopwatch_.elapsed_s();
     const bool is_report_due = run_.on_progress && begin_s >= next_report_s_;
@@ -159,7 +158,7 @@ class Run {
     open_count_ = MNEME_TRY(source_.count_open());
     is_count_due_ = false;
     if (!is_report_due && open_count_ > 0) return {};
-    // Counting a million tasks is work for a server, which others need.
+    // Counting a million tasks loads a server, so reports become rarer.
     const double now_s = stopwatch_.elapsed_s();
     next_report_s_ = now_s + std::max(1.0, 20 * (now_s - begin_s));
     report();
@@ -185,7 +184,7 @@ class Run {
     return {};
   }
 
-  /// Saves what is learned, and gives back what is not, as far as that can be done.
+  /// Saves finished results and returns other tasks, as far as possible.
   void leave() {
     (void)collect({});
     if (!unsaved_.empty()) (void)save();
@@ -193,7 +192,7 @@ class Run {
     if (!is_cancelled(run_)) return;
     open_count_ = source_.count_open().value_or(open_count_);
     report();
-    // The first call may only notice a connection that was lost.
+    // The first call may only detect a lost connection.
     if (!source_.refresh()) (void)source_.refresh();
   }
 
@@ -228,7 +227,7 @@ class LocalSource final : public TaskSource {
   LocalSource(Database& database, const std::vector<std::size_t>& tasks)
       : database_(database), tasks_(tasks), ready_(tasks) {}
 
-  /// All of them, because nobody else wants them.
+  /// All tasks: there are no other processes.
   Result<std::vector<std::size_t>> take(std::size_t) override { return std::exchange(ready_, {}); }
 
   Result<void> save(Results& results, LearnSummary& summary) override {

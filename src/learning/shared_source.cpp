@@ -10,7 +10,7 @@
 namespace mneme::internal {
 namespace {
 
-/// Tasks from a database's server; this process has leases on those that it takes.
+/// Leases tasks from a database server.
 class SharedSource final : public TaskSource {
  public:
   SharedSource(std::unique_ptr<TaskQueue> queue, Database& database, double lease_s)
@@ -28,8 +28,7 @@ class SharedSource final : public TaskSource {
     });
   }
 
-  /// Leases that are lost stay: that of a task whose commit was not answered must be known when it
-  /// is saved again.
+  /// Lost leases are kept: after a commit without an answer, saving again needs the lease.
   Result<void> renew() override {
     if (held_.empty() || since_renewal_.elapsed_s() < lease_s_ / 3) return {};
     return queue_->renew(leases(), lease_s_).map([&](const auto&) {
@@ -46,7 +45,7 @@ class SharedSource final : public TaskSource {
       rows.push_back(learned.rows.at(0));
     }
     const auto good = MNEME_TRY(queue_->finish(leases, std::move(rows)));
-    const std::vector<bool> is_new = {true};  // each has one row, which nobody else inserts
+    const std::vector<bool> is_new = {true};  // each task has one row, inserted only here
     for (const Lease& lease : good) {
       count(results.at(static_cast<std::size_t>(lease.task)), is_new.cbegin(), summary);
     }
@@ -56,7 +55,7 @@ class SharedSource final : public TaskSource {
 
   Result<std::int64_t> count_open() override { return queue_->count_open(); }
 
-  /// If that fails, the leases expire.
+  /// On failure the leases expire.
   void release() override {
     if (!held_.empty()) (void)queue_->release(leases());
   }
@@ -77,7 +76,7 @@ class SharedSource final : public TaskSource {
   std::unique_ptr<TaskQueue> queue_;
   Database& database_;
   double lease_s_;
-  std::map<std::size_t, Lease> held_;  ///< by their tasks, which are not saved
+  std::map<std::size_t, Lease> held_;  ///< leases of unsaved tasks
   Stopwatch since_renewal_;
 };
 

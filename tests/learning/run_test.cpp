@@ -153,7 +153,7 @@ TEST_SUITE("unit") {
     const auto refused = internal::run_tasks(source, easy_tasks(10), run_with(2));
     REQUIRE(!refused.has_value());
     CHECK(refused.error().code == ErrorCode::io);
-    CHECK(refused.error().message == "cannot learn: no thread to be had");
+    CHECK(refused.error().message == "cannot learn: no thread could be started");
     CHECK(source.is_released);
   }
 }
