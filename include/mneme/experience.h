@@ -74,10 +74,10 @@ struct DatabaseSettings {
 };
 
 /// An append-only set of experience in one SQLite file or on a PostgreSQL server
-/// (docs/design/database.md). A URL is the path of a file or `postgresql://...` for libpq. All keys are in
-/// memory while it is open, and rows up to DatabaseSettings::memory_bytes. Thread-safe; find() does
-/// not wait for insert() and refresh(). Other processes may insert at the same time; refresh(),
-/// insert() and opening make their rows visible.
+/// (docs/design/database.md). A URL is the path of a file or `postgresql://...` for libpq. All keys
+/// are in memory while it is open, and rows up to DatabaseSettings::memory_bytes. Thread-safe;
+/// find() does not wait for insert() and refresh(). Other processes may insert at the same time;
+/// refresh(), insert() and opening make their rows visible.
 class Database {
  public:
   /// Opens `url`. `create` turns a missing or empty file, or a server without our tables, into an

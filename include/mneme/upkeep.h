@@ -48,8 +48,9 @@ struct CompactSummary {
 /// database.
 [[nodiscard]] Result<CompactSummary> compact_database(const std::string& url);
 
-/// Writes all rows as JSON lines (docs/design/database.md), ordered by content: equal sets of rows give
-/// equal files. Returns the number of rows. Errors: invalid if `path` does not end in .jsonl; io.
+/// Writes all rows as JSON lines (docs/design/database.md), ordered by content: equal sets of rows
+/// give equal files. Returns the number of rows. Errors: invalid if `path` does not end in .jsonl;
+/// io.
 [[nodiscard]] Result<std::int64_t> export_database(const std::string& url, const std::string& path);
 /// Merges the rows of a file written by export_database() or another program, like
 /// merge_databases(). Errors: parse, naming the line; wrong_robot; those of Database::open().

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/database_file.h"
 
+#include "engines/open_store.h"
+
 #include <fmt/format.h>
 #include <sqlite3.h>
 

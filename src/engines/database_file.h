@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Opens a database's file, with errors that say what to do, and names the command that saves a
-/// damaged one.
+/// Opens a database's file, with errors that say what to do.
 #pragma once
 
 #include "engines/sqlite_connection.h"
@@ -25,9 +24,5 @@ namespace mneme::internal {
 
 /// Size of the file with its write-ahead log, bytes.
 [[nodiscard]] std::int64_t bytes_on_disk(const std::string& path);
-
-/// The shell command that saves the readable rows of a damaged file into a new file next to it.
-/// Uses sqlite3's .recover, or .dump where SQLite is built without the table that .recover needs.
-[[nodiscard]] std::string saving_command(const std::string& path);
 
 }  // namespace mneme::internal

@@ -3,7 +3,7 @@
 #include "engines/migration.h"
 
 #include "store/row_check.h"
-#include "store/store_reads.h"
+#include "store/store.h"
 
 #include <fmt/format.h>
 

@@ -43,6 +43,10 @@ template <class T>
   return result;
 }
 
+/// The shell command that saves the readable rows of a damaged file into a new file next to it.
+/// Uses sqlite3's .recover, or .dump where SQLite is built without the table that .recover needs.
+[[nodiscard]] std::string saving_command(const std::string& path);
+
 enum class Engine { sqlite, postgresql };
 
 /// Engine of a URL. Everything that does not start with letters and "://" is the path of an SQLite

@@ -33,7 +33,7 @@ class PostgresTransaction final : public StoreTransaction {
   PostgresTransaction(const PostgresTransaction&) = delete;
   PostgresTransaction& operator=(const PostgresTransaction&) = delete;
   ~PostgresTransaction() override {
-    if (!is_over_) (void)connection_.query("ROLLBACK");
+    if (!is_ended_) (void)connection_.query("ROLLBACK");
   }
 
   Result<StoreState> head() override {
@@ -160,7 +160,7 @@ class PostgresTransaction final : public StoreTransaction {
 
   Result<void> commit() override {
     const auto committed = connection_.query("COMMIT");
-    is_over_ = true;
+    is_ended_ = true;
     if (!committed) return tl::unexpected(committed.error());
     if (committed->command() == "COMMIT") return {};
     return fail(ErrorCode::io,
@@ -171,7 +171,7 @@ class PostgresTransaction final : public StoreTransaction {
   PostgresConnection& connection_;
   Store::Kind kind_;
   bool is_empty_;
-  bool is_over_ = false;
+  bool is_ended_ = false;
 };
 
 /// Migrates tables of kOldSchema, unless another process already did.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/postgres_store.h"
-#include "store/store_writes.h"
+#include "store/store.h"
 
 #include <fmt/format.h>
 

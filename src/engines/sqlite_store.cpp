@@ -191,7 +191,7 @@ class SqliteStore final : public Store {
     if (kind == Kind::write && mode_ == OpenMode::read_only) {
       return fail(ErrorCode::io, fmt::format("{}: is open for reading only", name()));
     }
-    MNEME_TRY(look_again());
+    MNEME_TRY(reopen_if_immutable());
     auto transaction = MNEME_TRY(Transaction::begin(
         connection_, kind == Kind::read ? Transaction::Kind::read : Transaction::Kind::write));
     const auto version = MNEME_TRY(current_version());
@@ -216,7 +216,7 @@ class SqliteStore final : public Store {
 
  private:
   /// SQLite never rereads an immutable file; open it again to see changes.
-  Result<void> look_again() {
+  Result<void> reopen_if_immutable() {
     if (!connection_.is_immutable()) return {};
     auto connection = MNEME_TRY(open_for_reading(connection_.lasting_path()));
     connection_ = std::move(connection);

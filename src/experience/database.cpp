@@ -7,8 +7,7 @@
 #include "engines/open_store.h"
 #include "store/row_check.h"
 #include "experience/row_loader.h"
-#include "store/store_reads.h"
-#include "store/store_writes.h"
+#include "store/store.h"
 
 #include <fmt/format.h>
 

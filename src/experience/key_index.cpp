@@ -167,7 +167,7 @@ void KeyTree::offer(std::size_t leaf, std::uint64_t near, const double* query,
                     NearestMatches& nearest) const {
   static_assert(kLeafSize == 64);
   const std::size_t count = begins_[leaf + 1] - begins_[leaf];
-  nearest.look_at(count);
+  nearest.count_inspected(count);
   if (count < kLeafSize) near &= (std::uint64_t{1} << count) - 1;
   for (; near != 0; near &= near - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(near));
@@ -185,16 +185,16 @@ void append_to(std::vector<Value>& values, const std::vector<Value>& more) {
   values.insert(values.end(), more.begin(), more.end());
 }
 
-bool has_any(const KeyTree& tree, const std::function<bool(std::int64_t)>& is_gone) {
-  return std::ranges::any_of(tree.data().ids, is_gone);
+bool has_any(const KeyTree& tree, const std::function<bool(std::int64_t)>& is_removed) {
+  return std::ranges::any_of(tree.data().ids, is_removed);
 }
 
 IndexRows rows_without(const KeyTree& tree, int key_size,
-                       const std::function<bool(std::int64_t)>& is_gone) {
+                       const std::function<bool(std::int64_t)>& is_removed) {
   const IndexRows all = tree.rows();
   IndexRows kept;
   for (std::size_t i = 0; i < all.ids.size(); ++i) {
-    if (is_gone(all.ids[i])) continue;
+    if (is_removed(all.ids[i])) continue;
     kept.ids.push_back(all.ids[i]);
     kept.components.push_back(all.components[i]);
     const auto key = all.keys.begin() + static_cast<std::ptrdiff_t>(i) * key_size;
@@ -233,10 +233,10 @@ void ExperienceIndex::append(IndexRows rows) {
   count();
 }
 
-void ExperienceIndex::remove(const std::function<bool(std::int64_t)>& is_gone) {
+void ExperienceIndex::remove(const std::function<bool(std::int64_t)>& is_removed) {
   for (auto& tree : trees_) {
-    if (!has_any(*tree, is_gone)) continue;
-    tree = std::make_shared<const KeyTree>(key_size_, rows_without(*tree, key_size_, is_gone));
+    if (!has_any(*tree, is_removed)) continue;
+    tree = std::make_shared<const KeyTree>(key_size_, rows_without(*tree, key_size_, is_removed));
   }
   count();
 }

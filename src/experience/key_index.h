@@ -54,7 +54,7 @@ class NearestMatches {
     return is_full() ? std::nextafter(matches_.front().error, DBL_MAX) : threshold_;
   }
 
-  void look_at(std::size_t keys) {
+  void count_inspected(std::size_t keys) {
     if (keys_left_ != nullptr) *keys_left_ -= static_cast<std::int64_t>(keys);
   }
 
@@ -148,7 +148,7 @@ class ExperienceIndex {
 
   /// O(log^2 size) per row, amortized.
   void append(IndexRows rows);
-  void remove(const std::function<bool(std::int64_t)>& is_gone);
+  void remove(const std::function<bool(std::int64_t)>& is_removed);
 
   /// Rows with a squared key distance below `threshold` to the nearest of `images`: nearest first,
   /// ties by id, at most `max_matches` (0: all). `keys_left`, if not null, limits the keys

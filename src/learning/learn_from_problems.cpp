@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "learning/run.h"
-#include "store/row_codec.h"
+#include "store/store.h"
 
 #include <fmt/format.h>
 

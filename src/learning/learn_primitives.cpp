@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "store/row_codec.h"
+#include "store/store.h"
 #include "learning/run.h"
 
 #include <cstring>
@@ -33,7 +33,7 @@ class Lessons {
       : robot_(robot), job_(job), settings_text_(describe(job.settings)) {}
 
   void add(const PrimitiveKey& key) {
-    ++asked_;
+    ++requested_;
     const std::uint64_t seed = lesson_seed(job_.seed, key);
     if (seeds_.insert(seed).second) lessons_.push_back({key, seed});
   }
@@ -41,7 +41,7 @@ class Lessons {
   Result<LearnSummary> run(Database& database) const {
     const std::int64_t generation = database.info().generation;
     std::vector<std::size_t> open = MNEME_TRY(open_tasks(database));
-    const internal::Tasks tasks = {std::move(open), asked_,
+    const internal::Tasks tasks = {std::move(open), requested_,
                                    [this](std::size_t task) { return learn(lessons_[task]); }};
     if (!job_.shared) return internal::run_local(database, tasks, job_);
     return internal::run_shared(database, tasks, *job_.shared, job_number(), generation, job_);
@@ -86,7 +86,7 @@ class Lessons {
   std::string settings_text_;
   std::vector<Lesson> lessons_;
   std::set<std::uint64_t> seeds_;
-  std::int64_t asked_ = 0;
+  std::int64_t requested_ = 0;
 };
 
 }  // namespace

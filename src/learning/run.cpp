@@ -28,14 +28,14 @@ class Run {
         tasks_(tasks),
         run_(run),
         thread_count_(static_cast<std::size_t>(std::max(1, run.jobs))),
-        open_count_(tasks.asked) {}
+        open_count_(tasks.requested) {}
 
   Result<LearnSummary> run() {
     const Result<void> served = serve_threads();
     if (!served || is_cancelled(run_)) leave();
     if (!served) return tl::unexpected(served.error());
     summary_.is_cancelled = is_cancelled(run_);
-    summary_.skipped = tasks_.asked - open_count_ - summary_.learned -
+    summary_.skipped = tasks_.requested - open_count_ - summary_.learned -
                        static_cast<std::int64_t>(summary_.unsolved.size());
     summary_.time_s = stopwatch_.elapsed_s();
     return std::move(summary_);
@@ -48,7 +48,7 @@ class Run {
     explicit Stop(Run& run) : run_(run) {}
     ~Stop() {
       const std::lock_guard lock(run_.mutex_);
-      run_.is_over_ = true;
+      run_.is_stopped_ = true;
       run_.has_tasks_.notify_all();
     }
     Stop(const Stop&) = delete;
@@ -81,8 +81,8 @@ class Run {
   void learn() {
     std::unique_lock lock(mutex_);
     for (;;) {
-      has_tasks_.wait(lock, [this] { return is_over_ || !ready_.empty(); });
-      if (is_over_) return;
+      has_tasks_.wait(lock, [this] { return is_stopped_ || !ready_.empty(); });
+      if (is_stopped_) return;
       const std::size_t task = ready_.front();
       ready_.pop_front();
       lock.unlock();
@@ -116,7 +116,7 @@ class Run {
     MNEME_TRY(source_.renew());
     if (is_time_to_save()) MNEME_TRY(save());
     MNEME_TRY(take());
-    MNEME_TRY(look_around());
+    MNEME_TRY(count_and_report());
     if (in_work_ > 0 || !unsaved_.empty() || open_count_ > 0) return false;
     MNEME_TRY(source_.refresh());
     return true;
@@ -151,7 +151,7 @@ class Run {
   }
 
   /// Counts open tasks when there may be none left or a progress report is due.
-  Result<void> look_around() {
+  Result<void> count_and_report() {
     const double begin_s = stopwatch_.elapsed_s();
     const bool is_report_due = run_.on_progress && begin_s >= next_report_s_;
     if (!is_count_due_ && !is_report_due) return {};
@@ -167,8 +167,8 @@ class Run {
 
   void report() const {
     if (!run_.on_progress) return;
-    run_.on_progress(
-        {tasks_.asked - open_count_, tasks_.asked, summary_.components, stopwatch_.elapsed_s()});
+    run_.on_progress({tasks_.requested - open_count_, tasks_.requested, summary_.components,
+                      stopwatch_.elapsed_s()});
   }
 
   /// Waits for results.
@@ -218,7 +218,7 @@ class Run {
   std::deque<std::size_t> ready_;
   std::vector<std::pair<std::size_t, Result<Learned>>> finished_;
   std::exception_ptr thrown_;
-  bool is_over_ = false;
+  bool is_stopped_ = false;
 };
 
 /// Inserts in the order of the tasks, so that the database does not depend on the threads.

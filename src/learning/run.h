@@ -21,7 +21,7 @@ using Results = std::map<std::size_t, Learned>;
 /// The tasks of a run.
 struct Tasks {
   std::vector<std::size_t> open;                      ///< numbers of open tasks, ascending
-  std::int64_t asked = 0;                             ///< number of requested tasks, open or
+  std::int64_t requested = 0;                         ///< number of requested tasks, open or
                                                       ///< already done
   std::function<Result<Learned>(std::size_t)> learn;  ///< runs one task, on any thread
 };

@@ -94,7 +94,7 @@ class Nearness {
       : robot_(robot), scene_(scene), reach_(reach), is_moving_(arm_links(robot)) {}
 
   /// Poses the robot: near(shape, obstacle) for each of its moving shapes.
-  void look_at(const Configuration& q) {
+  void pose(const Configuration& q) {
     const std::vector<Transform> poses = robot_.link_poses(q);
     near_.clear();
     for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -162,7 +162,7 @@ std::vector<Experience> gather_waypoints(const MemoryQuery& query,
   std::vector<Experience> rows(primitives.size());
   for (const Path& path : paths) {
     for (const Configuration& q : path) {
-      nearness.look_at(q);
+      nearness.pose(q);
       for (std::size_t i = 0; i < rows.size(); ++i) {
         const LocalPrimitive& primitive = primitives[i];
         if (!nearness.is_close_to_all(primitive.obstacles)) continue;

@@ -48,7 +48,7 @@ class ThreadedBuilder {
 
   /// A random direction of the next link, within `window` of `toward` or within its joint limits,
   /// whichever range is narrower.
-  double draw_direction(double toward, double window) {
+  double sample_direction(double toward, double window) {
     const Limits& limits = chain_.limits(next_link());
     if (limits.width() >= 2 * window) return toward + rng_.uniform(-window, window);
     const double value = rng_.uniform(limits.lower, limits.upper);
@@ -85,7 +85,7 @@ class ThreadedBuilder {
     const double window = std::acos(std::max(-1.0, cosine));
     const double toward = std::atan2(to_target.y(), to_target.x());
     for (int i = 0; i < kTriesPerLink; ++i) {
-      const double direction = draw_direction(toward, window);
+      const double direction = sample_direction(toward, window);
       if (std::abs(std::remainder(direction - toward, 2 * std::numbers::pi)) > window) continue;
       if (add_link(direction, false)) return true;
     }
@@ -94,7 +94,7 @@ class ThreadedBuilder {
 
   bool add_trailing_link() {
     for (int i = 0; i < kTriesPerLink; ++i) {
-      if (add_link(draw_direction(0, std::numbers::pi), true)) return true;
+      if (add_link(sample_direction(0, std::numbers::pi), true)) return true;
     }
     return false;
   }

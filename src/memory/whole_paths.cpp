@@ -114,16 +114,18 @@ class PathWarper {
     const bool is_reversed = measure(path, count);
     const float length = lengths_.back();
     const float start_run = run_of(start_off_), goal_run = run_of(goal_off_);
-    std::vector<float> ways = lengths_;
-    for (const float way : {start_run, length - goal_run}) {
-      if (way > kLeastLength && way < length - kLeastLength) ways.push_back(way);
+    std::vector<float> arc_lengths = lengths_;
+    for (const float arc_length : {start_run, length - goal_run}) {
+      if (arc_length > kLeastLength && arc_length < length - kLeastLength)
+        arc_lengths.push_back(arc_length);
     }
-    std::ranges::sort(ways);
+    std::ranges::sort(arc_lengths);
     std::vector<std::vector<float>> bent;
-    for (const float way : ways) {
-      write_at(path, way, at_.data());
-      write_bent(at_.data(), std::max(0.0f, 1 - way / start_run),
-                 std::max(0.0f, 1 - (length - way) / goal_run), bent.emplace_back(joints_).data());
+    for (const float arc_length : arc_lengths) {
+      write_at(path, arc_length, at_.data());
+      write_bent(at_.data(), std::max(0.0f, 1 - arc_length / start_run),
+                 std::max(0.0f, 1 - (length - arc_length) / goal_run),
+                 bent.emplace_back(joints_).data());
     }
     if (is_reversed) std::ranges::reverse(bent);
     return bent;
@@ -134,16 +136,16 @@ class PathWarper {
     return std::clamp(kRunPerShift * shift, kLeastLength, lengths_.back());
   }
 
-  /// The configuration at arc length `way` from the path's start.
-  void write_at(std::span<const float> path, float way, float* q) {
-    const auto next = std::ranges::upper_bound(lengths_, way);
+  /// The configuration at arc length `arc_length` from the path's start.
+  void write_at(std::span<const float> path, float arc_length, float* q) {
+    const auto next = std::ranges::upper_bound(lengths_, arc_length);
     const auto i = std::min<std::size_t>(static_cast<std::size_t>(next - lengths_.begin()),
                                          lengths_.size() - 1) -
                    1;
     const float* from = path.data() + i * joints_;
     space_.difference(from, from + joints_, delta_.data());
     const float length = lengths_[i + 1] - lengths_[i];
-    const float part = length > 0 ? (way - lengths_[i]) / length : 0;
+    const float part = length > 0 ? (arc_length - lengths_[i]) / length : 0;
     for (std::size_t j = 0; j < joints_; ++j) q[j] = from[j] + part * delta_[j];
   }
 

@@ -136,10 +136,11 @@ bool is_same_constraints(std::uint64_t stored, std::uint64_t wanted) {
 }
 
 std::string describe(const RobotSignature& signature) {
-  const bool is_unsaid = signature.kinematics_hash.empty();
-  return fmt::format(
-      "robot '{}' ({} {}, {} joints)", signature.robot_name, is_unsaid ? "hash" : "kinematics",
-      is_unsaid ? signature.model_hash : signature.kinematics_hash, signature.joint_count);
+  const bool has_no_kinematics = signature.kinematics_hash.empty();
+  return fmt::format("robot '{}' ({} {}, {} joints)", signature.robot_name,
+                     has_no_kinematics ? "hash" : "kinematics",
+                     has_no_kinematics ? signature.model_hash : signature.kinematics_hash,
+                     signature.joint_count);
 }
 
 bool has_same_frames(const RobotSignature& a, const RobotSignature& b) {
@@ -150,8 +151,8 @@ bool has_same_frames(const RobotSignature& a, const RobotSignature& b) {
 
 bool is_same_robot(const RobotSignature& a, const RobotSignature& b) {
   if (a.joint_count != b.joint_count) return false;
-  const bool is_unsaid = a.kinematics_hash.empty() || b.kinematics_hash.empty();
-  return is_unsaid ? a.model_hash == b.model_hash : a.kinematics_hash == b.kinematics_hash;
+  const bool has_no_kinematics = a.kinematics_hash.empty() || b.kinematics_hash.empty();
+  return has_no_kinematics ? a.model_hash == b.model_hash : a.kinematics_hash == b.kinematics_hash;
 }
 
 tl::unexpected<Error> refuse_robot(const std::string& url, const RobotSignature& found,

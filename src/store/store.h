@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The interface that every database engine implements.
+/// The interface that every database engine implements, and what all engines share: reading changes
+/// since a known state, and appending rows. A writing transaction also updates the head.
 #pragma once
 
 #include "mneme/store.h"
@@ -12,6 +13,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -93,5 +95,69 @@ class Store {
   /// Replaces the robot signature of a store that has one.
   [[nodiscard]] virtual Result<void> set_signature(const RobotSignature& signature) = 0;
 };
+
+/// Counts rows and tombstones as they are read, for comparison with the store's head.
+class Tally {
+ public:
+  explicit Tally(const StoreState& since) : found_(since) {}
+  void add(const StoredRow& row);
+  void add(const Tombstone& tombstone);
+  /// Counts and digests of everything read so far.
+  [[nodiscard]] const StoreState& found() const { return found_; }
+  /// Difference from `head` in words: rows missing, added or renumbered. Nothing if equal.
+  [[nodiscard]] std::optional<std::string> compare(const StoreState& head) const;
+
+ private:
+  StoreState found_;
+};
+
+/// Changes of a store since a known state.
+struct StoreChanges {
+  StoreState state;
+  bool is_complete = false;     ///< all rows were read, not only new ones
+  std::set<std::int64_t> dead;  ///< all dead rows, including newly dead ones
+};
+
+/// Visits the live rows added after `since` in one snapshot; all live rows if some may have been
+/// deleted. Error: corrupt if count or checksums differ from what was inserted.
+[[nodiscard]] Result<StoreChanges> read_changes(Store& store, const StoreState& since,
+                                                RowParts parts, const RowVisitor& visit);
+
+/// Which of two rows with equal content is kept.
+enum class Duplicates {
+  keep_first,     ///< the stored one
+  keep_earliest,  ///< the one with the smaller (time, tool, settings, seed), independent of
+                  ///< insertion order
+};
+
+struct Appended {
+  std::vector<std::int64_t> ids;    ///< per row: its own id, or the id of the stored row with equal
+                                    ///< content
+  std::vector<bool> is_new;         ///< per row
+  std::int64_t replaced_count = 0;  ///< stored rows replaced by new ones
+  StoreState before;                ///< state before the insertion
+  StoreState state;
+};
+
+/// Checks rows and completes joint counts and times. Error: invalid, naming the row.
+[[nodiscard]] Result<void> prepare_rows(std::vector<Experience>& rows,
+                                        const RobotSignature& signature);
+
+/// Appends all rows or none; skips rows whose content is already stored. The rows must have passed
+/// prepare_rows().
+[[nodiscard]] Result<Appended> append_rows(Store& store, std::span<const Experience> rows,
+                                           Duplicates rule);
+
+/// Chooses the rows to append, inside the transaction and with the head locked. Its own changes are
+/// committed or rolled back with the rows.
+using RowSource = std::function<Result<std::span<const Experience>>(const StoreState& head)>;
+[[nodiscard]] Result<Appended> append_rows_of(Store& store, const RowSource& source,
+                                              Duplicates rule);
+
+/// Makes a tombstone for `row` and counts it in `state`.
+[[nodiscard]] Tombstone make_tombstone(StoreState& state, std::int64_t row, std::string reason);
+
+/// Current time, UTC, ISO 8601.
+[[nodiscard]] std::string current_time();
 
 }  // namespace mneme::internal

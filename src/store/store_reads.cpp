@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "store/store_reads.h"
+#include "store/store.h"
 
 #include <fmt/format.h>
 

@@ -1,9 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "store/store_writes.h"
-
+#include "store/store.h"
 #include "store/row_check.h"
-#include "store/store_reads.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>

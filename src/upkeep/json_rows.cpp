@@ -3,7 +3,7 @@
 #include "upkeep/json_rows.h"
 
 #include "store/row_check.h"
-#include "store/row_codec.h"
+#include "store/store.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

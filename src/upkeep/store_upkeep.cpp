@@ -3,8 +3,7 @@
 #include "upkeep/store_upkeep.h"
 
 #include "store/row_check.h"
-#include "store/store_reads.h"
-#include "store/store_writes.h"
+#include "store/store.h"
 
 #include <fmt/format.h>
 

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/upkeep.h"
 
-#include "engines/database_file.h"
 #include "engines/open_store.h"
 #include "store/row_check.h"
-#include "store/store_reads.h"
+#include "store/store.h"
 #include "upkeep/store_upkeep.h"
 
 #include <fmt/format.h>
@@ -23,16 +22,16 @@ struct Findings {
 };
 
 /// Records a corrupt error as damage; other errors end the verification.
-Result<void> note(const Error& error, Findings& findings) {
-  if (error.code != ErrorCode::corrupt) return tl::unexpected(error);
-  findings.damages.push_back({0, error.message, false});
+Result<void> note(const Result<void>& done, Findings& findings) {
+  if (done || done.error().code != ErrorCode::corrupt) return done;
+  findings.damages.push_back({0, done.error().message, false});
   return {};
 }
 
 Result<void> verify_structure(Store& store, Findings& findings) {
   const auto checked = store.check_structure(findings.damages);
   findings.is_structural = !checked || !findings.damages.empty();
-  return checked ? Result<void>() : note(checked.error(), findings);
+  return note(checked, findings);
 }
 
 Result<void> verify_rows(Store& store, const RobotSignature& signature, Findings& findings) {
@@ -45,15 +44,13 @@ Result<void> verify_rows(Store& store, const RobotSignature& signature, Findings
         if (flaw) findings.damages.push_back({row.id, *flaw, false});
         return Result<void>();
       });
-  return read ? Result<void>() : note(read.error(), findings);
+  return read.map([](const internal::StoreChanges&) {});
 }
 
 Result<void> verify_orphans(Store& store, Findings& findings) {
-  const auto transaction = store.begin(Store::Kind::read);
-  if (!transaction) return note(transaction.error(), findings);
-  const auto orphans = (*transaction)->find_orphans();
-  if (!orphans) return note(orphans.error(), findings);
-  for (const std::int64_t id : *orphans) {
+  const auto transaction = MNEME_TRY(store.begin(Store::Kind::read));
+  const auto orphans = MNEME_TRY(transaction->find_orphans());
+  for (const std::int64_t id : orphans) {
     findings.damages.push_back({id, "its key is missing", false});
   }
   return {};
@@ -61,16 +58,14 @@ Result<void> verify_orphans(Store& store, Findings& findings) {
 
 /// A changed tombstone could revive a row or hide one.
 Result<void> verify_tombstones(Store& store, Findings& findings) {
-  const auto transaction = store.begin(Store::Kind::read);
-  if (!transaction) return note(transaction.error(), findings);
-  const auto read = (*transaction)->read_tombstones(0, [&](const internal::Tombstone& tombstone) {
+  const auto transaction = MNEME_TRY(store.begin(Store::Kind::read));
+  return transaction->read_tombstones(0, [&](const internal::Tombstone& tombstone) {
     if (internal::checksum_of(tombstone) != tombstone.checksum) {
       findings.damages.push_back({0, fmt::format("tombstone {} is damaged", tombstone.id), false});
       findings.tombstones.push_back(tombstone.id);
     }
     return Result<void>();
   });
-  return read ? Result<void>() : note(read.error(), findings);
 }
 
 Result<Findings> verify(const std::string& url) {
@@ -78,15 +73,16 @@ Result<Findings> verify(const std::string& url) {
   const auto opened = internal::inspect_store(url);
   if (!opened) {
     findings.is_structural = true;
-    return note(opened.error(), findings).map([&] { return findings; });
+    MNEME_TRY(note(tl::unexpected(opened.error()), findings));
+    return findings;
   }
   if (opened->schema_version == 0) return findings;
   Store& store = *opened->store;
-  return verify_structure(store, findings)
-      .and_then([&] { return verify_rows(store, opened->signature, findings); })
-      .and_then([&] { return verify_orphans(store, findings); })
-      .and_then([&] { return verify_tombstones(store, findings); })
-      .map([&] { return findings; });
+  MNEME_TRY(verify_structure(store, findings));
+  MNEME_TRY(note(verify_rows(store, opened->signature, findings), findings));
+  MNEME_TRY(note(verify_orphans(store, findings), findings));
+  MNEME_TRY(note(verify_tombstones(store, findings), findings));
+  return findings;
 }
 
 /// Sets damaged rows aside and deletes damaged tombstones, whose rows are verified again.
@@ -151,8 +147,8 @@ namespace {
 Result<void> check_adoption(const std::string& url, const RobotSignature& found,
                             const RobotSignature& wanted, bool is_forced) {
   if (internal::is_same_robot(found, wanted) || internal::has_same_frames(found, wanted)) return {};
-  const bool is_unsaid = found.kinematics_hash.empty();
-  const bool can_fit = is_unsaid && found.joint_count == wanted.joint_count;
+  const bool has_no_kinematics = found.kinematics_hash.empty();
+  const bool can_fit = has_no_kinematics && found.joint_count == wanted.joint_count;
   if (can_fit && is_forced) return {};
   auto refused = internal::refuse_robot(url, found, wanted);
   if (can_fit) {

@@ -4,8 +4,7 @@
 
 #include "engines/fixtures.h"
 #include "engines/open_store.h"
-#include "store/store_reads.h"
-#include "store/store_writes.h"
+#include "store/store.h"
 #include "upkeep/store_upkeep.h"
 
 namespace mneme::test {
