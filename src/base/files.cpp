@@ -16,8 +16,10 @@
 
 namespace mneme::internal {
 
-Result<std::string> read_text_file(const std::string& path, std::size_t max_bytes) {
-  const UniqueFile file(std::fopen(path.c_str(), "rb"));
+namespace {
+
+Result<std::string> read_all(const UniqueFile& file, const std::string& path,
+                             std::size_t max_bytes) {
   if (file == nullptr) {
     return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
   }
@@ -35,8 +37,6 @@ Result<std::string> read_text_file(const std::string& path, std::size_t max_byte
   }
   return text;
 }
-
-namespace {
 
 bool is_named(int file, const std::string& path) {
   struct stat opened {};
@@ -63,6 +63,21 @@ int open_alone(const std::string& path) {
 }
 
 }  // namespace
+
+Result<std::string> read_text_file(const std::string& path, std::size_t max_bytes) {
+  return read_all(UniqueFile(std::fopen(path.c_str(), "rb")), path, max_bytes);
+}
+
+Result<std::string> read_regular_file(const std::string& path, std::size_t max_bytes) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return read_all(nullptr, path, max_bytes);
+  const UniqueFile file(::fdopen(descriptor, "rb"));
+  struct stat status {};
+  if (::fstat(descriptor, &status) == 0 && !S_ISREG(status.st_mode)) {
+    return fail(ErrorCode::io, fmt::format("{}: expected a regular file", path));
+  }
+  return read_all(file, path, max_bytes);
+}
 
 Result<NewFile> NewFile::create(const std::string& path) {
   std::error_code ignored;

@@ -22,6 +22,10 @@ inline constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;
 [[nodiscard]] Result<std::string> read_text_file(const std::string& path,
                                                  std::size_t max_bytes = kMaxFileBytes);
 
+/// As read_text_file(), for regular files only: devices and pipes are refused without waiting.
+[[nodiscard]] Result<std::string> read_regular_file(const std::string& path,
+                                                    std::size_t max_bytes = kMaxFileBytes);
+
 /// Returns PREFIX/share/mneme for a file in PREFIX/bin/.. or PREFIX/lib/..; the innermost bin or
 /// lib counts. Empty without one, and for a relative path.
 [[nodiscard]] std::filesystem::path shared_data_of(const std::filesystem::path& file);

@@ -4,6 +4,8 @@
 #include "base/text.h"
 #include "support/support.h"
 
+#include <sys/stat.h>
+
 namespace mneme::test {
 namespace {
 
@@ -28,6 +30,16 @@ TEST_SUITE("unit") {
     REQUIRE_FALSE(text.has_value());
     CHECK(text.error().code == ErrorCode::io);
     CHECK(text.error().message.find("Is a directory") != std::string::npos);
+  }
+
+  TEST_CASE("a pipe is refused without waiting where a regular file is expected") {
+    const TemporaryDirectory directory;
+    REQUIRE(mkfifo((directory / "pipe").c_str(), 0600) == 0);
+    const auto text = internal::read_regular_file(directory / "pipe");
+    REQUIRE_FALSE(text.has_value());
+    CHECK(text.error().message == (directory / "pipe") + ": expected a regular file");
+    write_file(directory / "file", "12345");
+    CHECK(internal::read_regular_file(directory / "file").value() == "12345");
   }
 
   TEST_CASE("a file at the limit is read and a larger one is refused") {
