@@ -33,10 +33,10 @@ def test_the_program_runs_from_where_it_was_unpacked(unpacked):
 
 def test_packages_say_what_they_need(packages):
     needs = run(["dpkg-deb", "--field", packages["mneme"], "Depends"])
-    for library in ("libc6", "libsqlite3-0", "libyaml-cpp", "libassimp"):
+    for library in ("libc6", "libsqlite3-0", "libyaml-cpp"):
         assert library in needs
     needs = run(["dpkg-deb", "--field", packages["libmneme-dev"], "Depends"])
-    for package in ("libeigen3-dev", "zlib1g-dev"):
+    for package in ("libeigen3-dev", "libtinyxml2-dev"):
         assert package in needs
 
 

@@ -7,7 +7,7 @@
 
 #include "base/as_index.h"
 #include "check/link_distances.h"
-#include "geometry/mesh_file.h"
+#include "mesh/mesh_file.h"
 #include "report/picture.h"
 #include "robot/kinematics.h"
 #include "report/visuals.h"

@@ -4,7 +4,7 @@
 #include "report/visuals.h"
 
 #include "base/files.h"
-#include "geometry/mesh_file.h"
+#include "mesh/mesh_file.h"
 #include "robot/urdf_reader.h"
 
 #include <fmt/format.h>

@@ -199,7 +199,7 @@ Result<std::vector<Cube>> parse_octree(std::string_view bytes, const OctreeUse& 
 }
 
 Result<std::vector<Cube>> read_octree(const std::string& path, const OctreeUse& use) {
-  const std::string bytes = MNEME_TRY(read_text_file(path));
+  const std::string bytes = MNEME_TRY(read_regular_file(path));
   return parse_octree(bytes, use, path);
 }
 

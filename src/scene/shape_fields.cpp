@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/axis_box.h"
-#include "geometry/mesh_file.h"
+#include "mesh/mesh_file.h"
 #include "scene/compound_files.h"
 #include "scene/scene_input.h"
 

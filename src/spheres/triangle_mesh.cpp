@@ -3,7 +3,7 @@
 #include "spheres/triangle_mesh.h"
 
 #include "geometry/axis_box.h"
-#include "geometry/mesh_file.h"
+#include "mesh/mesh_file.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

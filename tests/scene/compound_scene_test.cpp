@@ -84,7 +84,7 @@ TEST_SUITE("unit") {
     const auto of_mesh = [&](const std::string& file) {
       return files.message_of("name: m, type: mesh, file: " + file);
     };
-    CHECK(contains(of_mesh("none.stl"), "none.stl: there is no such file"));
+    CHECK(contains(of_mesh("none.stl"), "none.stl: cannot be read: No such file"));
     CHECK(contains(of_mesh("empty.obj"), "empty.obj: is empty"));
     CHECK(contains(of_mesh("cloud.xyz"), "expected a file named .stl, .obj, .dae or .ply"));
     CHECK(contains(of_mesh("[1]"), "expected the path of a file"));

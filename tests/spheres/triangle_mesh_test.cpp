@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/axis_box.h"
-#include "geometry/mesh_file.h"
+#include "mesh/mesh_file.h"
 #include "spheres/solids.h"
 #include "spheres/triangle_mesh.h"
 
@@ -163,7 +163,7 @@ TEST_SUITE("unit") {
       std::string reason;
     };
     const std::vector<Case> cases = {
-        {"missing.stl", std::nullopt, ErrorCode::io, "no such file"},
+        {"missing.stl", std::nullopt, ErrorCode::io, "No such file"},
         {"empty.stl", "", ErrorCode::parse, "is empty"},
         {"short.stl", binary.substr(0, 60), ErrorCode::parse, "ends before"},
         {"truncated.stl", binary.substr(0, binary.size() - 70), ErrorCode::parse, "ends before"},
@@ -180,7 +180,7 @@ TEST_SUITE("unit") {
          "no triangle with an area"},
         {"points.obj", "v 0 0 0\nv 1 0 0\n", ErrorCode::parse, ""},
         {"index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", ErrorCode::parse, ""},
-        {"deep.dae", make_deep_dae(300), ErrorCode::parse, "nests its nodes too deep"},
+        {"deep.dae", make_deep_dae(300), ErrorCode::parse, "nests its elements too deep"},
         {"broken.dae", "<COLLADA><library_geometries>", ErrorCode::parse, ""},
         {"other.off", "off", ErrorCode::unsupported,
          "expected a file named .stl, .obj, .dae or .ply"},

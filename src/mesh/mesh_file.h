@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mneme::internal {
@@ -20,10 +21,18 @@ inline constexpr std::size_t kMaxTriangles = 1'000'000;
 /// Reads the triangles of an STL, OBJ, DAE or PLY file, binary or text, with all objects in place.
 /// They are scaled along the axes of the mesh and then moved to `pose`. Triangles without area are
 /// skipped. The unit of a DAE file is applied; its up axis is ignored, because robots have z up.
-/// Errors name the file and the fault: not readable, unknown format, malformed, too large, no
-/// triangles, or coordinates that are not finite or beyond 1 km.
+/// Files that the mesh refers to, such as materials, are not opened.
+///
+/// Errors name the file and mostly the line: not a regular file, unknown format, malformed, too
+/// large, no triangles, or coordinates that are not finite or beyond 1 km. Time and memory are
+/// bounded by the size of the file.
 [[nodiscard]] Result<std::vector<Triangle>> read_triangles(const std::string& path,
                                                            const Vec3& scale,
                                                            const Transform& pose);
+/// The same of a file with these bytes, named `path`.
+[[nodiscard]] Result<std::vector<Triangle>> parse_triangles(std::string_view bytes,
+                                                            const std::string& path,
+                                                            const Vec3& scale,
+                                                            const Transform& pose);
 
 }  // namespace mneme::internal

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/line_reader.h"
+#include "mesh/surface_builder.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mneme::internal {
+namespace {
+
+/// Numbers of a PLY file after its header. A line of text holds one item of an element.
+class PlyNumbers {
+ public:
+  PlyNumbers(LineReader& lines, PlyHeader::Data data)
+      : lines_(lines), data_(data), bytes_(lines.rest()) {}
+
+  void begin_item() {
+    if (data_ != PlyHeader::Data::text) return;
+    do {
+      words_ = &lines_.expect_line("all elements that it announces");
+    } while (words_->empty());
+    word_ = 0;
+  }
+  double next(NumberType type) {
+    if (data_ == PlyHeader::Data::text) {
+      if (word_ == words_->size()) lines_.fail(ErrorCode::parse, "has too few numbers");
+      return lines_.read_number((*words_)[word_++]);
+    }
+    if (bytes_.size() < type.size) {
+      lines_.fail_file(ErrorCode::parse, "ends before all elements that it announces");
+    }
+    const double number = read_binary(bytes_.data(), type, data_ == PlyHeader::Data::big_endian);
+    bytes_.remove_prefix(type.size);
+    return number;
+  }
+  void end_item() const {
+    if (data_ == PlyHeader::Data::text && word_ != words_->size()) {
+      lines_.fail(ErrorCode::parse, "expected {} numbers, got {}", word_, words_->size());
+    }
+  }
+
+ private:
+  LineReader& lines_;
+  PlyHeader::Data data_;
+  std::string_view bytes_;        ///< of binary data
+  const Words* words_ = nullptr;  ///< of text
+  std::size_t word_ = 0;
+};
+
+class PlyReader {
+ public:
+  PlyReader(std::string_view bytes, SurfaceBuilder& surface)
+      : lines_(bytes, surface.source()), surface_(surface) {}
+
+  void read() {
+    const PlyHeader header = read_ply_header(lines_);
+    PlyNumbers numbers(lines_, header.data);
+    for (const PlyElement& element : header.elements) {
+      // Such items take no space, so that any number may be announced.
+      if (element.properties.empty()) continue;
+      if (element.name == "vertex") check_vertices(element);
+      for (std::size_t i = 0; i < element.count; ++i) read_item(element, numbers);
+    }
+  }
+
+ private:
+  void check_vertices(const PlyElement& element) const {
+    for (const char* axis : {"x", "y", "z"}) {
+      const auto found = std::ranges::find(element.properties, axis, &PlyProperty::name);
+      if (found == element.properties.end() || found->is_list) {
+        lines_.fail_file(ErrorCode::parse, "expected a property {} of vertices", axis);
+      }
+    }
+  }
+
+  void read_item(const PlyElement& element, PlyNumbers& numbers) {
+    Vec3 vertex;
+    numbers.begin_item();
+    for (const PlyProperty& property : element.properties) {
+      if (property.is_list) {
+        read_list(property, numbers);
+        if (element.name == "face" && is_indices(property)) add_face();
+        if (element.name == "tristrips" && is_indices(property)) add_strips();
+        continue;
+      }
+      const double number = numbers.next(property.type);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (property.name == std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1)) {
+          vertex[axis] = number;
+        }
+      }
+    }
+    numbers.end_item();
+    if (element.name == "vertex") vertices_.push_back(vertex);
+  }
+
+  static bool is_indices(const PlyProperty& property) {
+    return property.name == "vertex_indices" || property.name == "vertex_index";
+  }
+
+  void read_list(const PlyProperty& property, PlyNumbers& numbers) {
+    const double length = numbers.next(property.count_type);
+    if (!(length >= 0)) lines_.fail_file(ErrorCode::parse, "has a list of length {}", length);
+    list_.clear();
+    for (double i = 0; i < length; ++i) list_.push_back(numbers.next(property.type));
+  }
+
+  [[nodiscard]] const Vec3& vertex_at(double index) const {
+    if (!(index >= 0 && index < static_cast<double>(vertices_.size()) &&
+          index == std::floor(index))) {
+      lines_.fail_file(ErrorCode::parse, "a face has the vertex {}, but there are {}", index,
+                       vertices_.size());
+    }
+    return vertices_[static_cast<std::size_t>(index)];
+  }
+
+  void add_face() {
+    corners_.clear();
+    for (const double index : list_) corners_.push_back(vertex_at(index));
+    surface_.add_polygon(corners_);
+  }
+
+  /// Strips of triangles, with -1 between them.
+  void add_strips() {
+    for (std::size_t i = 0; i + 2 < list_.size(); ++i) {
+      if (list_[i] == -1 || list_[i + 1] == -1 || list_[i + 2] == -1) continue;
+      surface_.add(vertex_at(list_[i]), vertex_at(list_[i + 1]), vertex_at(list_[i + 2]));
+    }
+  }
+
+  LineReader lines_;
+  SurfaceBuilder& surface_;
+  std::vector<Vec3> vertices_, corners_;
+  std::vector<double> list_;
+};
+
+}  // namespace
+
+void read_ply(std::string_view bytes, SurfaceBuilder& surface) {
+  if (!is_ply(bytes)) {
+    throw_failure(ErrorCode::parse, "{}: expected a file that begins with a line \"ply\"",
+                  surface.source());
+  }
+  PlyReader(bytes, surface).read();
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,289 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/as_index.h"
+#include "geometry/axis_box.h"
+#include "mesh/mesh_file.h"
+#include "mesh/surface_builder.h"
+#include "support/support.h"
+
+#include <sys/stat.h>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+namespace mneme::internal {
+namespace {
+
+using Surface = std::vector<Triangle>;
+
+double area_of(const Surface& surface) {
+  double area = 0;
+  for (const Triangle& t : surface) area += t.area();
+  return area;
+}
+
+Surface read(const std::string& bytes, const std::string& path) {
+  const auto surface = parse_triangles(bytes, path, Vec3::Ones(), {});
+  REQUIRE_MESSAGE(surface.has_value(), (surface ? "" : surface.error().message));
+  return *surface;
+}
+
+std::string refusal(const std::string& bytes, const std::string& path) {
+  const auto surface = parse_triangles(bytes, path, Vec3::Ones(), {});
+  REQUIRE_FALSE(surface.has_value());
+  return surface.error().message;
+}
+
+/// A number as `size` bytes, the least significant one first unless `is_big`.
+template <class Number>
+std::string bytes_of(Number number, bool is_big = false) {
+  std::string bytes(sizeof number, '\0');
+  std::memcpy(bytes.data(), &number, sizeof number);
+  if (is_big) std::ranges::reverse(bytes);
+  return bytes;
+}
+
+std::string ply_header(const std::string& format, const std::string& count = "4") {
+  return "ply\nformat " + format + " 1.0\ncomment c\nelement vertex " + count +
+         "\nproperty float x\nproperty uchar red\nproperty double y\nproperty float z\n"
+         "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+}
+
+std::string binary_ply(bool is_big) {
+  std::string ply = ply_header(is_big ? "binary_big_endian" : "binary_little_endian");
+  for (const auto& [x, y] : {std::pair(0.0f, 0.0), {2.0f, 0.0}, {2.0f, 3.0}, {0.0f, 3.0}}) {
+    ply += bytes_of(x, is_big) + "\x07" + bytes_of(y, is_big) + bytes_of(0.5f, is_big);
+  }
+  ply += "\x04";
+  for (const int i : {0, 1, 2, 3}) ply += bytes_of(i, is_big);
+  return ply;
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("A polygon of PLY is the same as text and in both byte orders") {
+    const std::string text =
+        ply_header("ascii") + "0 7 0 .5\n2 7 0 .5\n2 7 3 .5\n0 7 3 .5\n4 0 1 2 3\n";
+    for (const std::string& ply : {text, binary_ply(false), binary_ply(true)}) {
+      const Surface surface = read(ply, "a.ply");
+      CHECK(surface.size() == 2);
+      CHECK(area_of(surface) == doctest::Approx(6));
+      CHECK(box_around(surface).low == Vec3(0, 0, 0.5));
+    }
+  }
+
+  TEST_CASE("Elements of PLY that have no surface are passed over, strips are triangles") {
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement camera 2\nproperty list int float a\nproperty int b\n"
+        "element empty 123456789012\nelement vertex 4\nproperty int x\nproperty int y\nproperty "
+        "int z\n"
+        "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+        "2 1.5 2.5 3\n0 3\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n7 0 1 2 3 -1 0 1\n";
+    CHECK(area_of(read(ply, "a.ply")) == doctest::Approx(1));
+  }
+
+  TEST_CASE("Faces of OBJ may count back, have normals, and go on in the next line") {
+    const std::string obj =
+        "mtllib m.mtl\r\nv 0 0 0 1.0\r\nv 2 0 0\nv 2 2 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2//1 \\\n 3/1\n"
+        "v 0 2 0\ng part\nf -4 -2 -1\nf 1 2\nl 1 2\n";
+    CHECK(area_of(read(obj, "a.OBJ")) == doctest::Approx(4));
+    CHECK(refusal("v 0 0 0\nv 1 0 0\nf 1 2 3\n", "a.obj") ==
+          "mesh a.obj:3: a face has the vertex \"3\", but there are 2 before it");
+    CHECK(refusal("v 0 0\n", "a.obj") == "mesh a.obj:1: expected \"v X Y Z\"");
+  }
+
+  TEST_CASE("STL is text with any letters, or binary whatever its header says") {
+    const std::string text =
+        "  SOLID a b\r\nFACET NORMAL 0 0 1\nouter loop\nvertex 0 0 0\nvertex +2 0 0\nVertex 0 1e0 "
+        "0\n"
+        "endloop\nendfacet\nendsolid\nsolid c\nendsolid c\n";
+    CHECK(area_of(read(text, "a.stl")) == doctest::Approx(1));
+    std::string binary = std::string("solid") + std::string(75, '\0') + bytes_of(1u);
+    for (const float x : {0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 1, 0}) binary += bytes_of(x);
+    binary += std::string(2, '\0');
+    CHECK(area_of(read(binary, "a.stl")) == doctest::Approx(1));
+    CHECK(area_of(read(binary + "more", "a.stl")) == doctest::Approx(1));
+    CHECK(refusal("solid a\nfacet normal 0 0 1\nvertex 0 0 0\nendfacet\n", "a.stl") ==
+          "mesh a.stl:4: expected a facet with 3 vertices, got 1");
+  }
+}
+
+/// COLLADA with a square of side 2 and `faces` of it, in `nodes`.
+std::string make_dae(const std::string& faces, const std::string& nodes) {
+  return "<COLLADA><asset><unit meter=\"0.5\"/></asset><library_geometries><geometry "
+         "id=\"g\"><mesh>"
+         "<source id=\"p\"><float_array id=\"a\" count=\"999\">0 0 0 2 0 0 2 2 0 0 2 "
+         "0</float_array>"
+         "<technique_common><accessor source=\"#a\" stride=\"3\"/></technique_common></source>"
+         "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>" +
+         faces +
+         "</mesh></geometry></library_geometries><library_controllers><controller id=\"c\">"
+         "<skin source=\"#g\"/></controller></library_controllers><library_nodes>" +
+         nodes +
+         "</library_nodes><library_visual_scenes><visual_scene id=\"s\"><node>"
+         "<instance_node url=\"#n\"/></node></visual_scene></library_visual_scenes>"
+         "<scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
+}
+
+const std::string kInputs =
+    "<input semantic=\"NORMAL\" source=\"#p\" offset=\"0\"/>"
+    "<input semantic=\"VERTEX\" source=\"#v\" offset=\"1\"/>";
+const std::string kSquare = "<polygons>" + kInputs + "<p>0 0 0 1 0 2 0 3</p></polygons>";
+const std::string kNode = "<node id=\"n\"><instance_geometry url=\"#g\"/></node>";
+
+TEST_SUITE("unit") {
+  TEST_CASE("Each kind of faces of COLLADA gives the square, in the file's unit") {
+    for (const std::string& faces :
+         {kSquare,
+          "<polylist>" + kInputs + "<vcount>3 3</vcount><p>0 0 0 1 0 2 0 0 0 2 0 3</p></polylist>",
+          "<triangles>" + kInputs + "<p>0 0 0 1 0 2 0 0 0 2 0 3</p></triangles>",
+          "<tristrips>" + kInputs + "<p>0 0 0 1 0 3 0 2</p></tristrips>",
+          "<trifans>" + kInputs + "<p>0 0 0 1 0 2 0 3</p></trifans>"}) {
+      CAPTURE(faces);
+      const Surface surface = read(make_dae(faces, kNode), "a.dae");
+      CHECK(surface.size() == 2);
+      CHECK(area_of(surface) == doctest::Approx(1));
+    }
+  }
+
+  TEST_CASE("Nodes place what they instance, transforms apply from the last to the first") {
+    const std::string node =
+        "<node id=\"n\"><translate>10 0 0</translate><rotate>0 0 1 90</rotate><scale>1 3 1</scale>"
+        "<node><matrix>1 0 0 0 0 1 0 0 0 0 1 4 0 0 0 1</matrix>"
+        "<instance_controller url=\"#c\"/></node></node>";
+    const AxisBox box = box_around(read(make_dae(kSquare, node), "a.dae"));
+    // x in 0..2, y in 0..6 turned to x in -6..0, y in 0..2; then moved, and halved by the unit.
+    CHECK(box.low.isApprox(Vec3(2, 0, 2), 1e-9));
+    CHECK(box.high.isApprox(Vec3(5, 1, 2), 1e-9));
+  }
+
+  TEST_CASE("COLLADA that refers to what is not there is refused with line and element") {
+    CHECK(refusal(make_dae(kSquare, ""), "a.dae") ==
+          "mesh a.dae:1: <instance_node>: there is no element with the id in \"#n\"");
+    CHECK(refusal(make_dae(kSquare, "<node id=\"n\"><instance_geometry url=\"b.dae#g\"/></node>"),
+                  "a.dae")
+              .find("expected the id of an element in this file") != std::string::npos);
+    CHECK(refusal(make_dae("<triangles>" + kInputs + "<p>0 0 0 1 0 9</p></triangles>", kNode),
+                  "a.dae") == "mesh a.dae:1: <p>: a face has the vertex 9, but there are 4");
+    CHECK(refusal("<COLLADA>\n<a></COLLADA>", "a.dae").find(": is no well-formed XML") !=
+          std::string::npos);
+    CHECK(refusal("<svg/>", "a.dae") == "mesh a.dae: expected a <COLLADA> element");
+  }
+
+  TEST_CASE("Nodes that instance themselves, or expand without end, are refused at once") {
+    CHECK(refusal(make_dae(kSquare,
+                           "<node id=\"n\"><instance_node url=\"#m\"/></node>"
+                           "<node id=\"m\"><instance_node url=\"#n\"/></node>"),
+                  "a.dae")
+              .find("the node instances itself") != std::string::npos);
+    std::string doubling = "<node id=\"n\"><instance_node url=\"#n0\"/></node>";
+    for (int i = 0; i < 60; ++i) {
+      const std::string next = "<instance_node url=\"#n" + std::to_string(i + 1) + "\"/>";
+      doubling += "<node id=\"n" + std::to_string(i) + "\">" + next + next + "</node>";
+    }
+    CHECK(refusal(make_dae(kSquare, doubling + "<node id=\"n60\"/>"), "a.dae")
+              .find("expand to more than") != std::string::npos);
+    std::string chain = "<node id=\"n\"><instance_node url=\"#n0\"/></node>";
+    for (int i = 0; i < 5000; ++i) {
+      chain += "<node id=\"n" + std::to_string(i) + "\"><instance_node url=\"#n" +
+               std::to_string(i + 1) + "\"/></node>";
+    }
+    CHECK(refusal(make_dae(kSquare, chain), "a.dae").find("nests its nodes too deep") !=
+          std::string::npos);
+  }
+
+  TEST_CASE("XML that would take a parser for ever is refused before it") {
+    std::string attributes = "<COLLADA";
+    for (int i = 0; i < 100000; ++i) attributes += " a" + std::to_string(i) + "=\"<\"";
+    CHECK(refusal(attributes + "/>", "a.dae") ==
+          "mesh a.dae: has an element with more than 100 attributes");
+    CHECK(refusal("<!-- ' --><!x ' >" + attributes + "/>", "a.dae") ==
+          "mesh a.dae: has an element with more than 100 attributes");
+    std::string elements = "<COLLADA>";
+    for (int i = 0; i < 2000000; ++i) elements += "<a/>";
+    CHECK(refusal(elements + "</COLLADA>", "a.dae")
+              .find("XML elements and attributes, expected at most") != std::string::npos);
+    std::string deep;
+    for (int i = 0; i < 20000; ++i) deep += "<node>";
+    CHECK(refusal("<COLLADA>" + deep, "a.dae").find("nests its elements too deep") !=
+          std::string::npos);
+  }
+
+  TEST_CASE("Counts and lengths that a file only announces take neither time nor memory") {
+    CHECK(refusal(ply_header("ascii", "999999999999") + "0 0 0 0\n", "a.ply") ==
+          "mesh a.ply: ends before all elements that it announces");
+    CHECK(refusal(ply_header("binary_little_endian", "999999999999") + "0 0 0 0\n", "a.ply") ==
+          "mesh a.ply: ends before all elements that it announces");
+    const std::string list =
+        "ply\nformat binary_big_endian 1.0\nelement face 1\nproperty list uint char "
+        "a\nend_header\n";
+    CHECK(refusal(list + "\xff\xff\xff\xff..", "a.ply") ==
+          "mesh a.ply: ends before all elements that it announces");
+    const std::string negative =
+        "ply\nformat ascii 1.0\nelement face 1\nproperty list int char a\nend_header\n-3 1\n";
+    CHECK(refusal(negative, "a.ply") == "mesh a.ply: has a list of length -3");
+    const std::string stl = std::string(80, '\0') + "\xff\xff\xff\xff";
+    CHECK(refusal(stl, "a.stl") ==
+          "mesh a.stl: ends before the 4294967295 triangles that it announces");
+    CHECK(
+        refusal(ply_header("ascii") + "0 7 0 .5\n2 7 0 .5\n2 7 3 .5\n0 7 3 .5\n3 0 1 4294967295\n",
+                "a.ply") == "mesh a.ply: a face has the vertex 4294967295, but there are 4");
+  }
+
+  TEST_CASE("A pipe is refused without waiting for it, and a mesh opens no other file") {
+    const test::TemporaryDirectory files;
+    REQUIRE(mkfifo((files / "pipe.stl").c_str(), 0600) == 0);
+    const auto pipe = read_triangles(files / "pipe.stl", Vec3::Ones(), {});
+    REQUIRE_FALSE(pipe.has_value());
+    CHECK(pipe.error().code == ErrorCode::io);
+    CHECK(pipe.error().message == "mesh " + (files / "pipe.stl") + ": expected a regular file");
+    REQUIRE(mkfifo((files / "m.mtl").c_str(), 0600) == 0);
+    test::write_file(files / "a.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    CHECK(read_triangles(files / "a.obj", Vec3::Ones(), {}).value().size() == 1);
+  }
+
+  TEST_CASE("A concave polygon is covered once, one with very many corners is refused") {
+    // An L of area 3.
+    const std::string obj = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 3 4 5 6 1 2\n";
+    CHECK(area_of(read(obj, "a.obj")) == doctest::Approx(3));
+    std::string star, face = "f";
+    for (int i = 0; i < 500; ++i) {
+      const double angle = 2 * std::numbers::pi * i / 500, r = i % 2 == 0 ? 1 : 2;
+      star += fmt::format("v {} {} 0\n", r * std::cos(angle), r * std::sin(angle));
+      face += fmt::format(" {}", i + 1);
+    }
+    CHECK(refusal(star + face, "a.obj").find("concave polygon with 500 corners") !=
+          std::string::npos);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("The triangles of a polygon have its area and do not overlap") {
+    Rng rng(5);
+    for (int round = 0; round < 500; ++round) {
+      CAPTURE(round);
+      const int count = 3 + static_cast<int>(rng.index(60));
+      const Eigen::Matrix3d turn =
+          rotation_from_rpy({rng.uniform(-3, 3), rng.uniform(-3, 3), rng.uniform(-3, 3)});
+      std::vector<Vec3> corners;
+      double area = 0;
+      for (int i = 0; i < count; ++i) {
+        const double angle = 2 * std::numbers::pi * i / count, r = rng.uniform(0.1, 1);
+        corners.emplace_back(r * std::cos(angle), r * std::sin(angle), 0.0);
+      }
+      for (int i = 0; i < count; ++i) {
+        const Vec3 &p = corners[as_index(i)], &q = corners[as_index((i + 1) % count)];
+        area += 0.5 * (p.x() * q.y() - p.y() * q.x());
+      }
+      for (Vec3& corner : corners) corner = turn * corner + Vec3(1, 2, 3);
+      double sum = 0;
+      const auto triangles = triangulate_polygon(corners, "a");
+      CHECK(std::ssize(triangles) == count - 2);
+      for (const auto& [a, b, c] : triangles)
+        sum += Triangle{corners[a], corners[b], corners[c]}.area();
+      CHECK(sum == doctest::Approx(std::abs(area)).epsilon(1e-9));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace mneme::internal
