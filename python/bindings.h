@@ -21,6 +21,7 @@ void bind_primitive(pybind11::module_& module);
 void bind_experience(pybind11::module_& module);
 void bind_learning(pybind11::module_& module);
 void bind_pipeline(pybind11::module_& module);
+void bind_many(pybind11::module_& module);
 void bind_benchmark(pybind11::module_& module);
 
 }  // namespace mneme::python

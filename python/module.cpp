@@ -26,5 +26,6 @@ PYBIND11_MODULE(_mneme, module) {
   mneme::python::bind_experience(module);
   mneme::python::bind_learning(module);
   mneme::python::bind_pipeline(module);
+  mneme::python::bind_many(module);
   mneme::python::bind_benchmark(module);
 }

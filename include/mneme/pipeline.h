@@ -230,6 +230,25 @@ struct SolveResult {
 [[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database,
                                         const SolveSettings& settings);
 
+/// Settings of plan_many().
+struct ManySettings {
+  SolveSettings solve;
+  int jobs = 0;  ///< Threads; 0: one per hardware thread.
+  /// Times each path and samples its trajectory every `timing->dt` seconds. Default: paths only.
+  std::optional<TrajectorySettings> timing;
+};
+struct TimedSolution {
+  SolveResult result;
+  std::vector<Trajectory::Point> trajectory;  ///< Empty without `timing`, or without a path.
+};
+
+/// Solves independent problems on several threads: each as solve() and make_trajectory() would
+/// alone, so that results do not depend on `jobs`. Errors of a single problem are its own result.
+/// Error: settings that make a problem depend on others, which are learn_budget_s, remember_after
+/// and an observer. Problems are cheap to copy: robots and meshes are shared.
+[[nodiscard]] Result<std::vector<Result<TimedSolution>>> plan_many(
+    std::span<const Problem> problems, Database* database, const ManySettings& settings);
+
 /// Checks problem and settings as solve() with an empty database would, before one is created.
 /// Errors: those of solve() that are known before goals are resolved. Cost: a collision checker.
 [[nodiscard]] Result<void> check_query(const Problem& problem, const SolveSettings& settings);

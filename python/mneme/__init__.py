@@ -9,7 +9,7 @@
 
 Metres and radians; configurations are arrays of shape (joint_count,), paths of shape
 (n, joint_count). Wrong input raises mneme.Error; a plan without a path has `is_solved` False.
-plan(), learn() and bench() let other threads run and end at Control-C.
+plan(), plan_many(), learn() and bench() let other threads run and end at Control-C.
 """
 from ._mneme import (
     BenchmarkRow,
@@ -20,6 +20,7 @@ from ._mneme import (
     LearnSummary,
     OrientationConstraint,
     Plan,
+    Plans,
     PoseGoal,
     Primitive,
     Problem,
@@ -38,6 +39,7 @@ from ._mneme import (
     drop_own_points,
     list_problems,
     plan,
+    plan_many,
     planner_names,
     sampler_names,
     similarity_error,
@@ -59,6 +61,7 @@ __all__ = [
     "LearnSummary",
     "OrientationConstraint",
     "Plan",
+    "Plans",
     "PoseGoal",
     "Primitive",
     "Problem",
@@ -80,6 +83,7 @@ __all__ = [
     "drop_own_points",
     "list_problems",
     "plan",
+    "plan_many",
     "planner_names",
     "sampler_names",
     "similarity_error",

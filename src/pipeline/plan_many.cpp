@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/pipeline.h"
+
+#include "base/threads.h"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+#include <utility>
+
+namespace mneme {
+namespace {
+
+Result<TimedSolution> plan_one(const Problem& problem, Database* database,
+                               const ManySettings& settings) {
+  TimedSolution solution{MNEME_TRY(solve(problem, database, settings.solve)), {}};
+  if (!settings.timing || !solution.result.plan.is_solved()) return solution;
+  const RateLimits limits = MNEME_TRY(find_rate_limits(problem.robot, *settings.timing));
+  const Trajectory trajectory = MNEME_TRY(make_trajectory(
+      problem, settings.solve, solution.result.plan.path, limits, *settings.timing));
+  solution.trajectory = MNEME_TRY(trajectory.sample(settings.timing->dt));
+  return solution;
+}
+
+}  // namespace
+
+Result<std::vector<Result<TimedSolution>>> plan_many(std::span<const Problem> problems,
+                                                     Database* database,
+                                                     const ManySettings& settings) {
+  const SolveSettings& solving = settings.solve;
+  if (solving.learn_budget_s > 0 || solving.remember_after || solving.plan.observer != nullptr) {
+    return fail(ErrorCode::invalid,
+                "plan_many: learn-budget, remember-after and observers make results depend on the "
+                "order of the problems; plan them one by one instead");
+  }
+  std::vector<Result<TimedSolution>> solutions(problems.size());
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < problems.size(); i = next++) {
+      solutions[i] = plan_one(problems[i], database, settings);
+    }
+  };
+  const auto jobs = settings.jobs > 0 ? static_cast<std::size_t>(settings.jobs)
+                                      : std::max(1u, std::thread::hardware_concurrency());
+  internal::Threads others(std::min(jobs, std::max<std::size_t>(problems.size(), 1)) - 1, work);
+  work();
+  others.join();
+  return solutions;
+}
+
+}  // namespace mneme
