@@ -179,6 +179,7 @@ nlohmann::ordered_json summary_json(const std::vector<BenchmarkRow>& rows) {
   Json sets = Json::array();
   for (const SetSummary& summary : summarize_sets(rows)) sets.push_back(to_json(summary));
   return {{"runs", rows.size()},
+          {"timing", describe_timing(rows)},
           {"isa", to_string(default_isa())},
           {"sets", sets},
           {"invalid", invalid_problems(rows)}};
@@ -190,8 +191,9 @@ void print_bench_results(const std::vector<BenchmarkRow>& rows, bool is_json) {
     return;
   }
   fmt::print("{}", printable_table(summarize_sets(rows)));
+  fmt::print("timing: {}\n", describe_timing(rows));
   if (const auto invalid = invalid_problems(rows); !invalid.empty()) {
-    fmt::print("invalid start or goal, left out: {}\n",
+    fmt::print("invalid start or goal, excluded: {}\n",
                printable(fmt::format("{}", fmt::join(invalid, ", "))));
   }
 }

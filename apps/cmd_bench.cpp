@@ -42,6 +42,7 @@ struct BenchOptions {
   bool has_seeds = false;
   bool has_timeout = false;
   bool is_resumed = false;
+  bool is_cold = false;
   bool is_json = false;
   SolveSettings settings;
 };
@@ -85,6 +86,7 @@ Result<BenchPlan> make_plan(const BenchOptions& options) {
   plan.seed_count = options.seed_count;
   plan.first_seed = options.settings.plan.seed;
   plan.jobs = options.jobs;
+  plan.is_cold = options.is_cold;
   plan.cancel = interrupt_flag();
   MNEME_TRY(open_memories(options, plan));
   return plan;
@@ -111,7 +113,8 @@ Result<ExitCode> run_suite_command(const BenchOptions& options) {
       options.has_timeout ? std::optional(options.settings.plan.timeout_s) : std::nullopt,
       options.suite_settings,
       options.jobs,
-      options.is_resumed};
+      options.is_resumed,
+      options.is_cold};
   const SuiteResult result = MNEME_TRY(
       run_suite(run, SuiteHooks{print_note, watch_learning, show_rows(), interrupt_flag()}));
   print_bench_results(result.rows, options.is_json);
@@ -166,6 +169,9 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
   command.add_flag("--resume", options.is_resumed,
                    "keep the rows of --csv (of a suite: those in --out) and run only what is "
                    "missing");
+  command.add_flag("--cold", options.is_cold,
+                   "time runs cold: check each path before the next run, which evicts caches. "
+                   "Default: the runs of a problem follow each other and are checked afterwards");
   add_number(command, "--jobs", options.jobs, 1, 4096,
              "runs at the same time; more than idle cores make times longer");
   command.add_option("--out", options.out,
@@ -192,7 +198,7 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
 void check_suite_flags(const CLI::App& command) {
   const std::vector<std::string> allowed = {"PROBLEMS", "--seeds", "--timeout", "--resume",
                                             "--jobs",   "--out",   "--json",    "--memories",
-                                            "--isa",    "--help",  "--setting"};
+                                            "--isa",    "--help",  "--setting", "--cold"};
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_name();
     const bool is_allowed = std::find(allowed.begin(), allowed.end(), name) != allowed.end();

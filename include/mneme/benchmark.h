@@ -107,6 +107,10 @@ struct BenchPlan {
   int seed_count = 1;
   std::uint64_t first_seed = 1;
   int jobs = 1;  ///< threads; with one, all callbacks come from the caller's
+  /// Time runs cold: all problems with one seed before the next seed, with the exact check of each
+  /// path before the next run. It evicts caches and makes each phase slower. Otherwise the runs of
+  /// a problem follow each other, and their paths are checked afterwards.
+  bool is_cold = false;
   /// Reverse the order of cases with every other seed, because the first case of a problem has cold
   /// caches.
   bool alternates = true;
@@ -119,6 +123,8 @@ struct BenchPlan {
   const std::atomic<bool>* cancel = nullptr;  ///< cancels the current run, which leaves no row
 
   [[nodiscard]] std::size_t run_count() const;
+  /// False if `is_cold`, or if cases learn while planning, which makes the order matter.
+  [[nodiscard]] bool is_warm() const;
 };
 
 /// Fails if `rows` were run with other settings or limits than the plan's of the same name.
@@ -129,8 +135,8 @@ void sort_rows(const BenchPlan& plan, std::vector<BenchmarkRow>& rows);
 
 /// Receives each finished run, one at a time. An error ends the benchmark.
 using OnRow = std::function<Result<void>(const BenchmarkRow& row, const SolveResult& result)>;
-/// Runs the part of the plan that `done` lacks, all problems with one seed before the next seed.
-/// False if cancelled. With one job, exceptions of callbacks pass through.
+/// Runs the part of the plan that `done` lacks, in the order of BenchPlan::is_cold. False if
+/// cancelled. With one job, exceptions of callbacks pass through.
 [[nodiscard]] Result<bool> run_bench(BenchPlan& plan, std::span<const BenchmarkRow> done,
                                      const OnRow& on_row);
 
@@ -216,6 +222,7 @@ struct SuiteRun {
   std::vector<std::string> settings;  ///< names; empty for all
   int jobs = 1;
   bool is_resumed = false;
+  bool is_cold = false;  ///< BenchPlan::is_cold
 };
 /// Callbacks of a suite. Each may be empty.
 struct SuiteHooks {

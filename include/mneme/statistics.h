@@ -55,6 +55,7 @@ struct BenchmarkRow {
   std::uint64_t replayed = 0;          ///< Replay::row
   /// Seconds of the trajectory within the robot's own limits (find_rate_limits); 0 without a path.
   double duration_s = 0;
+  bool is_warm = false;  ///< timed warm: after another run of the problem, without a check between
 };
 
 /// The row of one call of solve() with `settings`. The path is checked again with exact distances
@@ -71,6 +72,9 @@ struct BenchmarkRow {
 /// The settings that differ from the defaults, such as "range=3.55 similarity=3", in order of
 /// declaration, without time limit and seed.
 [[nodiscard]] std::string describe_settings(const SolveSettings& settings);
+
+/// "warm", "cold" or "mixed": how the runs were timed.
+[[nodiscard]] std::string_view describe_timing(std::span<const BenchmarkRow> rows);
 
 /// True if the problem has an invalid start or goal. Such runs do not count for planners.
 [[nodiscard]] bool is_invalid_problem(const BenchmarkRow& row);

@@ -37,7 +37,8 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
     """Plans every problem with every planner and sampler, and checks every path again.
 
     problems: Problem objects. samplers: default "uniform"; with a database "gl" and "uniform".
-    seeds: runs of each, with seeds from `seed` on; all problems run with one seed before the next.
+    seeds: runs of each, with seeds from `seed` on; the runs of a problem follow each other,
+    so that caches are warm, and their paths are checked afterwards.
     csv: a file that gets a line after each run. It must not be an input file.
     on_row: called with each BenchmarkRow. settings: as for plan(), such as timeout=4.
     """

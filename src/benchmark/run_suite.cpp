@@ -97,6 +97,7 @@ Result<SuiteResult> run_suite(const SuiteRun& run, const SuiteHooks& hooks) {
   SuiteResult result;
   result.report = out + "/report.html";
   if (ready.is_interrupted) return result;
+  ready.plan.is_cold = run.is_cold;
   RowFile file;
   MNEME_TRY(file.open(out + "/runs.csv", run.is_resumed));
   result.is_complete = MNEME_TRY(run_bench(ready.plan, file, hooks.on_rows));

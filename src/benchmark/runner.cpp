@@ -42,18 +42,26 @@ RunName name_without_seed(RunName name) {
   return name;
 }
 
+/// Appends the runs of a problem with one seed.
+void append_runs(const BenchPlan& plan, const LoadedProblem& loaded, int seed,
+                 std::vector<BenchRun>& runs) {
+  const auto first = static_cast<std::ptrdiff_t>(runs.size());
+  for (const BenchCase& bench_case : plan.cases) {
+    if (!bench_case.is_of_set(loaded.set)) continue;
+    runs.push_back({&loaded, &bench_case, plan.first_seed + static_cast<std::uint64_t>(seed)});
+  }
+  if (plan.alternates && seed % 2 == 1) std::reverse(runs.begin() + first, runs.end());
+}
+
 std::vector<BenchRun> all_runs(const BenchPlan& plan) {
   std::vector<BenchRun> runs;
-  for (int i = 0; i < plan.seed_count; ++i) {
+  if (plan.is_warm()) {
     for (const LoadedProblem& loaded : plan.problems) {
-      const std::size_t first = runs.size();
-      for (const BenchCase& bench_case : plan.cases) {
-        if (bench_case.is_of_set(loaded.set)) {
-          runs.push_back({&loaded, &bench_case, plan.first_seed + static_cast<std::uint64_t>(i)});
-        }
-      }
-      if (plan.alternates && i % 2 == 1)
-        std::reverse(runs.begin() + static_cast<std::ptrdiff_t>(first), runs.end());
+      for (int i = 0; i < plan.seed_count; ++i) append_runs(plan, loaded, i, runs);
+    }
+  } else {
+    for (int i = 0; i < plan.seed_count; ++i) {
+      for (const LoadedProblem& loaded : plan.problems) append_runs(plan, loaded, i, runs);
     }
   }
   return runs;
@@ -67,19 +75,44 @@ std::vector<BenchRun> missing_runs(const BenchPlan& plan, std::span<const Benchm
   return runs;
 }
 
-/// Warms caches, page tables and the processor's clock.
-void warm_up(const BenchRun& run, const std::atomic<bool>* cancel) {
-  SolveSettings settings;
-  settings.plan.cancel = cancel;
-  settings.sampler = "uniform";
-  settings.plan.timeout_s = std::min(run.bench_case->settings.plan.timeout_s, 0.05);
-  static_cast<void>(solve(run.loaded->problem, nullptr, settings));
-}
+/// Limit of a run that only warms caches, seconds.
+constexpr double kWarmUp = 0.05;
 
 /// Runs of a case on a problem so far.
 struct Record {
   int runs = 0;
   bool is_solved = false;
+};
+
+/// A run whose path is not checked yet.
+struct TimedRun {
+  const BenchRun* run;
+  BenchCase bench_case;  ///< with the run's seed
+  SolveResult result;
+  std::string started;
+};
+
+/// Checkers of one problem by resolution, for the exact checks.
+class ProblemCheckers {
+ public:
+  Result<const CollisionChecker*> find(const LoadedProblem& loaded,
+                                       std::optional<double> resolution) {
+    if (&loaded != loaded_) checkers_.clear();
+    loaded_ = &loaded;
+    if (const auto found = checkers_.find(resolution); found != checkers_.end()) {
+      return &found->second;
+    }
+    CheckerSettings settings;
+    settings.resolution = resolution;
+    settings.constraints = loaded.problem.constraints;
+    auto made =
+        MNEME_TRY(CollisionChecker::make(loaded.problem.robot, loaded.problem.scene, settings));
+    return &checkers_.emplace(resolution, std::move(made)).first->second;
+  }
+
+ private:
+  const LoadedProblem* loaded_ = nullptr;
+  std::map<std::optional<double>, CollisionChecker> checkers_;
 };
 
 /// Distributes runs to threads and passes their rows to the caller.
@@ -91,7 +124,7 @@ class RunQueue {
     for (const BenchRun& run : runs) {
       (run.bench_case->is_serial ? serial_ : parallel_).push_back(&run);
     }
-    for (const BenchmarkRow& row : done) remember(row);
+    for (const BenchmarkRow& row : done) remember(name_of(row), row.is_solved);
   }
 
   Result<bool> run() {
@@ -104,26 +137,57 @@ class RunQueue {
   }
 
  private:
-  /// The next run that may start; null if there is none. A thread that ends a serial run continues
-  /// with the remaining serial ones. `last` is the thread's previous run.
-  const BenchRun* take(const BenchRun* last) {
-    const std::lock_guard lock(mutex_);
-    if (last != nullptr && last->bench_case->is_serial) is_turn_free_ = true;
-    while (!error_ && !is_cancelled_) {
-      const bool has_serial = is_turn_free_ && !serial_.empty();
-      if (!has_serial && parallel_.empty()) return nullptr;
-      // All runs are in one array, so that addresses give their order.
-      const bool is_serial =
-          has_serial && (parallel_.empty() || serial_.front() < parallel_.front());
-      std::deque<const BenchRun*>& queue = is_serial ? serial_ : parallel_;
-      const BenchRun* run = queue.front();
-      queue.pop_front();
-      if (is_hopeless(*run)) continue;
-      if (is_serial) is_turn_free_ = false;
-      return run;
-    }
-    return nullptr;
+  /// Runs that a thread takes together: one, or some of a problem in a row if they are timed warm.
+  using Batch = std::vector<const BenchRun*>;
+
+  void work() {
+    ProblemCheckers checkers;
+    for (Batch batch = take({}); !batch.empty(); batch = take(batch)) run_batch(batch, checkers);
   }
+
+  /// The next runs that may start; empty if there are none. A thread that ends serial runs
+  /// continues with the remaining serial ones. `last` are the thread's previous runs.
+  Batch take(const Batch& last) {
+    const std::lock_guard lock(mutex_);
+    if (!last.empty() && last.front()->bench_case->is_serial) is_turn_free_ = true;
+    const bool has_serial = is_turn_free_ && !serial_.empty();
+    if (is_over() || (!has_serial && parallel_.empty())) return {};
+    // All runs are in one array, so that addresses give their order.
+    const bool is_serial = has_serial && (parallel_.empty() || serial_.front() < parallel_.front());
+    std::deque<const BenchRun*>& queue = is_serial ? serial_ : parallel_;
+    if (is_serial) is_turn_free_ = false;
+    const std::size_t most = plan_.is_warm() ? kMostInBatch : 1;
+    Batch batch;
+    while (batch.size() < most && !queue.empty() &&
+           (batch.empty() || queue.front()->loaded == batch.front()->loaded)) {
+      batch.push_back(queue.front());
+      queue.pop_front();
+    }
+    return batch;
+  }
+
+  void run_batch(const Batch& batch, ProblemCheckers& checkers) {
+    std::vector<TimedRun> timed;
+    Stopwatch since_check;
+    for (const BenchRun* run : batch) {
+      if (!may_run(*run)) continue;
+      if (plan_.is_warm() && timed.empty()) {
+        warm_up(*run);
+        since_check = Stopwatch();
+      }
+      solve_once(*run, timed);
+      if (plan_.is_warm() && since_check.elapsed_s() < kLongestUnchecked) continue;
+      report(timed, checkers);
+    }
+    report(timed, checkers);
+  }
+
+  [[nodiscard]] bool may_run(const BenchRun& run) {
+    const std::lock_guard lock(mutex_);
+    return !is_over() && !is_hopeless(run);
+  }
+
+  [[nodiscard]] bool is_over() const { return error_ || is_cancelled_; }
 
   [[nodiscard]] bool is_hopeless(const BenchRun& run) const {
     const auto found = records_.find(name_without_seed(name_of(run)));
@@ -131,28 +195,10 @@ class RunQueue {
            found->second.runs >= plan_.hopeless_after;
   }
 
-  void remember(const BenchmarkRow& row) {
-    Record& record = records_[name_without_seed(name_of(row))];
+  void remember(RunName name, bool is_solved) {
+    Record& record = records_[name_without_seed(std::move(name))];
     ++record.runs;
-    record.is_solved |= row.is_solved;
-  }
-
-  void work() {
-    std::optional<CollisionChecker> checker;
-    std::pair<const LoadedProblem*, std::optional<double>> checked{nullptr, {}};
-    for (const BenchRun* run = take(nullptr); run != nullptr; run = take(run)) {
-      CheckerSettings checking;
-      checking.resolution = run->bench_case->settings.resolution;
-      if (const std::pair key{run->loaded, checking.resolution}; key != checked) {
-        const Problem& problem = run->loaded->problem;
-        checking.constraints = problem.constraints;
-        auto made = CollisionChecker::make(problem.robot, problem.scene, checking);
-        if (!made) return stop(made.error());
-        checker.emplace(std::move(*made));
-        checked = key;
-      }
-      run_once(*run, *checker);
-    }
+    record.is_solved |= is_solved;
   }
 
   [[nodiscard]] Database* memory_of(const BenchRun& run) const {
@@ -163,35 +209,59 @@ class RunQueue {
     return is_used ? found->second.get() : nullptr;
   }
 
-  void run_once(const BenchRun& run, const CollisionChecker& checker) {
-    const Problem& problem = run.loaded->problem;
+  /// Runs the case with a short limit and drops the result.
+  void warm_up(const BenchRun& run) {
+    BenchCase bench_case = *run.bench_case;
+    bench_case.settings.plan.timeout_s = std::min(bench_case.settings.plan.timeout_s, kWarmUp);
+    bench_case.settings.plan.cancel = plan_.cancel;
+    static_cast<void>(plan_.solve(run.loaded->problem, memory_of(run), bench_case));
+  }
+
+  void solve_once(const BenchRun& run, std::vector<TimedRun>& timed) {
     BenchCase bench_case = *run.bench_case;
     bench_case.settings.plan.seed = run.seed;
     bench_case.settings.plan.cancel = plan_.cancel;
-    const std::string started = current_time();
-    const Result<SolveResult> result = plan_.solve(problem, memory_of(run), bench_case);
+    std::string started = current_time();
+    Result<SolveResult> result = plan_.solve(run.loaded->problem, memory_of(run), bench_case);
     if (!result) return stop(result.error());
+    const std::lock_guard lock(mutex_);
     if (result->plan.status == PlanStatus::cancelled) {
-      const std::lock_guard lock(mutex_);
       is_cancelled_ = true;
       return;
     }
-    BenchmarkRow row = make_row(problem, bench_case.settings, *result, checker);
-    row.set = run.loaded->set;
-    row.setting = bench_case.setting;
-    row.settings = bench_case.description;
-    row.machine = machine_;
-    row.version = version_;
-    row.started = started;
-    const std::lock_guard lock(mutex_);
-    remember(row);
-    if (const Result<void> taken = on_row_(row, *result); !taken) error_ = taken.error();
+    const bool is_late = result->plan.planning_time_s > bench_case.settings.plan.timeout_s;
+    remember(name_of(run), result->plan.is_solved() && !is_late);
+    timed.push_back({&run, std::move(bench_case), *std::move(result), std::move(started)});
+  }
+
+  /// Checks the paths and passes on the rows.
+  void report(std::vector<TimedRun>& timed, ProblemCheckers& checkers) {
+    for (const auto& [run, bench_case, result, started] : timed) {
+      const auto checker = checkers.find(*run->loaded, bench_case.settings.resolution);
+      if (!checker) return stop(checker.error());
+      BenchmarkRow row = make_row(run->loaded->problem, bench_case.settings, result, **checker);
+      row.set = run->loaded->set;
+      row.setting = bench_case.setting;
+      row.settings = bench_case.description;
+      row.machine = machine_;
+      row.version = version_;
+      row.started = started;
+      row.is_warm = plan_.is_warm();
+      const std::lock_guard lock(mutex_);
+      if (error_) return;
+      if (const Result<void> taken = on_row_(row, result); !taken) error_ = taken.error();
+    }
+    timed.clear();
   }
 
   void stop(const Error& error) {
     const std::lock_guard lock(mutex_);
     error_ = error;
   }
+
+  static constexpr std::size_t kMostInBatch = 16;
+  /// Seconds until paths are checked, so that rows do not come too late.
+  static constexpr double kLongestUnchecked = 1;
 
   BenchPlan& plan_;
   const OnRow& on_row_;
@@ -228,6 +298,12 @@ std::size_t BenchPlan::run_count() const {
   return count * static_cast<std::size_t>(seed_count);
 }
 
+bool BenchPlan::is_warm() const {
+  return !is_cold && std::none_of(cases.begin(), cases.end(), [](const BenchCase& c) {
+    return learns_while_planning(c.settings);
+  });
+}
+
 void sort_rows(const BenchPlan& plan, std::vector<BenchmarkRow>& rows) {
   std::map<RunName, std::size_t> positions;
   for (const BenchRun& run : all_runs(plan)) positions.emplace(name_of(run), positions.size());
@@ -262,6 +338,11 @@ Result<void> check_same_settings(const BenchPlan& plan, std::span<const Benchmar
              c.settings.sampler == row.sampler;
     });
     if (same == plan.cases.end()) continue;
+    if (row.is_warm != plan.is_warm()) {
+      return fail(ErrorCode::invalid,
+                  row.is_warm ? "cannot resume: earlier runs were timed warm, without --cold"
+                              : "cannot resume: earlier runs were timed cold; add --cold");
+    }
     const double timeout_s = same->settings.plan.timeout_s;
     if (row.timeout_s != timeout_s) {
       return fail(ErrorCode::invalid,
@@ -280,7 +361,6 @@ Result<void> check_same_settings(const BenchPlan& plan, std::span<const Benchmar
 
 Result<bool> run_bench(BenchPlan& plan, std::span<const BenchmarkRow> done, const OnRow& on_row) {
   const std::vector<BenchRun> runs = missing_runs(plan, done);
-  if (!runs.empty()) warm_up(runs.front(), plan.cancel);
   return RunQueue(plan, runs, done, on_row).run();
 }
 

@@ -96,12 +96,13 @@ std::string footer(std::span<const BenchmarkRow> rows) {
   std::string when = first.started;
   if (last.started != first.started) when += " to " + last.started;
   return fmt::format(
-      "<footer>\n<p>Machine: {}. Kernels: {}. Built: {}.</p>\n<p>Runs: {}, started {}. Report: "
+      "<footer>\n<p>Machine: {}. Kernels: {}. Built: {}.</p>\n<p>Runs: {}, timed {}, started {}. "
+      "Report: "
       "{}.</p>\n</footer>\n",
       escape_markup(joined(internal::different(rows, &BenchmarkRow::machine))),
       escape_markup(joined(internal::different(rows, &BenchmarkRow::isa))),
       escape_markup(joined(internal::different(rows, &BenchmarkRow::version))), rows.size(),
-      escape_markup(when.empty() ? "at a time not recorded" : when),
+      describe_timing(rows), escape_markup(when.empty() ? "at a time not recorded" : when),
       escape_markup(describe_build()));
 }
 

@@ -53,8 +53,8 @@ constexpr std::array kStatuses = {PlanStatus::solved,          PlanStatus::timeo
                                   PlanStatus::invalid_goal};
 
 /// Columns added over time: files of older versions end before one of them.
-constexpr std::array<std::string_view, 4> kFirstNewColumns = {",setting,", ",improvements,",
-                                                              ",replayed,", ",duration_s\n"};
+constexpr std::array<std::string_view, 5> kFirstNewColumns = {
+    ",setting,", ",improvements,", ",replayed,", ",duration_s,", ",is_warm\n"};
 
 template <class T, class Row>
 concept RowOf = std::same_as<std::remove_const_t<T>, Row>;
@@ -91,6 +91,7 @@ void visit_columns(RowOf<BenchmarkRow> auto& row, Visitor&& visit) {
   visit("improvements", row.improvements);
   visit("replayed", row.replayed);
   visit("duration_s", row.duration_s);
+  visit("is_warm", row.is_warm);
 }
 template <class Visitor>
 void visit_columns(RowOf<MemoryRow> auto& row, Visitor&& visit) {

@@ -106,6 +106,11 @@ bool is_invalid_problem(const BenchmarkRow& row) {
 
 bool is_success(const BenchmarkRow& row) { return row.is_solved && row.is_path_valid; }
 
+std::string_view describe_timing(std::span<const BenchmarkRow> rows) {
+  const auto warm = std::ranges::count(rows, true, &BenchmarkRow::is_warm);
+  return warm == 0 ? "cold" : warm == std::ssize(rows) ? "warm" : "mixed";
+}
+
 std::vector<SetSummary> summarize_sets(std::span<const BenchmarkRow> rows) {
   std::vector<SetSummary> summaries = internal::summarize_each(rows);
   if (internal::different(rows, &BenchmarkRow::set).size() <= 1) return summaries;

@@ -47,8 +47,45 @@ struct PretendedBench {
 PlanStatus solve_all(const BenchCase&) { return PlanStatus::solved; }
 
 TEST_SUITE("unit") {
-  TEST_CASE("All problems with one seed come before the next, every other one in reverse") {
+  TEST_CASE("Runs of a problem follow each other, every other seed in reverse") {
     PretendedBench bench(solve_all);
+    bench.plan.seed_count = 2;
+    CHECK(bench.run().value());
+    CHECK(bench.order() == "Ao1 At1 At2 Ao2 Bo1 Bt1 Bt2 Bo2 ");
+    CHECK(describe_timing(bench.rows) == "warm");
+  }
+
+  TEST_CASE(
+      "Warm runs have an untimed one before them, and rows of cold runs do not go with them") {
+    int solved = 0;
+    PretendedBench bench([&](const BenchCase&) {
+      ++solved;
+      return PlanStatus::solved;
+    });
+    CHECK(bench.run().value());
+    CHECK(solved == 4 + 2);
+    CHECK(check_same_settings(bench.plan, bench.rows).has_value());
+    bench.plan.is_cold = true;
+    const auto refused = check_same_settings(bench.plan, bench.rows);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().message.find("timed warm") != std::string::npos);
+    bench.rows.clear();
+    solved = 0;
+    CHECK(bench.run().value());
+    CHECK(solved == 4);
+    CHECK(describe_timing(bench.rows) == "cold");
+  }
+
+  TEST_CASE("Runs that learn are cold: they depend on those before them") {
+    PretendedBench bench(solve_all);
+    CHECK(bench.plan.is_warm());
+    bench.plan.cases[1].settings.remember_after = 0;
+    CHECK_FALSE(bench.plan.is_warm());
+  }
+
+  TEST_CASE("Cold, all problems with one seed come before the next, every other one in reverse") {
+    PretendedBench bench(solve_all);
+    bench.plan.is_cold = true;
     bench.plan.seed_count = 2;
     bench.plan.first_seed = 4;
     CHECK(bench.plan.run_count() == 8);
@@ -116,7 +153,7 @@ TEST_SUITE("unit") {
     CHECK(is_alone);
     CHECK(bench.rows.size() == 80);
     sort_rows(bench.plan, bench.rows);
-    CHECK(bench.order().starts_with("Ao1 At1 Bo1 Bt1 At2 Ao2 "));
+    CHECK(bench.order().starts_with("Ao1 At1 At2 Ao2 Ao3 "));
   }
 
   TEST_CASE("Each planner meets each sampler, in the order of their names; some take turns") {

@@ -133,7 +133,7 @@ TEST_SUITE("unit") {
         std::string::npos);
     CHECK(html.find("Machine: a machine. Kernels: avx2. Built: mneme 1 with g++ 12.") !=
           std::string::npos);
-    CHECK(html.find("started 2026-01-31T12:00:00Z") != std::string::npos);
+    CHECK(html.find("timed cold, started 2026-01-31T12:00:00Z") != std::string::npos);
   }
 
   TEST_CASE("The page needs nothing from elsewhere and its body is well-formed") {

@@ -80,6 +80,7 @@ BenchmarkRow strange_row() {
   row.improvements = {{0, 2.5}, {0.0012, 1.5}};
   row.replayed = 12;
   row.duration_s = 1.25;
+  row.is_warm = true;
   return row;
 }
 
@@ -94,10 +95,10 @@ TEST_SUITE("unit") {
           "problem,set,planner,sampler,seed,status,is_valid,planning_time_s,total_time_s,"
           "retrieval_time_s,simplification_time_s,verification_time_s,iterations,states_checked,"
           "motions_checked,nodes,path_length,components,timeout_s,setting,settings,"
-          "learning_time_s,isa,machine,version,started,improvements,replayed,duration_s\n"
+          "learning_time_s,isa,machine,version,started,improvements,replayed,duration_s,is_warm\n"
           "\"a,\"\"b\"\"\nc\",s,rrt_connect,gl,3,solved,0,0.25,0.5,0.125,1e-05,0.0625,10,20,30,40,"
           "1.5,4,2,\"as, is\",range=3.55 memory=grid,0.75,avx2,a machine,mneme 1,"
-          "2026-01-31T12:00:00Z,0:2.5 0.0012:1.5,12,1.25\n");
+          "2026-01-31T12:00:00Z,0:2.5 0.0012:1.5,12,1.25,1\n");
     CHECK(to_csv(std::vector<BenchmarkRow>{}) == csv_header());
   }
 
@@ -179,8 +180,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("So do those that end before the column improvements") {
     std::string old = to_csv(std::vector{run(1)});
-    const std::string columns = ",improvements,replayed,duration_s";
-    old.erase(old.find(columns), columns.size()).erase(old.rfind(",,0,0"), 5);
+    const std::string columns = ",improvements,replayed,duration_s,is_warm";
+    old.erase(old.find(columns), columns.size()).erase(old.rfind(",,0,0,0"), 7);
     const auto runs = parse_csv(old, "f.csv");
     REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
     REQUIRE(runs->rows.size() == 1);
@@ -190,8 +191,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("So do those that end before the column replayed") {
     std::string old = to_csv(std::vector{run(1)});
-    const std::string columns = ",replayed,duration_s";
-    old.erase(old.find(columns), columns.size()).erase(old.rfind(",0,0"), 4);
+    const std::string columns = ",replayed,duration_s,is_warm";
+    old.erase(old.find(columns), columns.size()).erase(old.rfind(",0,0,0"), 6);
     const auto runs = parse_csv(old, "f.csv");
     REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
     CHECK(runs->rows.at(0).replayed == 0);
@@ -199,11 +200,20 @@ TEST_SUITE("unit") {
 
   TEST_CASE("So do those that end before the column duration_s") {
     std::string old = to_csv(std::vector{run(1)});
-    const std::string column = ",duration_s";
-    old.erase(old.find(column), column.size()).erase(old.rfind(",0"), 2);
+    const std::string columns = ",duration_s,is_warm";
+    old.erase(old.find(columns), columns.size()).erase(old.rfind(",0,0"), 4);
     const auto runs = parse_csv(old, "f.csv");
     REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
     CHECK(runs->rows.at(0).duration_s == 0);
+  }
+
+  TEST_CASE("So do those that end before the column is_warm, whose runs were cold") {
+    std::string old = to_csv(std::vector{run(1)});
+    const std::string column = ",is_warm";
+    old.erase(old.find(column), column.size()).erase(old.rfind(",0"), 2);
+    const auto runs = parse_csv(old, "f.csv");
+    REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
+    CHECK(describe_timing(runs->rows) == "cold");
   }
 }
 

@@ -43,6 +43,15 @@ TEST_SUITE("unit") {
     CHECK(internal::is_censored(summary, 50));
   }
 
+  TEST_CASE("Timing is warm or cold if that of all runs is") {
+    std::vector<BenchmarkRow> rows = {run(1), run(1)};
+    CHECK(describe_timing(rows) == "cold");
+    rows[0].is_warm = true;
+    CHECK(describe_timing(rows) == "mixed");
+    rows[1].is_warm = true;
+    CHECK(describe_timing(rows) == "warm");
+  }
+
   TEST_CASE("No runs give zeros") {
     const TimeSummary summary = summarize({});
     CHECK(summary.runs == 0);
