@@ -246,6 +246,6 @@ def test_where_only_spheres_touch_plans_are_checked_by_exact_geometry(tmp_path):
     scene.add_box("plate", [0.9, 0, 0.103], [0.4, 0.4, 0.1])
     plan = mneme.plan(mneme.Problem(robot, scene, [0, 0], [[1.2, 0.7]]), seed=1)
     assert plan.is_solved and plan.to_row().is_path_valid
-    assert plan.notes[0].endswith("they are checked by exact geometry, 3 mm away")
+    assert plan.notes[0].endswith("this pair is checked by exact geometry, 3 mm away")
     assert mneme.CollisionChecker(robot, plan.checked_scene).is_path_free(plan.path)
     assert not mneme.CollisionChecker(robot, scene).is_path_free(plan.path)

@@ -120,7 +120,7 @@ void check_plan_below_a_plate(const Problem& problem, const SolveSettings& setti
   REQUIRE(result.plan.is_solved());
   REQUIRE(result.notes.size() == 1);
   CHECK(result.notes[0].starts_with(note));
-  CHECK(result.notes[0].ends_with("; they are checked by exact geometry, 3 mm away"));
+  CHECK(result.notes[0].ends_with("; this pair is checked by exact geometry, 3 mm away"));
   const Path& path = result.plan.path;
   CHECK(least_gap(problem, path) > 1e-4);
   CHECK(is_path_free(problem.robot, checked_scene(problem, result), path, 0.01));
@@ -162,7 +162,7 @@ TEST_SUITE("flow") {
         CHECK(result.notes[0].starts_with("start: links 'base' and '" + name_of(whose, "hand") +
                                           "' touch only with their spheres, which together stick "
                                           "out by up to "));
-        CHECK(result.notes[0].ends_with("; they are checked by exact geometry, 4 mm apart"));
+        CHECK(result.notes[0].ends_with("; this pair is checked by exact geometry, 4 mm apart"));
         CHECK(checked_scene(problem, result).exact_pairs.size() == 1);
         CHECK(std::ranges::all_of(result.plan.path, is_apart));
         CHECK(is_path_free(problem.robot, checked_scene(problem, result), result.plan.path, 0.01));
@@ -204,7 +204,7 @@ TEST_SUITE("flow") {
     INFO(result.plan.message);
     REQUIRE(result.plan.is_solved());
     REQUIRE(result.notes.size() == 1);
-    CHECK(result.notes[0].starts_with("goal: links 'base' and 'hand' touch with their spheres"));
+    CHECK(result.notes[0].starts_with("goal: links 'base' and 'hand' touch only with their spheres"));
     CHECK(is_path_free(problem.robot, checked_scene(problem, result), result.plan.path, 0.01));
     const auto limits = find_rate_limits(problem.robot);
     REQUIRE(limits.has_value());
