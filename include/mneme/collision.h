@@ -9,6 +9,7 @@
 #include "mneme/robot.h"
 #include "mneme/scene.h"
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -71,6 +72,41 @@ struct WalkStep {
   /// 3 values per candidate, added to the unit vectors of the pulls, in the axes of most of the
   /// scene's boxes.
   std::span<const float> jitter;
+};
+
+/// A path as candidates for its shortening are rated on it: continuous joints unwrapped, so that
+/// motions are straight between rows.
+struct PathView {
+  std::span<const float> rows;         ///< waypoints, joint_count values each; at least two
+  std::span<const float> arc_lengths;  ///< of each waypoint from the first, L2 joint distance
+  std::span<const float> directions;   ///< row by row: displacement per arc length of the motion
+                                       ///< that begins at the waypoint
+};
+
+/// Candidates that are rated together, whatever the machine's vectors.
+inline constexpr int kShortcuts = 16;
+
+/// A stretch of a path in which a subset of joints goes straight from one end to the other.
+struct Shortcut {
+  float begin = 0, end = 0;   ///< arc lengths; begin <= end
+  std::uint64_t joints = 0;   ///< a bit per joint
+  float gain = 0;             ///< how much shorter the path becomes
+  bool is_promising = false;  ///< gains enough, and its middle is free of contact
+};
+
+/// Candidates for an inner waypoint: each of four subsets of joints goes 1, 1/2, 1/4 or 1/8 of the
+/// way to the straight motion between the waypoint's neighbours.
+struct Relaxation {
+  static constexpr int kSteps = 4, kSubsets = kShortcuts / kSteps;
+  int waypoint = 1;
+  std::array<std::uint64_t, kSubsets> subsets = {};  ///< a bit per joint
+
+  [[nodiscard]] std::uint64_t subset(int candidate) const {
+    return subsets[static_cast<std::size_t>(candidate / kSteps)];
+  }
+  [[nodiscard]] float step(int candidate) const {
+    return 1.0f / static_cast<float>(1 << candidate % kSteps);
+  }
 };
 
 struct LimbInfo {
@@ -136,6 +172,15 @@ class CollisionChecker {
   /// valid. Faster than one call per motion where motions are short: they share vectors.
   [[nodiscard]] bool is_chain_valid(std::span<const float> configurations, CheckCounters& counters,
                                     const MotionDetail& detail = {}) const;
+
+  /// Writes gain and promise of each shortcut; one that gains less than `least_gain` promises
+  /// nothing. A filter: exact geometry, constraints and all but the middle are not checked.
+  void rate_shortcuts(const PathView& path, float least_gain,
+                      std::span<Shortcut, kShortcuts> shortcuts) const;
+  /// Writes how much shorter the path becomes by each candidate; 0 if it is in contact. A filter,
+  /// as rate_shortcuts().
+  void rate_relaxations(const PathView& path, const Relaxation& relaxation,
+                        std::span<float, kShortcuts> gains) const;
 
   /// True if nothing touches anywhere on the motion. Bounds on the displacement of links decide
   /// around ever more states, until they fall below half the margin (5e-6 m without a margin, or

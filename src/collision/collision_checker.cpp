@@ -6,6 +6,7 @@
 #include "check/cones.h"
 #include "check/link_distances.h"
 #include "collision/collision_kernels.h"
+#include "collision/shortcut_kernel.h"
 #include "tables/make_tables.h"
 #include "robot/joint_space.h"
 
@@ -66,7 +67,7 @@ constexpr double kLengthTolerance = 1e-5;
 constexpr double kMostStates = 1e9;
 
 /// Half of a first interval moves no link by more than this share of what one radian could.
-constexpr float kFirstSweep = 0.02f, kFirstPlanarSweep = 0.04f;
+constexpr float kFirstSweep = 0.035f, kFirstPlanarSweep = 0.04f;
 /// Displacement around the last states that are checked, metres, where there is no margin.
 constexpr float kFinestSweep = 5e-6f;
 constexpr float kMostIntervals = 1e6f;
@@ -123,6 +124,7 @@ struct CollisionChecker::Tables {
   World world;
   World all_spheres;  ///< includes pairs that are checked by exact geometry; empty if none are
   const internal::CollisionKernels* kernels = nullptr;
+  const internal::ShortcutKernels* shortcut_kernels = nullptr;
   internal::WalkKernel walk_kernel = nullptr;
   internal::Cones cones;
   internal::ExactPairs exact_pairs;
@@ -226,7 +228,8 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, resolution, !settings.resolution, static_cast<float>(settings.margin),
              isa, internal::JointSpace(robot), std::move(checked), std::move(world),
-             std::move(all_spheres), &internal::collision_kernels(isa), internal::walk_kernel(isa),
+             std::move(all_spheres), &internal::collision_kernels(isa),
+             &internal::shortcut_kernels(isa), internal::walk_kernel(isa),
              internal::Cones(robot, settings.constraints), std::move(exact_pairs)});
   return CollisionChecker(std::move(tables));
 }
@@ -332,6 +335,20 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
     if (!t.judge(is_free, is_exactly_free)) return false;
   }
   return true;
+}
+
+void CollisionChecker::rate_shortcuts(const PathView& path, float least_gain,
+                                      std::span<Shortcut, kShortcuts> shortcuts) const {
+  const Tables& t = *tables_;
+  t.shortcut_kernels->rate_shortcuts(*t.world.robot, t.world.scene, path, least_gain, t.margin,
+                                     shortcuts);
+}
+
+void CollisionChecker::rate_relaxations(const PathView& path, const Relaxation& relaxation,
+                                        std::span<float, kShortcuts> gains) const {
+  const Tables& t = *tables_;
+  t.shortcut_kernels->rate_relaxations(*t.world.robot, t.world.scene, path, relaxation, t.margin,
+                                       gains);
 }
 
 bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<const float> to,

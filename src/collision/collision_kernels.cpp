@@ -51,28 +51,25 @@ bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const fl
   return true;
 }
 
-/// Enumerates the states of a chain of motions.
-class ChainWalk {
- public:
-  HWY_INLINE ChainWalk(const MotionChain& chain, int joint_count)
-      : chain_(chain), joint_count_(joint_count) {}
-
-  /// Writes state number `state` into column `lane` of `columns`. States only go up, from 1 on.
-  HWY_INLINE void write(std::int64_t state, int lane, float (*columns)[kLanes]) {
-    while (state > passed_ + chain_.states[motion_]) passed_ += chain_.states[motion_++];
-    const float fraction =
-        static_cast<float>(state - passed_) / static_cast<float>(chain_.states[motion_]);
-    const float* from = chain_.points + motion_ * joint_count_;
-    const float* delta = chain_.deltas + motion_ * joint_count_;
-    for (int j = 0; j < joint_count_; ++j) columns[j][lane] = from[j] + fraction * delta[j];
+/// Poses states of a chain of motions: `number` counts them from 1 on, in increasing order.
+HWY_INLINE void pose_chain(const MotionChain& chain, int joint_count, V number, V* q) {
+  const float first = hn::GetLane(number), last = hn::ExtractLane(number, kLanes - 1);
+  float passed = 0;  // states of the motions before
+  for (int i = 0; i < chain.count && passed < last; ++i) {
+    const auto count = static_cast<float>(chain.states[i]);
+    if (first <= passed + count) {
+      const float* from = chain.points + i * joint_count;
+      const float* delta = chain.deltas + i * joint_count;
+      const M is_here = hn::Gt(number, splat(passed));
+      const V fraction = hn::Mul(hn::Sub(number, splat(passed)), splat(1.0f / count));
+      for (int j = 0; j < joint_count; ++j) {
+        const V value = hn::MulAdd(fraction, splat(delta[j]), splat(from[j]));
+        q[j] = passed < first ? value : hn::IfThenElse(is_here, value, q[j]);
+      }
+    }
+    passed += count;
   }
-
- private:
-  const MotionChain& chain_;
-  int joint_count_;
-  int motion_ = 0;
-  std::int64_t passed_ = 0;  // states of earlier motions
-};
+}
 
 bool is_chain_free(const RobotTables& robot, const SceneTables& scene, const MotionChain& chain,
                    float margin, std::uint64_t& states_checked) {
@@ -83,17 +80,18 @@ bool is_chain_free(const RobotTables& robot, const SceneTables& scene, const Mot
   const EvenMargins margins(margin);
   StateChecker<true> checker(robot, scene, margins);
   V q[kMaxFrames];
-  HWY_ALIGN float columns[kMaxFrames][kLanes];
-  ChainWalk rest(chain, robot.joint_count);
   // In the order of is_motion_free; lanes beyond the last state repeat it.
+  const V lanes = hn::Iota(d, 0.0f);
+  const V spacing = splat(static_cast<float>(blocks)), most = splat(static_cast<float>(states));
   for (std::int64_t block = 0; block < blocks; ++block) {
-    ChainWalk spread(chain, robot.joint_count);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const std::int64_t rank = (block - 1) * kLanes + lane;
-      const std::int64_t state = block == 0 ? (lane + 1) * blocks : rank + rank / (blocks - 1) + 1;
-      (block == 0 ? spread : rest).write(std::min(state, states), lane, columns);
+    V number = hn::Mul(hn::Add(lanes, splat(1.0f)), spacing);
+    if (block > 0) {
+      const V rank = hn::Add(lanes, splat(static_cast<float>((block - 1) * kLanes)));
+      const V skipped =
+          hn::Floor(hn::Div(hn::Add(rank, splat(0.5f)), hn::Sub(spacing, splat(1.0f))));
+      number = hn::Add(hn::Add(rank, skipped), splat(1.0f));
     }
-    for (int j = 0; j < robot.joint_count; ++j) q[j] = hn::Load(d, columns[j]);
+    pose_chain(chain, robot.joint_count, hn::Min(number, most), q);
     states_checked += static_cast<std::uint64_t>(kLanes);
     Verdict<true> verdict;
     if (checker.check(q, verdict)) return false;

@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Compiled once per instruction set. A vector holds one candidate per lane.
+#include "collision/shortcut_kernel.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "collision/shortcut_kernel.cpp"  // NOLINT
+#include "hwy/foreach_target.h"
+
+#include "collision/state_checker-inl.h"
+#include "simd/dispatch.h"
+#include "simd/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace mneme::internal {
+namespace HWY_NAMESPACE {
+namespace {
+
+using Bits = hn::RebindToSigned<Tag>;
+
+static_assert(kShortcuts % kLanes == 0);
+
+/// A subset of joints per lane.
+class JointSubsets {
+ public:
+  HWY_INLINE void set(int lane, std::uint64_t joints) {
+    low_[lane] = static_cast<std::int32_t>(joints & 0xffffffff);
+    high_[lane] = static_cast<std::int32_t>(joints >> 32);
+  }
+  /// The lanes whose subset holds joint `j`.
+  [[nodiscard]] HWY_INLINE M holding(int j) const {
+    const Bits d;
+    const auto bits = hn::Load(d, j < 32 ? low_ : high_);
+    return hn::RebindMask(Tag(), hn::TestBit(bits, hn::Set(d, std::int32_t(1u << j % 32))));
+  }
+
+ private:
+  HWY_ALIGN std::int32_t low_[kLanes], high_[kLanes];
+};
+
+HWY_INLINE V distance(const V* a, const V* b, int joint_count) {
+  V sum = hn::Zero(Tag());
+  for (int j = 0; j < joint_count; ++j) {
+    const V delta = hn::Sub(b[j], a[j]);
+    sum = hn::MulAdd(delta, delta, sum);
+  }
+  return hn::Sqrt(sum);
+}
+
+/// The states of a path at an arc length per lane.
+HWY_INLINE void pose_on(const PathView& path, int joint_count, V arc_length, V* q) {
+  const float *row = path.rows.data(), *direction = path.directions.data();
+  const size_t motions = path.arc_lengths.size() - 1;
+  for (size_t m = 0; m < motions; ++m, row += joint_count, direction += joint_count) {
+    const V begin = splat(path.arc_lengths[m]);
+    const M is_here = hn::Ge(arc_length, begin);
+    if (m > 0 && hn::AllFalse(Tag(), is_here)) break;
+    const V along = hn::Sub(arc_length, begin);
+    for (int j = 0; j < joint_count; ++j) {
+      const V value = hn::MulAdd(along, splat(direction[j]), splat(row[j]));
+      q[j] = m == 0 ? value : hn::IfThenElse(is_here, value, q[j]);
+    }
+  }
+}
+
+/// Stretches of a path, one per lane, in which subsets of joints go straight.
+class Stretches {
+ public:
+  HWY_INLINE Stretches(const PathView& path, int joint_count, const Shortcut* shortcuts)
+      : path_(path), joint_count_(joint_count) {
+    const Tag d;
+    HWY_ALIGN float begins[kLanes], ends[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      begins[lane] = shortcuts[lane].begin;
+      ends[lane] = shortcuts[lane].end;
+      subsets_.set(lane, shortcuts[lane].joints);
+    }
+    begin_ = hn::Load(d, begins);
+    end_ = hn::Load(d, ends);
+    pose_on(path, joint_count, begin_, from_);
+    pose_on(path, joint_count, end_, to_);
+  }
+
+  /// How much shorter each stretch becomes.
+  [[nodiscard]] HWY_INLINE V gains() const {
+    const Tag d;
+    const V inverse = hn::Div(splat(1.0f), hn::Max(hn::Sub(end_, begin_), splat(1e-9f)));
+    V length = hn::Zero(d);
+    V last[kMaxFrames], next[kMaxFrames];
+    for (int j = 0; j < joint_count_; ++j) last[j] = from_[j];
+    for (size_t i = 1; i + 1 < path_.arc_lengths.size(); ++i) {
+      const V at = splat(path_.arc_lengths[i]);
+      const M is_inside = hn::And(hn::Lt(begin_, at), hn::Lt(at, end_));
+      if (hn::AllFalse(d, is_inside)) continue;
+      const V fraction = hn::Mul(hn::Sub(at, begin_), inverse);
+      const float* row = path_.rows.data() + i * static_cast<size_t>(joint_count_);
+      for (int j = 0; j < joint_count_; ++j) next[j] = straight_or(splat(row[j]), fraction, j);
+      const V step = distance(last, next, joint_count_);
+      length = hn::Add(length, hn::IfThenElseZero(is_inside, step));
+      for (int j = 0; j < joint_count_; ++j) last[j] = hn::IfThenElse(is_inside, next[j], last[j]);
+    }
+    length = hn::Add(length, distance(last, to_, joint_count_));
+    return hn::Sub(hn::Sub(end_, begin_), length);
+  }
+
+  HWY_INLINE void write_middles(V* q) const {
+    const V half = splat(0.5f);
+    pose_on(path_, joint_count_, hn::Mul(half, hn::Add(begin_, end_)), q);
+    for (int j = 0; j < joint_count_; ++j) q[j] = straight_or(q[j], half, j);
+  }
+
+ private:
+  /// The value of joint `j` on the way from end to end where it goes straight, else `value`.
+  [[nodiscard]] HWY_INLINE V straight_or(V value, V fraction, int j) const {
+    const V straight = hn::MulAdd(fraction, hn::Sub(to_[j], from_[j]), from_[j]);
+    return hn::IfThenElse(subsets_.holding(j), straight, value);
+  }
+
+  const PathView& path_;
+  int joint_count_;
+  JointSubsets subsets_;
+  V begin_, end_;
+  V from_[kMaxFrames], to_[kMaxFrames];
+};
+
+void rate_shortcuts(const RobotTables& robot, const SceneTables& scene, const PathView& path,
+                    float least_gain, float margin, std::span<Shortcut, kShortcuts> shortcuts) {
+  const Tag d;
+  const EvenMargins margins(margin);
+  StateChecker<false> checker(robot, scene, margins);
+  HWY_ALIGN float gains[kLanes], hits[kLanes];
+  for (size_t begin = 0; begin < kShortcuts; begin += kLanes) {
+    const Stretches stretches(path, robot.joint_count, &shortcuts[begin]);
+    const V gain = stretches.gains();
+    Verdict<false> verdict;
+    verdict.hit = hn::Lt(gain, splat(least_gain));
+    if (!hn::AllTrue(d, verdict.hit)) {
+      V q[kMaxFrames];
+      stretches.write_middles(q);
+      checker.check(q, verdict);
+    }
+    hn::Store(gain, d, gains);
+    hn::Store(hn::IfThenElseZero(verdict.hit, splat(1.0f)), d, hits);
+    for (size_t lane = 0; lane < kLanes; ++lane) {
+      shortcuts[begin + lane].gain = gains[lane];
+      shortcuts[begin + lane].is_promising = hits[lane] == 0;
+    }
+  }
+}
+
+void rate_relaxations(const RobotTables& robot, const SceneTables& scene, const PathView& path,
+                      const Relaxation& relaxation, float margin,
+                      std::span<float, kShortcuts> gains) {
+  const Tag d;
+  const int joints = robot.joint_count;
+  const EvenMargins margins(margin);
+  StateChecker<false> checker(robot, scene, margins);
+  const auto k = static_cast<size_t>(relaxation.waypoint);
+  const float* before = path.rows.data() + (k - 1) * static_cast<size_t>(joints);
+  const float *row = before + joints, *after = row + joints;
+  const float length = path.arc_lengths[k + 1] - path.arc_lengths[k - 1];
+  const float fraction = (path.arc_lengths[k] - path.arc_lengths[k - 1]) / length;
+  V a[kMaxFrames], q[kMaxFrames], b[kMaxFrames];
+  for (int begin = 0; begin < kShortcuts; begin += kLanes) {
+    HWY_ALIGN float steps[kLanes];
+    JointSubsets subsets;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      steps[lane] = relaxation.step(begin + lane);
+      subsets.set(lane, relaxation.subset(begin + lane));
+    }
+    const V step = hn::Load(d, steps);
+    for (int j = 0; j < joints; ++j) {
+      a[j] = splat(before[j]);
+      b[j] = splat(after[j]);
+      const float aim = before[j] + fraction * (after[j] - before[j]) - row[j];
+      const V moved = hn::MulAdd(step, splat(aim), splat(row[j]));
+      q[j] = hn::IfThenElse(subsets.holding(j), moved, splat(row[j]));
+    }
+    const V left = hn::Add(distance(a, q, joints), distance(q, b, joints));
+    Verdict<false> verdict;
+    checker.check(q, verdict);
+    const V gain = hn::IfThenElse(verdict.hit, hn::Zero(d), hn::Sub(splat(length), left));
+    hn::StoreU(gain, d, gains.data() + begin);
+  }
+}
+
+const ShortcutKernels& kernels() {
+  static const ShortcutKernels table = {&rate_shortcuts, &rate_relaxations};
+  return table;
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace mneme::internal
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+MNEME_EXPORT(const ShortcutKernels&, shortcut_kernels, kernels)
+#endif

@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/collision.h"
+
+#include "collision/walking_robots.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace mneme::test {
+namespace {
+
+using Row = std::vector<float>;
+
+float distance(const Row& a, const Row& b) {
+  float sum = 0;
+  for (std::size_t j = 0; j < a.size(); ++j) sum += (b[j] - a[j]) * (b[j] - a[j]);
+  return std::sqrt(sum);
+}
+
+/// A path of random waypoints, and what its view refers to.
+struct OwnedPath {
+  std::vector<Row> waypoints;
+  std::vector<float> rows, arc_lengths, directions;
+
+  OwnedPath(const Robot& robot, int count, Rng& rng) {
+    for (int i = 0; i < count; ++i) {
+      waypoints.push_back(random_states(robot, 1, rng));
+      rows.insert(rows.end(), waypoints.back().begin(), waypoints.back().end());
+    }
+    arc_lengths.push_back(0);
+    for (std::size_t i = 0; i + 1 < waypoints.size(); ++i) {
+      const float length = distance(waypoints[i], waypoints[i + 1]);
+      arc_lengths.push_back(arc_lengths.back() + length);
+      for (std::size_t j = 0; j < waypoints[i].size(); ++j) {
+        directions.push_back((waypoints[i + 1][j] - waypoints[i][j]) / length);
+      }
+    }
+    directions.resize(rows.size());
+  }
+
+  [[nodiscard]] PathView view() const { return {rows, arc_lengths, directions}; }
+
+  [[nodiscard]] Row at(float s) const {
+    std::size_t motion = 0;
+    while (motion + 2 < waypoints.size() && arc_lengths[motion + 1] <= s) ++motion;
+    Row q = waypoints[motion];
+    const std::size_t joints = q.size();
+    for (std::size_t j = 0; j < joints; ++j) {
+      q[j] += (s - arc_lengths[motion]) * directions[motion * joints + j];
+    }
+    return q;
+  }
+};
+
+/// `q` with the joints of `subset` at `fraction` of the segment from `a` to `b`.
+Row with_straight(Row q, std::uint64_t subset, const Row& a, const Row& b, float fraction) {
+  for (std::size_t j = 0; j < q.size(); ++j) {
+    if ((subset >> j & 1) != 0) q[j] = a[j] + fraction * (b[j] - a[j]);
+  }
+  return q;
+}
+
+float gain_of(const OwnedPath& path, const Shortcut& shortcut) {
+  const Row from = path.at(shortcut.begin), to = path.at(shortcut.end);
+  const float whole = shortcut.end - shortcut.begin;
+  Row last = from;
+  float length = 0;
+  for (std::size_t i = 0; i < path.waypoints.size(); ++i) {
+    const float s = path.arc_lengths[i];
+    if (s <= shortcut.begin || s >= shortcut.end) continue;
+    const float fraction = (s - shortcut.begin) / whole;
+    const Row next = with_straight(path.waypoints[i], shortcut.joints, from, to, fraction);
+    length += distance(last, next);
+    last = next;
+  }
+  return whole - length - distance(last, to);
+}
+
+Row middle_of(const OwnedPath& path, const Shortcut& shortcut) {
+  return with_straight(path.at(0.5f * (shortcut.begin + shortcut.end)), shortcut.joints,
+                       path.at(shortcut.begin), path.at(shortcut.end), 0.5f);
+}
+
+/// True if a state 1e-4 rad away is judged otherwise, so that rounding may decide this one.
+bool is_near_contact(const CollisionChecker& checker, const Row& q) {
+  const bool is_valid = checker.is_valid(q);
+  for (const float shift : {-1e-4f, 1e-4f}) {
+    for (std::size_t j = 0; j < q.size(); ++j) {
+      Row moved = q;
+      moved[j] += shift;
+      if (checker.is_valid(moved) != is_valid) return true;
+    }
+  }
+  return false;
+}
+
+std::uint64_t random_subset(const Robot& robot, Rng& rng) {
+  const std::uint64_t all = (std::uint64_t{1} << robot.joint_count()) - 1;
+  return std::max<std::uint64_t>(1, rng.next() & all);
+}
+
+TEST_SUITE("oracle") {
+  TEST_CASE("shortcuts are rated as a plain loop rates them") {
+    Rng rng(21);
+    int free_count = 0, blocked_count = 0;
+    for (int round = 0; round < rounds(60); ++round) {
+      INFO("round ", round);
+      const Robot robot = random_robot(rng);
+      const Scene scene = random_scene(robot, 10, rng, small_shape);
+      const OwnedPath path(robot, 2 + round % 6, rng);
+      std::array<Shortcut, kShortcuts> sampled;
+      for (Shortcut& shortcut : sampled) {
+        const float length = path.arc_lengths.back();
+        const auto a = static_cast<float>(rng.uniform()) * length;
+        const auto b = static_cast<float>(rng.uniform()) * length;
+        shortcut = {std::min(a, b), std::max(a, b), random_subset(robot, rng), 0, false};
+      }
+      for (const Isa isa : available_isas()) {
+        CheckerSettings settings;
+        settings.isa = isa;
+        const CollisionChecker checker = require_checker(robot, scene, settings);
+        std::array<Shortcut, kShortcuts> shortcuts = sampled;
+        constexpr float kLeast = 0.05f;
+        checker.rate_shortcuts(path.view(), kLeast, shortcuts);
+        for (const Shortcut& shortcut : shortcuts) {
+          const float gain = gain_of(path, shortcut);
+          CHECK(shortcut.gain == doctest::Approx(gain).epsilon(1e-3));
+          const Row middle = middle_of(path, shortcut);
+          if (std::abs(gain - kLeast) < 1e-3f || is_near_contact(checker, middle)) continue;
+          const bool is_free = checker.is_valid(middle);
+          (is_free ? free_count : blocked_count) += gain > kLeast;
+          CHECK(shortcut.is_promising == (gain > kLeast && is_free));
+        }
+      }
+    }
+    CHECK(free_count > 50);
+    CHECK(blocked_count > 50);
+  }
+
+  TEST_CASE("relaxations are rated as a plain loop rates them") {
+    Rng rng(22);
+    int free_count = 0, blocked_count = 0;
+    for (int round = 0; round < rounds(60); ++round) {
+      INFO("round ", round);
+      const Robot robot = random_robot(rng);
+      const Scene scene = random_scene(robot, 10, rng, small_shape);
+      const OwnedPath path(robot, 5, rng);
+      Relaxation relaxation{1 + round % 3, {}};
+      for (std::uint64_t& subset : relaxation.subsets) subset = random_subset(robot, rng);
+      const auto k = static_cast<std::size_t>(relaxation.waypoint);
+      const Row &a = path.waypoints[k - 1], &q = path.waypoints[k], &b = path.waypoints[k + 1];
+      const float before = path.arc_lengths[k + 1] - path.arc_lengths[k - 1];
+      const float fraction = (path.arc_lengths[k] - path.arc_lengths[k - 1]) / before;
+      Row foot(q.size());
+      for (std::size_t j = 0; j < q.size(); ++j) foot[j] = a[j] + fraction * (b[j] - a[j]);
+      for (const Isa isa : available_isas()) {
+        CheckerSettings settings;
+        settings.isa = isa;
+        const CollisionChecker checker = require_checker(robot, scene, settings);
+        std::array<float, kShortcuts> gains;
+        checker.rate_relaxations(path.view(), relaxation, gains);
+        for (int i = 0; i < kShortcuts; ++i) {
+          const Row moved = with_straight(q, relaxation.subset(i), q, foot, relaxation.step(i));
+          if (is_near_contact(checker, moved)) continue;
+          const bool is_free = checker.is_valid(moved);
+          ++(is_free ? free_count : blocked_count);
+          const float gain = is_free ? before - distance(a, moved) - distance(moved, b) : 0;
+          CHECK(std::abs(gains[static_cast<std::size_t>(i)] - gain) < 1e-3f);
+        }
+      }
+    }
+    CHECK(free_count > 50);
+    CHECK(blocked_count > 50);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
