@@ -82,12 +82,14 @@ struct ShortenEffort {
   /// only drops waypoints.
   double patience = 40;
   double least_gain = 0.007;  ///< smallest gain that counts, as a share of the path's length
+  double refinement = 1;      ///< MotionDetail::refinement of new motions
+  double margin = 1e-3;       ///< metres that new motions keep from contact, if their ends do
 };
 
 /// Shortens `path`: drops waypoints, then relaxes them and straightens random joints, or all, over
-/// random stretches. Keeps both ends. New motions stay 1 mm from contact, or as far as the nearer
-/// end of the path, and pass `verifier` unless it is null. Stops once `must_stop` returns true; it
-/// is called before each step and may be empty. After Geraerts and Overmars,
+/// random stretches. Keeps both ends. New motions stay the effort's margin from contact, or as far
+/// as the nearer end of the path, and pass `verifier` unless it is null. Stops once `must_stop`
+/// returns true; it is called before each step and may be empty. After Geraerts and Overmars,
 /// DOI 10.1177/0278364907079280.
 void shorten(const CollisionChecker& checker, Path& path, std::uint64_t seed,
              const ShortenEffort& effort, const MotionVerifier* verifier, CheckCounters& counters,
@@ -142,6 +144,7 @@ class PathFinisher {
   FinishSettings settings_;
   Stopwatch stopwatch_;
   MotionVerifier verifier_;
+  bool is_coarse_;  ///< while shortening
   int refused_count_ = 0;
   std::uint64_t states_ = 0;  ///< checked so far
   double simplification_time_s_ = 0;

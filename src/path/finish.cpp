@@ -14,6 +14,10 @@
 namespace mneme {
 namespace {
 
+/// Shortening checks states half as densely where verification follows, with a margin that makes up
+/// for it.
+constexpr double kCoarseRefinement = 0.5;
+constexpr double kCoarseMargin = 3e-3;  ///< metres
 /// Shortening comes before verification until the finisher has checked this many states more than
 /// the planner: about a millisecond.
 constexpr std::uint64_t kStatesOfGrace = 40000;
@@ -102,7 +106,10 @@ class Repair {
 }  // namespace
 
 PathFinisher::PathFinisher(const CollisionChecker& checker, const FinishSettings& settings)
-    : checker_(checker), settings_(settings), verifier_(checker, settings.verification) {}
+    : checker_(checker),
+      settings_(settings),
+      verifier_(checker, settings.verification),
+      is_coarse_(settings.verification != Verification::none && !checker.robot().is_planar()) {}
 
 int PathFinisher::operator()(Path& path, CheckCounters& counters) {
   const std::uint64_t states = counters.states;
@@ -147,6 +154,10 @@ Path PathFinisher::shorten(Path path, int patience, const MotionVerifier* verifi
   const double end_s = 0.5 * (begin_s + settings_.timeout_s);
   ShortenEffort effort;
   effort.patience = patience;
+  if (is_coarse_) {
+    effort.refinement = kCoarseRefinement;
+    effort.margin = kCoarseMargin;
+  }
   mneme::shorten(checker_, path, derive_seed(settings_.seed, 1), effort, verifier, counters,
                  [&] { return must_stop_at(end_s); });
   simplification_time_s_ += stopwatch_.elapsed_s() - begin_s;

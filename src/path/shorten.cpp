@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace mneme {
@@ -17,28 +18,18 @@ using internal::as_index;
 using internal::PathPoint;
 
 /// States checked together, independent of the vector width, so that results are.
-constexpr int kBatch = 16;
-/// Distances that new motions keep, so that verification passes them: the first one that the nearer
-/// end of the path keeps.
-constexpr std::array<double, 3> kMargins = {1e-3, 2.5e-4, 0};  ///< metres
-/// A waypoint is relaxed by kSteps steps, each half as long as the last, of kSubsets joint subsets.
-constexpr int kSteps = 4, kSubsets = kBatch / kSteps;
+constexpr int kBatch = kShortcuts;
+/// Margin of motions next to an end of the path that does not keep the effort's, if it keeps this.
+constexpr double kEndMargin = 2.5e-4;  ///< metres
 /// Waypoints to relax per two batches of stretches.
 constexpr int kRelaxed = 3;
 /// Share of the least gain that a single waypoint must reach.
 constexpr float kLeastRelaxed = 0.1f;
 
-/// Part of a path over which a subset of joints is straightened. Arc lengths are from the start.
-struct Stretch {
-  PathPoint begin, end;
-  float begin_arc = 0, end_arc = 0;
-  std::uint64_t joints = 0;  ///< a bit each
-};
-
 class Shortener {
  public:
   Shortener(const CollisionChecker& checker, Path& path, std::uint64_t seed,
-            const MotionVerifier* verifier, CheckCounters& counters,
+            const ShortenEffort& effort, const MotionVerifier* verifier, CheckCounters& counters,
             const std::function<bool()>& must_stop)
       : checker_(checker),
         path_(path),
@@ -46,10 +37,12 @@ class Shortener {
         joints_(waypoints_.joint_count()),
         all_joints_(joints_ < 64 ? (std::uint64_t{1} << joints_) - 1 : ~std::uint64_t{0}),
         rng_(seed),
+        effort_(effort),
         verifier_(verifier),
         counters_(counters),
         must_stop_(must_stop),
-        states_(as_index(kBatch * joints_)) {
+        states_(as_index(kBatch * joints_)),
+        least_gain_(static_cast<float>(effort.least_gain)) {
     waypoints_.assign(internal::to_rows(path));
     start_margin_ = margin_at(0);
     goal_margin_ = margin_at(waypoints_.count() - 1);
@@ -63,10 +56,9 @@ class Shortener {
   }
 
   /// Relaxes waypoints and shortens stretches until the effort is spent without gain.
-  void shorten(const ShortenEffort& effort) {
-    least_gain_ = static_cast<float>(effort.least_gain);
+  void shorten() {
     double idle = 0;
-    for (int step = 0; idle < effort.patience && waypoints_.count() > 2; step = (step + 1) % 3) {
+    for (int step = 0; idle < effort_.patience && waypoints_.count() > 2; step = (step + 1) % 3) {
       if (is_stopped()) return;
       const std::uint64_t states = counters_.states;
       const float before = waypoints_.length();
@@ -74,7 +66,7 @@ class Shortener {
       if (step == 0) {
         for (int i = 0; i < kRelaxed && waypoints_.count() > 2; ++i) relax();
       } else {
-        tries = shorten_stretch(step == 2);
+        tries = take_shortcut(step == 2);
       }
       // Tries without a state check also cost time.
       const auto cost = static_cast<double>(counters_.states - states + as_index(tries));
@@ -89,18 +81,18 @@ class Shortener {
   [[nodiscard]] bool is_stopped() const { return must_stop_ && must_stop_(); }
   [[nodiscard]] float* state(int i) { return states_.data() + i * joints_; }
 
-  /// The largest margin that an end of the path has.
+  /// The margin of motions next to an end of the path.
   double margin_at(int i) {
     const std::span<const float> q = waypoints_.rows(i, i + 1);
-    const auto found = std::ranges::find_if(kMargins, [&](double margin) {
-      return checker_.is_motion_valid(q, q, counters_, {1, margin});
-    });
-    return found == kMargins.end() ? 0.0 : *found;
+    for (const double margin : {effort_.margin, kEndMargin}) {
+      if (checker_.is_motion_valid(q, q, counters_, {1, margin})) return margin;
+    }
+    return 0;
   }
   /// Between two waypoints.
   [[nodiscard]] double margin(int first, int last) const {
-    return std::min(first == 0 ? start_margin_ : kMargins[0],
-                    last == waypoints_.count() - 1 ? goal_margin_ : kMargins[0]);
+    return std::min(first == 0 ? start_margin_ : effort_.margin,
+                    last == waypoints_.count() - 1 ? goal_margin_ : effort_.margin);
   }
 
   /// Which of the first `count` states are free.
@@ -122,7 +114,8 @@ class Shortener {
   }
 
   bool is_chain_free(std::span<const float> rows, int first, int last) {
-    if (!checker_.is_chain_valid(rows, counters_, {1, margin(first, last)})) return false;
+    if (!checker_.is_chain_valid(rows, counters_, {effort_.refinement, margin(first, last)}))
+      return false;
     const auto joints = as_index(joints_);
     for (std::size_t i = 0; verifier_ != nullptr && i + joints < rows.size(); i += joints) {
       const MotionEnds ends{first == 0 && i == 0,
@@ -137,15 +130,12 @@ class Shortener {
 
   int find_farthest(int first);
   void relax();
-  void write_relaxed(int k);
-  bool take_relaxed(int k, int candidate);
+  bool take_relaxed(const Relaxation& relaxation, int candidate);
   std::uint64_t random_joints();
-  int shorten_stretch(bool has_all_joints);
-  bool sample_stretch(Stretch& stretch, bool has_all_joints);
-  [[nodiscard]] float length_of(const Stretch& stretch);
-  void write_state(const Stretch& stretch, float arc_length, float* q) const;
-  void write_rows(const Stretch& stretch);
-  bool take(const Stretch& stretch);
+  std::array<Shortcut, kShortcuts> sample_shortcuts(bool has_all_joints);
+  int take_shortcut(bool has_all_joints);
+  void write_rows(const Shortcut& shortcut, PathPoint begin, PathPoint end);
+  bool take(const Shortcut& shortcut);
 
   const CollisionChecker& checker_;
   Path& path_;
@@ -153,14 +143,15 @@ class Shortener {
   int joints_;
   std::uint64_t all_joints_;
   Rng rng_;
+  const ShortenEffort& effort_;
   const MotionVerifier* verifier_;
   CheckCounters& counters_;
   const std::function<bool()>& must_stop_;
   std::vector<float> states_;
+  float least_gain_;
   std::array<std::uint8_t, kBatch> is_free_ = {};
   std::vector<float> rows_, ends_;
   double start_margin_ = 0, goal_margin_ = 0;
-  float least_gain_ = 0;
   int relaxed_ = 0;  ///< the waypoint that was relaxed last
 };
 
@@ -200,122 +191,89 @@ void Shortener::relax() {
   const float before = waypoints_.arc_length(k + 1) - waypoints_.arc_length(k - 1);
   const float least = kLeastRelaxed * least_gain_ * waypoints_.length();
   if (before - waypoints_.distance(waypoints_[k - 1], waypoints_[k + 1]) < least) return;
-  write_relaxed(k);
-  check_middles(kBatch);
-  std::array<float, kBatch> gains = {};
-  for (int i = 0; i < kBatch; ++i) {
-    if (is_free_[as_index(i)] == 0) continue;
-    gains[as_index(i)] = before - waypoints_.distance(waypoints_[k - 1], state(i)) -
-                         waypoints_.distance(state(i), waypoints_[k + 1]);
-  }
-  for (int tries = 0; tries < 2; ++tries) {
-    const auto best = std::ranges::max_element(gains);
-    if (*best <= least || take_relaxed(k, static_cast<int>(best - gains.begin()))) return;
-    *best = 0;
-  }
+  const Relaxation relaxation{k, {all_joints_, random_joints(), random_joints(), random_joints()}};
+  std::array<float, kShortcuts> gains;
+  counters_.states += kBatch;
+  checker_.rate_relaxations(waypoints_.view(), relaxation, gains);
+  const auto best = std::ranges::max_element(gains);
+  if (*best > least) take_relaxed(relaxation, static_cast<int>(best - gains.begin()));
 }
 
-/// The first candidate is on the segment.
-void Shortener::write_relaxed(int k) {
+bool Shortener::take_relaxed(const Relaxation& relaxation, int candidate) {
+  const int k = relaxation.waypoint;
   const float *a = waypoints_[k - 1], *q = waypoints_[k], *b = waypoints_[k + 1];
   const float fraction = (waypoints_.arc_length(k) - waypoints_.arc_length(k - 1)) /
                          (waypoints_.arc_length(k + 1) - waypoints_.arc_length(k - 1));
-  for (int i = 0; i < kBatch; i += kSteps) {
-    const std::uint64_t joints = i == 0 ? all_joints_ : random_joints();
-    for (int j = 0; j < joints_; ++j) {
-      float step = (joints >> j & 1) != 0 ? a[j] + fraction * (b[j] - a[j]) - q[j] : 0;
-      for (int s = 0; s < kSteps; ++s, step *= 0.5f) state(i + s)[j] = q[j] + step;
-    }
+  const std::uint64_t joints = relaxation.subset(candidate);
+  const float step = relaxation.step(candidate);
+  const bool is_dropped = joints == all_joints_ && step == 1;  // it would be on the segment
+  rows_.assign(a, q);
+  for (int j = 0; j < joints_ && !is_dropped; ++j) {
+    const float whole = a[j] + fraction * (b[j] - a[j]) - q[j];
+    rows_.push_back((joints >> j & 1) != 0 ? q[j] + step * whole : q[j]);
   }
-}
-
-bool Shortener::take_relaxed(int k, int candidate) {
-  const bool is_dropped = candidate == 0;
-  rows_.assign(waypoints_[k - 1], waypoints_[k]);
-  if (!is_dropped) rows_.insert(rows_.end(), state(candidate), state(candidate) + joints_);
-  rows_.insert(rows_.end(), waypoints_[k + 1], waypoints_[k + 1] + joints_);
+  rows_.insert(rows_.end(), b, b + joints_);
   if (!is_free(rows_, k - 1, k + 1)) return false;
   waypoints_.replace(k - 1, k + 1, {rows_.data() + joints_, as_index(is_dropped ? 0 : joints_)});
   return true;
 }
 
-void Shortener::write_state(const Stretch& stretch, float arc_length, float* q) const {
-  waypoints_.write(waypoints_.locate(arc_length), q);
-  const float fraction = (arc_length - stretch.begin_arc) / (stretch.end_arc - stretch.begin_arc);
-  const float *from = ends_.data(), *to = ends_.data() + joints_;
-  for (int j = 0; j < joints_; ++j) {
-    if ((stretch.joints >> j & 1) != 0) q[j] = from[j] + fraction * (to[j] - from[j]);
-  }
-}
-
 /// Writes the straightened stretch, with its ends, into rows_.
-void Shortener::write_rows(const Stretch& stretch) {
+void Shortener::write_rows(const Shortcut& shortcut, PathPoint begin, PathPoint end) {
   ends_.resize(as_index(2 * joints_));
-  waypoints_.write(stretch.begin, ends_.data());
-  waypoints_.write(stretch.end, ends_.data() + joints_);
-  rows_.assign(ends_.begin(), ends_.begin() + joints_);
-  if (stretch.joints != all_joints_) {
-    const float length = stretch.end_arc - stretch.begin_arc;
-    for (int i = stretch.begin.motion + 1; i <= stretch.end.motion; ++i) {
-      const float fraction = (waypoints_.arc_length(i) - stretch.begin_arc) / length;
-      const float* q = waypoints_[i];
-      for (int j = 0; j < joints_; ++j) {
-        const float from = ends_[as_index(j)], to = ends_[as_index(joints_ + j)];
-        rows_.push_back((stretch.joints >> j & 1) != 0 ? from + fraction * (to - from) : q[j]);
-      }
+  float *from = ends_.data(), *to = from + joints_;
+  waypoints_.write(begin, from);
+  waypoints_.write(end, to);
+  rows_.assign(from, to);
+  const float length = shortcut.end - shortcut.begin;
+  for (int i = begin.motion + 1; i <= end.motion && shortcut.joints != all_joints_; ++i) {
+    const float fraction = (waypoints_.arc_length(i) - shortcut.begin) / length;
+    const float* q = waypoints_[i];
+    for (int j = 0; j < joints_; ++j) {
+      const bool is_straight = (shortcut.joints >> j & 1) != 0;
+      rows_.push_back(is_straight ? from[j] + fraction * (to[j] - from[j]) : q[j]);
     }
   }
-  rows_.insert(rows_.end(), ends_.begin() + joints_, ends_.end());
+  rows_.insert(rows_.end(), to, to + joints_);
 }
 
-float Shortener::length_of(const Stretch& stretch) {
-  write_rows(stretch);
-  float length = 0;
-  for (std::size_t i = as_index(joints_); i < rows_.size(); i += as_index(joints_)) {
-    length += waypoints_.distance(&rows_[i - as_index(joints_)], &rows_[i]);
-  }
-  return length;
-}
-
-bool Shortener::sample_stretch(Stretch& stretch, bool has_all_joints) {
+std::array<Shortcut, kShortcuts> Shortener::sample_shortcuts(bool has_all_joints) {
   const float length = waypoints_.length();
-  float first = static_cast<float>(rng_.uniform()) * length;
-  float second = static_cast<float>(rng_.uniform()) * length;
-  if (first > second) std::swap(first, second);
-  stretch = {waypoints_.locate(first), waypoints_.locate(second), first, second,
-             has_all_joints ? all_joints_ : random_joints()};
-  if (stretch.begin.motion == stretch.end.motion) return false;
-  return second - first - length_of(stretch) >= least_gain_ * length;
+  std::array<Shortcut, kShortcuts> shortcuts;
+  for (Shortcut& shortcut : shortcuts) {
+    const auto first = static_cast<float>(rng_.uniform()) * length;
+    const auto second = static_cast<float>(rng_.uniform()) * length;
+    shortcut.begin = std::min(first, second);
+    shortcut.end = std::max(first, second);
+    shortcut.joints = has_all_joints ? all_joints_ : random_joints();
+  }
+  return shortcuts;
 }
 
-/// Tries up to a batch of stretches and returns their number. A stretch whose midpoint is in
-/// contact costs one lane only.
-int Shortener::shorten_stretch(bool has_all_joints) {
-  std::array<Stretch, kBatch> stretches;
-  int count = 0;
-  for (int tries = 0; tries < kBatch; ++tries) {
-    Stretch& stretch = stretches[as_index(count)];
-    if (!sample_stretch(stretch, has_all_joints)) continue;
-    write_state(stretch, 0.5f * (stretch.begin_arc + stretch.end_arc), state(count));
-    ++count;
-  }
-  if (count == 0) return kBatch;
-  check_middles(count);
-  for (int i = 0; i < count; ++i) {
-    if (is_free_[as_index(i)] == 0) continue;
-    if (is_stopped() || take(stretches[as_index(i)])) break;
+/// Takes the first free shortcut of a batch, largest gain first, and returns the batch's size. A
+/// shortcut whose midpoint is in contact costs one lane only.
+int Shortener::take_shortcut(bool has_all_joints) {
+  std::array<Shortcut, kShortcuts> shortcuts = sample_shortcuts(has_all_joints);
+  const float least = least_gain_ * waypoints_.length();
+  checker_.rate_shortcuts(waypoints_.view(), least, shortcuts);
+  std::ranges::sort(shortcuts, std::greater(), &Shortcut::gain);
+  if (shortcuts.front().gain < least) return kBatch;
+  counters_.states += kBatch;
+  for (const Shortcut& shortcut : shortcuts) {
+    if (shortcut.is_promising && (is_stopped() || take(shortcut))) break;
   }
   return kBatch;
 }
 
-bool Shortener::take(const Stretch& stretch) {
-  write_rows(stretch);
-  const int first = stretch.begin.motion, last = stretch.end.motion + 1;
-  if (!is_free(rows_, first, last)) return false;
+bool Shortener::take(const Shortcut& shortcut) {
+  const PathPoint begin = waypoints_.locate(shortcut.begin), end = waypoints_.locate(shortcut.end);
+  if (begin.motion == end.motion) return false;
+  write_rows(shortcut, begin, end);
+  if (!is_free(rows_, begin.motion, end.motion + 1)) return false;
   // The stretch begins between checked states of its old motion.
-  const std::span<const float> begin(rows_.data(), as_index(joints_));
-  if (!checker_.is_motion_valid(begin, begin, counters_)) return false;
-  waypoints_.replace(first, last, rows_);
+  const std::span<const float> first(rows_.data(), as_index(joints_));
+  if (effort_.refinement >= 1 && !checker_.is_motion_valid(first, first, counters_)) return false;
+  waypoints_.replace(begin.motion, end.motion + 1, rows_);
   return true;
 }
 
@@ -341,9 +299,9 @@ void shorten(const CollisionChecker& checker, Path& path, std::uint64_t seed,
              const ShortenEffort& effort, const MotionVerifier* verifier, CheckCounters& counters,
              const std::function<bool()>& must_stop) {
   if (path.size() < 3) return;
-  Shortener shortener(checker, path, seed, verifier, counters, must_stop);
+  Shortener shortener(checker, path, seed, effort, verifier, counters, must_stop);
   shortener.prune();
-  shortener.shorten(effort);
+  shortener.shorten();
   shortener.store();
 }
 

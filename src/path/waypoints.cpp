@@ -58,8 +58,8 @@ void Waypoints::replace(int first, int last, std::span<const float> rows) {
 }
 
 PathPoint Waypoints::locate(float s) const {
-  const auto found = std::upper_bound(arc_lengths_.begin() + 1, arc_lengths_.end() - 1, s);
-  const auto motion = static_cast<int>(found - arc_lengths_.begin()) - 1;
+  int motion = 0;
+  for (const int last = count() - 2; motion < last && arc_length(motion + 1) <= s;) ++motion;
   const float length = arc_length(motion + 1) - arc_length(motion);
   const float fraction = length > 0 ? (s - arc_length(motion)) / length : 0;
   return {motion, std::clamp(fraction, 0.0f, 1.0f)};
@@ -87,9 +87,16 @@ bool Waypoints::has_unique_direction(const float* from, const float* to) const {
 }
 
 void Waypoints::measure() {
-  arc_lengths_.assign(1, 0.0f);
-  for (int i = 0; i + 1 < count(); ++i) {
-    arc_lengths_.push_back(arc_lengths_.back() + distance((*this)[i], (*this)[i + 1]));
+  const int joints = joint_count(), motions = count() - 1;
+  arc_lengths_.assign(as_index(motions + 1), 0.0f);
+  directions_.assign(rows_.size(), 0.0f);
+  for (int i = 0; i < motions; ++i) {
+    const float *from = (*this)[i], *to = (*this)[i + 1];
+    const float length = distance(from, to);
+    arc_lengths_[as_index(i + 1)] = arc_length(i) + length;
+    const float inverse = length > 0 ? 1 / length : 0;
+    float* direction = directions_.data() + i * joints;
+    for (int j = 0; j < joints; ++j) direction[j] = (to[j] - from[j]) * inverse;
   }
 }
 

@@ -42,6 +42,7 @@ class Waypoints {
   [[nodiscard]] std::span<const float> rows(int first, int last) const {
     return {(*this)[first], static_cast<std::size_t>((last - first) * joint_count())};
   }
+  [[nodiscard]] PathView view() const { return {rows_, arc_lengths_, directions_}; }
   /// Length of the whole path.
   [[nodiscard]] float length() const { return arc_lengths_.back(); }
   /// From the start to waypoint `i`.
@@ -59,6 +60,7 @@ class Waypoints {
   JointSpace space_;
   std::vector<float> rows_;
   std::vector<float> arc_lengths_;  ///< per waypoint
+  std::vector<float> directions_;   ///< row by row, of the motion that begins there
 };
 
 }  // namespace mneme::internal
