@@ -88,7 +88,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("range", s.range, 1e-3, 1e3,
         "Longest single extension of a tree, radians of L2 joint distance. Longer ones are "
         "rejected more often, shorter ones explore slowly. Default: the robot's (0.64 for a planar "
-        "arm, 0.5 otherwise).");
+        "arm, 0.5 otherwise; with up to 10 joints 1 in the first 100 iterations, which are checked "
+        "at half the resolution).");
   visit("timeout", s.timeout_s, 0.0, 1e6, "Time limit, seconds, kept within 10 ms.");
   visit("max-iterations", s.max_iterations, std::uint64_t{1}, ~std::uint64_t{0},
         "Iteration limit. With a seed it makes a run repeatable under any load of the machine. "

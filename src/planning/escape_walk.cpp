@@ -22,17 +22,19 @@ constexpr double kJitter = 1;
 
 }  // namespace
 
-EscapeWalk::EscapeWalk(PlannerRun& run)
-    : run_(run),
-      rng_(run.make_rng(RngStream::walks)),
-      limbs_(run.checker().limbs()),
-      drift_sizes_(joint_deviations(run.checker().robot(), 1)) {
+EscapeWalk::EscapeWalk(PlannerRun& run) : run_(run), rng_(run.make_rng(RngStream::walks)) {
   const bool is_planar = run.checker().robot().is_planar();
   const PlanSettings& settings = run.settings();
   probability_ = settings.walk.value_or(is_planar ? kPlanarProbability : kSpatialProbability);
   first_iteration_ = settings.walk_after.value_or(is_planar ? kPlanarStart : kSpatialStart);
+}
+
+void EscapeWalk::prepare() {
+  if (!drift_sizes_.empty()) return;
+  limbs_ = run_.checker().limbs();
   if (limbs_.empty()) probability_ = 0;
-  const std::size_t joints = run.start().size();
+  drift_sizes_ = joint_deviations(run_.checker().robot(), 1);
+  const std::size_t joints = run_.start().size();
   drift_.resize(joints);
   jitter_.resize(3 * kCandidates);
   candidates_.resize(kCandidates * joints);
@@ -40,10 +42,13 @@ EscapeWalk::EscapeWalk(PlannerRun& run)
 }
 
 bool EscapeWalk::is_due() {
-  return run_.iterations() >= first_iteration_ && rng_.uniform() < probability_;
+  if (run_.iterations() < first_iteration_) return false;
+  prepare();
+  return rng_.uniform() < probability_;
 }
 
 int EscapeWalk::extend(Tree& tree) {
+  prepare();
   begin();
   int last = -1;
   int node = tree.size() - 1;

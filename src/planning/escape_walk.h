@@ -31,6 +31,8 @@ class EscapeWalk {
   int extend(Tree& tree);
 
  private:
+  /// Makes what walks need, once: most searches end before the first walk.
+  void prepare();
   /// Samples the constants of a walk.
   void begin();
   /// One step from `node`; the new node, or -1.

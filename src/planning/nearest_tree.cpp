@@ -9,9 +9,7 @@
 namespace mneme::internal {
 
 NearestTree::NearestTree(const JointSpace& space, Isa isa)
-    : space_(space), kernels_(nearest_kernels(isa)), blocks_(space.joint_count()) {
-  add_leaf();
-}
+    : space_(space), kernels_(nearest_kernels(isa)), blocks_(space.joint_count()) {}
 
 int NearestTree::add_leaf() {
   const auto joints = static_cast<std::size_t>(space_.joint_count());
@@ -28,6 +26,7 @@ int NearestTree::add_leaf() {
 }
 
 void NearestTree::add(std::span<const float> q) {
+  if (leaves_.empty()) add_leaf();
   int* child = &root_;
   const auto descend = [&](Node& node) {
     child = &node.children[q[node.joint] < node.value ? 0 : 1];
@@ -115,7 +114,6 @@ void NearestTree::clear() {
   numbers_.clear();
   boxes_.clear();
   distances_.clear();
-  add_leaf();
 }
 
 }  // namespace mneme::internal

@@ -26,6 +26,15 @@ std::uint64_t work_per_clock_check(const Scene& scene) {
   return std::max(work, std::uint64_t{1});
 }
 
+/// Long steps lead arms of few joints to their goal sooner. What coarse checks miss, verification
+/// must find.
+bool begins_coarse(const CollisionChecker& checker, const PlanSettings& settings) {
+  constexpr int kMostJoints = 10;
+  return !settings.range && checker.has_default_resolution() &&
+         settings.verification() != Verification::none && !checker.robot().is_planar() &&
+         checker.robot().joint_count() <= kMostJoints;
+}
+
 }  // namespace
 
 PlannerRun::PlannerRun(const PlanTask& task)
@@ -37,6 +46,7 @@ PlannerRun::PlannerRun(const PlanTask& task)
       range_(static_cast<float>(
           std::max(settings_.range.value_or(default_range(checker_.robot())), kLeastRange))),
       long_range_(settings_.range ? range_ : range_ / 2),
+      early_iterations_(begins_coarse(checker_, settings_) ? kEarly : 0),
       first_domain_(checker_.robot().is_planar() ? std::numeric_limits<float>::infinity()
                                                  : kFirstDomainRadius * kFirstDomainRadius),
       further_goals_(task.further_goals),

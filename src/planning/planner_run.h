@@ -31,8 +31,11 @@ class PlannerRun {
   PlannerRun& operator=(const PlannerRun&) = delete;
 
   [[nodiscard]] const JointSpace& space() const { return space_; }
-  /// Length of a step; half in a long search, unless it is set.
-  [[nodiscard]] float range() const { return is_long_search() ? long_range_ : range_; }
+  /// Length of a step; longer early in a search and shorter late in it, unless it is set.
+  [[nodiscard]] float range() const {
+    if (is_early()) return range_ / kEarlyRefinement;
+    return is_long_search() ? long_range_ : range_;
+  }
   /// Squared radius of a tree node's domain after it could not be extended; infinite for planar
   /// arms, which find passages faster without domains.
   [[nodiscard]] float first_domain() const { return first_domain_; }
@@ -78,7 +81,8 @@ class PlannerRun {
   }
   void report(SampleSource source, SampleOutcome outcome) { stream_->report(source, outcome); }
   [[nodiscard]] bool is_motion_valid(std::span<const float> from, std::span<const float> to) {
-    return checker_.is_motion_valid(from, to, counters_) &&
+    const MotionDetail detail{.refinement = is_early() ? kEarlyRefinement : 1};
+    return checker_.is_motion_valid(from, to, counters_, detail) &&
            (!shorten_and_verify_.has_refused_often() || would_pass(from, to));
   }
   [[nodiscard]] const CollisionChecker& checker() const { return checker_; }
@@ -99,12 +103,17 @@ class PlannerRun {
   [[nodiscard]] PlanResult give_up(int node_count);
 
  private:
+  /// Iterations. Easy problems end within them: steps are long and checked at this share of the
+  /// resolution, so that a step still takes one vector of states.
+  static constexpr std::uint64_t kEarly = 100;
+  static constexpr float kEarlyRefinement = 0.5f;
   /// Iterations. Ordinary problems take fewer.
   static constexpr std::uint64_t kLongSearch = 300'000;
   /// Iterations between two calls for further goals, each of which costs about ten iterations.
   static constexpr std::uint64_t kGoalPeriod = 1000;
   static constexpr std::size_t kMostGoals = 64;
 
+  [[nodiscard]] bool is_early() const { return result_.iterations < early_iterations_; }
   [[nodiscard]] bool would_pass(std::span<const float> from, std::span<const float> to);
   [[nodiscard]] bool is_cancelled() const;
   [[nodiscard]] bool is_time_up() const;
@@ -123,6 +132,7 @@ class PlannerRun {
   JointSpace space_;
   float range_;
   float long_range_;
+  std::uint64_t early_iterations_;
   float first_domain_;
   std::vector<float> start_;
   std::vector<Configuration> goal_configurations_;  ///< goals_ before rounding

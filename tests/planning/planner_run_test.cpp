@@ -41,8 +41,24 @@ TEST_SUITE("unit") {
     CHECK(f.run.goals() == internal::FloatPath{{1, 1, 1}, {-1, 0.7f, 0}, {2, 0, 0}});
   }
 
-  TEST_CASE("a range that is left out is the robot's own") {
-    CHECK(Fixture(open_world()).run.range() == doctest::Approx(default_range(gantry())));
+  TEST_CASE("a range that is left out is the robot's own, and twice that early in the search") {
+    const auto own = doctest::Approx(default_range(gantry()));
+    Fixture f(open_world());
+    CHECK(f.run.range() / 2 == own);
+    CHECK(f.run.begin_iterations(99) == 99);
+    CHECK(f.run.range() / 2 == own);
+    CHECK(f.run.begin_iterations() == 1);
+    CHECK(f.run.range() == own);
+  }
+
+  TEST_CASE("a range or a resolution that is set, or no verification, keeps early steps short") {
+    const auto own = doctest::Approx(default_range(gantry()));
+    CheckerSettings fine;
+    fine.resolution = 0.01;
+    CHECK(Fixture(open_world(), {}, fine).run.range() == own);
+    PlanSettings unverified;
+    unverified.verify = false;
+    CHECK(Fixture(open_world(), unverified).run.range() == own);
     PlanSettings settings;
     settings.range = 0.125;
     CHECK(Fixture(open_world(), settings).run.range() == 0.125f);
