@@ -219,6 +219,20 @@ def test_a_mesh_of_a_file_or_of_arrays_can_be_attached(robot, tmp_path):
     assert "mesh without a radius" in raised(robot.attach, "link_8", cloud)[1]
 
 
+def test_hostile_meshes_are_errors(tmp_path):
+    node = '<node id="n"><instance_node url="#n"/></node>'
+    ply = "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nproperty float y\n"
+    for name, text, fault in [
+        ("loop.dae", f"<COLLADA><library_visual_scenes><visual_scene>{node}</visual_scene>"
+                     "</library_visual_scenes></COLLADA>", "the node instances itself"),
+        ("count.ply", ply + "property float z\nend_header\n0 0 0\n", "ends before all elements"),
+        ("far.obj", "v 0 0 0\nf 1 2 4294967297\n", "there are 1 before it"),
+    ]:
+        (tmp_path / name).write_text(text)
+        scene = f"obstacles: [{{name: part, type: mesh, file: {tmp_path / name}}}]\n"
+        assert fault in raised(mneme.Scene.parse, scene)[1]
+
+
 def test_points_and_meshes_are_added_from_arrays(robot):
     scene = mneme.Scene()
     points = np.full((1000, 3), [2.0, 0.5, 0.0])

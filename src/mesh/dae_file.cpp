@@ -5,6 +5,7 @@
 // expand without end: depth, steps and triangles are limited. Whatever several elements may refer
 // to is read once, so that time stays linear in the size of the file.
 #include "base/fail.h"
+#include "mesh/line_reader.h"
 #include "mesh/mesh_file.h"
 #include "mesh/surface_builder.h"
 
@@ -16,6 +17,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 
 namespace mneme::internal {
 namespace {
@@ -113,7 +115,7 @@ class DaeReader {
   [[noreturn]] void fail(const XMLElement& element, fmt::format_string<Args...> what,
                          Args&&... args) const {
     throw_failure(ErrorCode::parse, "{}:{}: <{}>: {}", surface_.source(), element.GetLineNum(),
-                  element.Name(), fmt::format(what, std::forward<Args>(args)...));
+                  excerpt(element.Name()), fmt::format(what, std::forward<Args>(args)...));
   }
 
   void index_ids(const XMLElement& element) {
@@ -138,11 +140,11 @@ class DaeReader {
     const std::string_view reference = value == nullptr ? "" : value;
     if (!reference.starts_with('#')) {
       fail(element, "{} is \"{}\", expected the id of an element in this file, such as \"#mesh\"",
-           attribute, reference);
+           attribute, excerpt(reference));
     }
     const auto found = elements_.find(reference.substr(1));
     if (found == elements_.end())
-      fail(element, "there is no element with the id in \"{}\"", reference);
+      fail(element, "there is no element with the id in \"{}\"", excerpt(reference));
     return *found->second;
   }
 
@@ -195,6 +197,13 @@ class DaeReader {
     return X;
   }
 
+  /// The same, read once; null for elements of other kinds.
+  [[nodiscard]] const Placement* find_transform(const XMLElement& element) {
+    const auto [found, is_new] = transforms_.try_emplace(&element);
+    if (is_new) found->second = read_transform(element);
+    return found->second ? &*found->second : nullptr;
+  }
+
   void visit_children(const XMLElement& parent, Placement X) {
     if (std::ssize(path_) >= kMostDepth) {
       fail(parent, "nests its nodes too deep, expected at most {} levels", kMostDepth);
@@ -204,7 +213,7 @@ class DaeReader {
     for (const XMLElement* child = parent.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
       count_step(*child);
-      if (const auto own = read_transform(*child)) {
+      if (const Placement* own = find_transform(*child)) {
         X = X * *own;
       } else if (is_named(*child, "node")) {
         visit_children(*child, X);
@@ -281,7 +290,7 @@ class DaeReader {
       vertices = &target(*input, "source");
     }
     if (vertices == nullptr) fail(faces, "expected an <input> with the semantic VERTEX");
-    const auto [found, is_new] = points_.try_emplace(vertices);
+    const auto [found, is_new] = vertices_.try_emplace(vertices);
     if (is_new) found->second = read_vertices(*vertices);
     result.vertices = found->second;
     return result;
@@ -292,7 +301,7 @@ class DaeReader {
          input = input->NextSiblingElement("input")) {
       if (input->Attribute("semantic", "POSITION") == nullptr) continue;
       const XMLElement& source = target(*input, "source");
-      const auto [found, is_new] = points_.try_emplace(&source);
+      const auto [found, is_new] = sources_.try_emplace(&source);
       if (is_new) found->second = read_source(source);
       return found->second;
     }
@@ -378,7 +387,8 @@ class DaeReader {
   std::map<std::string_view, const XMLElement*> elements_;  ///< by id
   // Read so far:
   std::map<const XMLElement*, std::vector<double>> arrays_;
-  std::map<const XMLElement*, Points> points_;              ///< of <source> and <vertices>
+  std::map<const XMLElement*, Points> sources_, vertices_;
+  std::map<const XMLElement*, std::optional<Placement>> transforms_;
   std::map<const XMLElement*, std::vector<Vec3>> corners_;  ///< of <geometry>
   std::vector<const XMLElement*> path_;                     ///< from the scene to a node
   std::size_t steps_ = 0, triangles_ = 0;

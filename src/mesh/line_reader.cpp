@@ -25,7 +25,7 @@ NumberType read_ply_type(const LineReader& lines, std::string_view word) {
       {"float", {'F', 4}}, {"float32", {'F', 4}}, {"double", {'F', 8}}, {"float64", {'F', 8}}};
   const auto type = kTypes.find(word);
   if (type == kTypes.end())
-    lines.fail(ErrorCode::parse, "expected a type of PLY, got \"{}\"", word);
+    lines.fail(ErrorCode::parse, "expected a type of PLY, got \"{}\"", excerpt(word));
   return type->second;
 }
 
@@ -96,10 +96,10 @@ std::size_t LineReader::read_count(std::string_view word, std::size_t most) cons
   std::size_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error == std::errc::invalid_argument || end != word.data() + word.size()) {
-    fail(ErrorCode::parse, "expected a whole number, got \"{}\"", word);
+    fail(ErrorCode::parse, "expected a whole number, got \"{}\"", excerpt(word));
   }
   if (error != std::errc() || value > most) {
-    fail(ErrorCode::unsupported, "expected at most {}, got {}", most, word);
+    fail(ErrorCode::unsupported, "expected at most {}, got {}", most, excerpt(word));
   }
   return value;
 }
@@ -110,7 +110,7 @@ double LineReader::read_number(std::string_view word) const {
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error == std::errc::result_out_of_range) return std::nan("");
   if (error != std::errc() || end != word.data() + word.size()) {
-    fail(ErrorCode::parse, "expected a number, got \"{}\"", word);
+    fail(ErrorCode::parse, "expected a number, got \"{}\"", excerpt(word));
   }
   return value;
 }
@@ -160,7 +160,7 @@ PlyHeader read_ply_header(LineReader& lines) {
       if (properties.size() == kMostProperties) lines.fail(ErrorCode::parse, "too many properties");
       properties.push_back(read_ply_property(lines, words));
     } else {
-      lines.fail(ErrorCode::parse, "expected a header of PLY, got \"{}\"", words[0]);
+      lines.fail(ErrorCode::parse, "expected a header of PLY, got \"{}\"", excerpt(words[0]));
     }
   }
   if (!has_format || header.elements.empty()) {

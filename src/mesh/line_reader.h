@@ -18,6 +18,9 @@ using Words = std::vector<std::string_view>;
 /// `text` with small letters for A to Z.
 [[nodiscard]] std::string lower_case(std::string_view text);
 
+/// The first characters of a word, for messages.
+[[nodiscard]] inline std::string_view excerpt(std::string_view word) { return word.substr(0, 60); }
+
 /// Splits text into lines of words. Keeps references to its arguments. Its functions throw
 /// InputFailure, which names the source and mostly the line.
 class LineReader {

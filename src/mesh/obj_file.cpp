@@ -60,7 +60,7 @@ class ObjReader {
     if (error != std::errc() || end != digits.data() + digits.size() || index == 0 ||
         index > count || index < -count) {
       lines_.fail(ErrorCode::parse, "a face has the vertex \"{}\", but there are {} before it",
-                  word, count);
+                  excerpt(word), count);
     }
     return vertices_[static_cast<std::size_t>(index > 0 ? index - 1 : count + index)];
   }

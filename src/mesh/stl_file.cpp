@@ -35,7 +35,8 @@ void read_text(std::string_view bytes, SurfaceBuilder& surface) {
       is_open = false;
     } else if (keyword != "solid" && keyword != "endsolid" && keyword != "outer" &&
                keyword != "endloop" && keyword != "color" && keyword != "end") {
-      lines.fail(ErrorCode::parse, "expected a keyword of STL, got \"{}\"", words->front());
+      lines.fail(ErrorCode::parse, "expected a keyword of STL, got \"{}\"",
+                 excerpt(words->front()));
     }
   }
   if (is_open) lines.fail_file(ErrorCode::parse, "ends within a facet");

@@ -191,6 +191,14 @@ TEST_SUITE("unit") {
           std::string::npos);
   }
 
+  TEST_CASE("Elements may stand for others only in their own place") {
+    const std::string own =
+        "<triangles><input semantic=\"VERTEX\" source=\"#w\" offset=\"0\"/><p>0 1 2</p></triangles>"
+        "<vertices id=\"w\"><input semantic=\"POSITION\" source=\"#w\"/></vertices>";
+    CHECK(refusal(make_dae(own, kNode), "a.dae").find("expected an <accessor>") !=
+          std::string::npos);
+  }
+
   TEST_CASE("XML that would take a parser for ever is refused before it") {
     std::string attributes = "<COLLADA";
     for (int i = 0; i < 100000; ++i) attributes += " a" + std::to_string(i) + "=\"<\"";
