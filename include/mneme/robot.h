@@ -163,6 +163,11 @@ class Robot {
   [[nodiscard]] std::span<const std::pair<int, int>> self_pairs() const {
     return model_->self_pairs;
   }
+  /// Those of self_pairs() that are checked by exact geometry, because their spheres overlap in
+  /// every configuration.
+  [[nodiscard]] std::span<const std::pair<int, int>> exact_pairs() const {
+    return model_->exact_pairs;
+  }
   /// The named states of all groups of the SRDF, in its order.
   [[nodiscard]] std::span<const NamedState> named_states() const { return model_->states; }
   /// Warnings from reading, such as names in the SRDF that the URDF lacks.
@@ -221,6 +226,9 @@ class Robot {
     std::optional<std::vector<std::pair<std::string, std::string>>> allowed_pairs = std::nullopt;
     std::vector<std::string> warnings = {};
     std::vector<NamedState> states = {};
+    /// Pairs of links, one of them with a sphere approximation at least, that are checked by exact
+    /// geometry if they are checked at all.
+    std::vector<std::pair<std::string, std::string>> exact_pairs = {};
   };
 
  private:
@@ -230,7 +238,7 @@ class Robot {
     std::vector<Link> links;
     std::vector<Joint> joints;
     std::vector<int> group;
-    std::vector<std::pair<int, int>> self_pairs;
+    std::vector<std::pair<int, int>> self_pairs, exact_pairs;
     std::string hash;
     bool is_planar = false;
     std::vector<std::string> warnings;

@@ -80,11 +80,19 @@ void add_joint(Bytes& bytes, const Joint& joint, bool is_in_group, bool is_movin
   add_value(bytes, joint, is_in_group, is_moving);
 }
 
+void add_pairs(Bytes& bytes, std::span<const std::pair<int, int>> pairs) {
+  bytes.add_count(pairs.size());
+  for (const auto& [first, second] : pairs) {
+    bytes.add(first);
+    bytes.add(second);
+  }
+}
+
 }  // namespace
 
 std::string hash_robot(std::span<const Link> links, std::span<const Joint> joints,
-                       std::span<const int> group,
-                       std::span<const std::pair<int, int>> self_pairs) {
+                       std::span<const int> group, std::span<const std::pair<int, int>> self_pairs,
+                       std::span<const std::pair<int, int>> exact_pairs) {
   Bytes bytes;
   bytes.add(kVersion);
   bytes.add_count(links.size());
@@ -96,11 +104,9 @@ std::string hash_robot(std::span<const Link> links, std::span<const Joint> joint
   }
   bytes.add_count(group.size());
   for (const int joint : group) bytes.add(joint);
-  bytes.add_count(self_pairs.size());
-  for (const auto& [first, second] : self_pairs) {
-    bytes.add(first);
-    bytes.add(second);
-  }
+  add_pairs(bytes, self_pairs);
+  // Robots without them keep the hash under which experience was stored before there were any.
+  if (!exact_pairs.empty()) add_pairs(bytes, exact_pairs);
   return fmt::format("{:016x}", bytes.hash());
 }
 

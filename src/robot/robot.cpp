@@ -86,23 +86,21 @@ Result<void> refuse_solids(std::span<const Link> links) {
               link->name);
 }
 
-/// Pairs of links that may touch.
-Result<internal::LinkPairs> find_allowed(const Robot::Parts& parts, std::span<const int> group,
-                                         const RobotOptions& options) {
-  internal::LinkPairs pairs;
-  if (!parts.allowed_pairs) pairs = internal::find_neighbours(parts.links, parts.joints, group);
-  auto named = parts.allowed_pairs.value_or(decltype(options.allowed_pairs)());
-  named.insert(named.end(), options.allowed_pairs.begin(), options.allowed_pairs.end());
+using NamedPairs = std::vector<std::pair<std::string, std::string>>;
+
+/// Indices of links by their names. `purpose` completes the message "links 'a' and 'b' are ..".
+Result<internal::LinkPairs> find_pairs(std::span<const Link> all, const NamedPairs& named,
+                                       std::string_view purpose) {
   std::map<std::string_view, int> links;
-  for (const Link& link : parts.links) links.emplace(link.name, static_cast<int>(links.size()));
+  for (const Link& link : all) links.emplace(link.name, static_cast<int>(links.size()));
+  internal::LinkPairs pairs;
   for (const auto& [a, b] : named) {
     const auto first = links.find(a), second = links.find(b);
     if (first == links.end() || second == links.end()) {
-      return fail(ErrorCode::invalid,
-                  "links '{}' and '{}' are allowed to touch, but there is no link '{}'", a, b,
-                  first == links.end() ? a : b);
+      return fail(ErrorCode::invalid, "links '{}' and '{}' are {}, but there is no link '{}'", a, b,
+                  purpose, first == links.end() ? a : b);
     }
-    pairs.emplace_back(first->second, second->second);
+    pairs.push_back(std::minmax(first->second, second->second));
   }
   return pairs;
 }
@@ -121,6 +119,18 @@ void warn_of_virtual_joint(const Robot::Parts& parts, const RobotOptions& option
       "group '{}' has the virtual joint '{}', which cannot be planned for: the base stays where it "
       "is",
       group->name, group->virtual_joint));
+}
+
+/// Pairs of links that may touch.
+Result<internal::LinkPairs> find_allowed(const Robot::Parts& parts, std::span<const int> group,
+                                         const RobotOptions& options) {
+  auto named = parts.allowed_pairs.value_or(NamedPairs());
+  named.insert(named.end(), options.allowed_pairs.begin(), options.allowed_pairs.end());
+  internal::LinkPairs pairs = MNEME_TRY(find_pairs(parts.links, named, "allowed to touch"));
+  if (parts.allowed_pairs) return pairs;
+  const auto neighbours = internal::find_neighbours(parts.links, parts.joints, group);
+  pairs.insert(pairs.end(), neighbours.begin(), neighbours.end());
+  return pairs;
 }
 
 /// Very wide limits are probably degrees.
@@ -177,10 +187,16 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
     warn_of_wide_limits(sorted.joints, sorted.warnings);
     warn_of_followers(sorted.joints, model.group, sorted.warnings);
     const internal::LinkPairs allowed = MNEME_TRY(find_allowed(sorted, model.group, options));
+    model.exact_pairs =
+        MNEME_TRY(find_pairs(sorted.links, sorted.exact_pairs, "checked by exact geometry"));
     model.links = std::move(sorted.links);
     model.joints = std::move(sorted.joints);
     model.self_pairs = internal::derive_self_pairs(model.links, model.joints, model.group, allowed);
-    model.hash = internal::hash_robot(model.links, model.joints, model.group, model.self_pairs);
+    std::erase_if(model.exact_pairs, [&](const std::pair<int, int>& pair) {
+      return std::ranges::find(model.self_pairs, pair) == model.self_pairs.end();
+    });
+    model.hash = internal::hash_robot(model.links, model.joints, model.group, model.self_pairs,
+                                      model.exact_pairs);
     model.is_planar = internal::moves_in_plane(model.links, model.joints, model.group);
     model.warnings = std::move(sorted.warnings);
     model.states = std::move(sorted.states);

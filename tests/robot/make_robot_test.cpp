@@ -399,6 +399,29 @@ TEST_SUITE("law") {
     CHECK(internal::hash_robot(robot.links(), robot.joints(), robot.group(), robot.self_pairs()) ==
           robot.hash());
   }
+
+  TEST_CASE("pairs that are checked by exact geometry are some of those that are checked") {
+    Robot::Parts parts = test::make_chain(4);
+    const auto name = [&](std::size_t link) { return parts.links[link].name; };
+    const Robot plain = test::require_robot(parts);
+    REQUIRE(!plain.self_pairs().empty());
+    CHECK(plain.exact_pairs().empty());
+    const auto [first, second] = plain.self_pairs().front();
+    // The second pair is not checked, because a joint joins its links.
+    parts.exact_pairs = {{plain.links()[static_cast<std::size_t>(second)].name,
+                          plain.links()[static_cast<std::size_t>(first)].name},
+                         {name(0), name(1)}};
+    const Robot robot = test::require_robot(parts);
+    REQUIRE(robot.exact_pairs().size() == 1);
+    CHECK(robot.exact_pairs()[0] == plain.self_pairs().front());
+    CHECK(robot.hash() != plain.hash());
+    parts.exact_pairs = {{name(0), "hand"}};
+    const auto unknown = make_robot(parts);
+    REQUIRE(!unknown.has_value());
+    CHECK(unknown.error().message.ends_with("links '" + name(0) +
+                                            "' and 'hand' are checked by exact geometry, but there "
+                                            "is no link 'hand'"));
+  }
 }
 
 }  // namespace mneme
