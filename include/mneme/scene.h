@@ -7,9 +7,12 @@
 #include "mneme/base.h"
 #include "mneme/geometry.h"
 
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -34,6 +37,33 @@ struct Obstacle {
   bool operator==(const Obstacle&) const = default;
 };
 
+namespace internal {
+
+/// Cache of names for Scene::add(). Copies are empty; all are equal.
+class ObstacleNames {
+ public:
+  ObstacleNames() = default;
+  ObstacleNames(const ObstacleNames&) {}
+  ObstacleNames& operator=(const ObstacleNames&) { return *this = ObstacleNames(); }
+  ObstacleNames(ObstacleNames&&) noexcept = default;
+  ObstacleNames& operator=(ObstacleNames&&) noexcept = default;
+  ~ObstacleNames() = default;
+  bool operator==(const ObstacleNames&) const { return true; }
+
+  /// Returns the position of an obstacle, after reading a list that others have changed.
+  [[nodiscard]] std::optional<std::size_t> find(const std::vector<Obstacle>& obstacles,
+                                                const std::string& name);
+  /// Adds the last obstacle of the list.
+  void add_last(const std::vector<Obstacle>& obstacles);
+
+ private:
+  const Obstacle* data_ = nullptr;
+  std::size_t size_ = 0;
+  std::unordered_map<std::string, std::size_t> positions_;
+};
+
+}  // namespace internal
+
 /// The workspace W = {wo_1 .. wo_M} of the paper.
 struct Scene {
   std::string name;
@@ -43,6 +73,7 @@ struct Scene {
   /// Pairs of links that are checked against each other by exact geometry; at least one of the two
   /// has a sphere approximation. Not written to files.
   std::vector<std::pair<std::string, std::string>> exact_pairs = {};
+  internal::ObstacleNames names = {};  ///< For add() only.
 
   /// Returns null if there is no obstacle of this name.
   [[nodiscard]] const Obstacle* find(std::string_view obstacle) const;
@@ -52,7 +83,11 @@ struct Scene {
   // octrees are kept, except for one wider than the robot's reach that is moved. Errors: an unknown
   // obstacle, a name that is taken, a shape without size or parts.
 
+  /// Constant cost on average. A name that was changed in `obstacles` by hand may go unnoticed.
   [[nodiscard]] Result<void> add(Obstacle obstacle);
+  /// Adds a shape to an obstacle, or an obstacle of this shape if there is none. Cost and
+  /// errors as add().
+  [[nodiscard]] Result<void> add_shape(const std::string& obstacle, Shape shape);
   [[nodiscard]] Result<void> remove(std::string_view obstacle);
   /// Moves an obstacle by X in the frame of the root link: each pose becomes X * pose.
   [[nodiscard]] Result<void> move(std::string_view obstacle, const Transform& X);

@@ -6,7 +6,7 @@
 
 #include "base/files.h"
 #include "pipeline/settings_input.h"
-#include "scene/input.h"
+#include "input/input.h"
 
 #include <fmt/ranges.h>
 

@@ -5,7 +5,7 @@
 #include "base/as_index.h"
 #include "base/files.h"
 #include "geometry/solids.h"
-#include "scene/input.h"
+#include "input/input.h"
 #include "scene/scene_input.h"
 
 #include <fmt/format.h>

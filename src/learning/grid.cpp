@@ -5,7 +5,7 @@
 #include "base/files.h"
 #include "experience/key_index.h"
 #include "store/row_check.h"
-#include "scene/input.h"
+#include "input/input.h"
 
 #include <algorithm>
 #include <cmath>

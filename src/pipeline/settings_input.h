@@ -6,7 +6,7 @@
 
 #include "mneme/pipeline.h"
 
-#include "scene/input.h"
+#include "input/input.h"
 
 #include <fmt/format.h>
 

@@ -4,13 +4,14 @@
 #include "base/files.h"
 #include "mesh/line_reader.h"
 #include "scene/compound_files.h"
-#include "scene/input.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <map>
 
 namespace mneme::internal {
@@ -26,7 +27,8 @@ struct CloudHeader {
   std::vector<CloudField> fields;
   std::size_t count = 0;  ///< number of records
   PlyHeader::Data data = PlyHeader::Data::text;
-  bool may_go_on = false;  ///< more than the records may follow
+  bool may_go_on = false;      ///< other data may follow the records
+  bool is_compressed = false;  ///< binary data of PCD, field by field
 };
 
 constexpr std::size_t kMostFields = 1000;
@@ -61,23 +63,26 @@ const Words& pcd_entry(const LineReader& text, const PcdEntries& entries, std::s
   return found->second;
 }
 
-PlyHeader::Data pcd_data(const LineReader& text, const Words& words) {
-  if (words[0] == "ascii") return PlyHeader::Data::text;
-  if (words[0] == "binary") return PlyHeader::Data::little_endian;
-  text.fail(ErrorCode::unsupported,
-            "expected the data ascii or binary, got \"{}\"; PCL's "
-            "pcl_convert_pcd_ascii_binary writes them",
-            words[0]);
+void read_pcd_data(const LineReader& text, const Words& words, CloudHeader& header) {
+  header.is_compressed = words[0] == "binary_compressed";
+  if (words[0] == "ascii") return;
+  if (words[0] != "binary" && !header.is_compressed) {
+    text.fail(ErrorCode::unsupported,
+              "expected the data ascii, binary or binary_compressed, got \"{}\"", words[0]);
+  }
+  header.data = PlyHeader::Data::little_endian;
+  header.may_go_on = true;  // PCL pads binary files to whole pages.
 }
 
 std::vector<CloudField> pcd_fields(const LineReader& text, const PcdEntries& entries) {
   const Words& names = pcd_entry(text, entries, "FIELDS");
-  const Words& sizes = pcd_entry(text, entries, "SIZE");
-  const Words& kinds = pcd_entry(text, entries, "TYPE");
-  const auto counts = entries.find("COUNT");
-  const bool has_counts = counts != entries.end();
-  if (sizes.size() != names.size() || kinds.size() != names.size() ||
-      (has_counts && counts->second.size() != names.size())) {
+  const auto entry_or = [&](std::string_view key, std::string_view fallback) {
+    return entries.contains(key) ? pcd_entry(text, entries, key) : Words(names.size(), fallback);
+  };
+  const Words sizes = entry_or("SIZE", "4"), kinds = entry_or("TYPE", "F"),
+              counts = entry_or("COUNT", "1");
+  for (const Words* entry : {&sizes, &kinds, &counts}) {
+    if (entry->size() == names.size()) continue;
     text.fail(ErrorCode::parse, "expected one entry in SIZE, TYPE and COUNT per entry in FIELDS");
   }
   std::vector<CloudField> fields;
@@ -91,7 +96,7 @@ std::vector<CloudField> pcd_fields(const LineReader& text, const PcdEntries& ent
                 "2, 4 or 8",
                 names[i]);
     }
-    const std::size_t count = has_counts ? text.read_count(counts->second[i], kMostFields) : 1;
+    const std::size_t count = text.read_count(counts[i], kMostFields);
     for (std::size_t k = 0; k < count; ++k) {
       fields.push_back({k == 0 ? std::string(names[i]) : "", {kinds[i][0], size}});
     }
@@ -100,10 +105,10 @@ std::vector<CloudField> pcd_fields(const LineReader& text, const PcdEntries& ent
   return fields;
 }
 
-/// Reads up to the first record.
-CloudHeader read_pcd_header(LineReader& text) {
-  static constexpr std::array<std::string_view, 10> kKeys = {
-      "VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
+/// The entries up to DATA, with COLUMNS of old files as FIELDS.
+PcdEntries read_pcd_entries(LineReader& text) {
+  static constexpr std::array<std::string_view, 11> kKeys = {
+      "VERSION", "FIELDS", "COLUMNS",   "SIZE",   "TYPE", "COUNT",
       "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
   PcdEntries entries;
   while (!entries.contains("DATA")) {
@@ -112,19 +117,32 @@ CloudHeader read_pcd_header(LineReader& text) {
     if (std::ranges::find(kKeys, words[0]) == kKeys.end()) {
       text.fail(ErrorCode::parse, "expected a header of PCD, got \"{}\"", words[0]);
     }
-    entries[std::string(words[0])] = Words(words.begin() + 1, words.end());
+    const std::string_view key = words[0] == "COLUMNS" ? "FIELDS" : words[0];
+    entries[std::string(key)] = Words(words.begin() + 1, words.end());
   }
-  const std::string_view version = pcd_entry(text, entries, "VERSION")[0];
-  if (version != ".7" && version != "0.7") {
-    text.fail(ErrorCode::unsupported, "expected PCD of version .7, got {}", version);
+  return entries;
+}
+
+/// Reads up to the first record. Old files may lack all entries but FIELDS, POINTS and DATA.
+CloudHeader read_pcd_header(LineReader& text) {
+  static constexpr std::array<std::string_view, 6> kVersions = {".5",  "0.5", ".6",
+                                                                "0.6", ".7",  "0.7"};
+  const PcdEntries entries = read_pcd_entries(text);
+  if (entries.contains("VERSION")) {
+    const std::string_view version = pcd_entry(text, entries, "VERSION")[0];
+    if (std::ranges::find(kVersions, version) == kVersions.end()) {
+      text.fail(ErrorCode::unsupported, "expected PCD of version .5, .6 or .7, got {}", version);
+    }
   }
   CloudHeader header;
   header.fields = pcd_fields(text, entries);
-  header.data = pcd_data(text, pcd_entry(text, entries, "DATA"));
+  read_pcd_data(text, pcd_entry(text, entries, "DATA"), header);
   const auto count_of = [&](std::string_view key) {
     return text.read_count(pcd_entry(text, entries, key)[0], kMaxCloudPoints);
   };
-  header.count = count_of("WIDTH") * count_of("HEIGHT");
+  const bool has_width = entries.contains("WIDTH");
+  header.count = count_of(has_width ? "WIDTH" : "POINTS");
+  if (has_width && entries.contains("HEIGHT")) header.count *= count_of("HEIGHT");
   if (header.count > kMaxCloudPoints) {
     text.fail(ErrorCode::unsupported, "expected at most {} points, got {}", kMaxCloudPoints,
               header.count);
@@ -178,22 +196,78 @@ class Collect {
   CloudFile result_;
 };
 
+/// Expands LibLZF's format to `size` bytes: runs of literals, and copies of what came before.
+std::string expand_lzf(std::string_view packed, std::size_t size, const LineReader& text) {
+  std::string bytes;
+  std::size_t at = 0;
+  const auto take = [&](std::size_t count) {
+    if (packed.size() - at < count) {
+      text.fail_file(ErrorCode::parse, "ends within its compressed data");
+    }
+    at += count;
+    return packed.substr(at - count, count);
+  };
+  const auto take_byte = [&] { return std::size_t{static_cast<unsigned char>(take(1)[0])}; };
+  while (at < packed.size() && bytes.size() <= size) {
+    const std::size_t control = take_byte();
+    if (control < 32) {
+      bytes += take(control + 1);
+      continue;
+    }
+    std::size_t length = control >> 5;
+    if (length == 7) length += take_byte();
+    const std::size_t distance = ((control & 31) << 8) + take_byte() + 1;
+    if (distance > bytes.size()) {
+      text.fail_file(ErrorCode::parse, "has compressed data that is damaged");
+    }
+    // The copy may overlap what it writes.
+    for (length += 2; length > 0; --length) bytes += bytes[bytes.size() - distance];
+  }
+  if (bytes.size() != size) {
+    text.fail_file(ErrorCode::parse, "has compressed data of other than {} bytes", size);
+  }
+  return bytes;
+}
+
+/// The records of compressed data: two sizes, then each field of all points after the other.
+std::string expanded_records(std::size_t size, const LineReader& text) {
+  constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+  std::array<std::uint32_t, 2> sizes{};  // compressed, expanded
+  if (text.rest().size() < sizeof sizes) {
+    text.fail_file(ErrorCode::parse, "ends before its compressed data");
+  }
+  std::memcpy(sizes.data(), text.rest().data(), sizeof sizes);
+  const std::string_view packed = text.rest().substr(sizeof sizes, sizes[0]);
+  if (packed.size() < sizes[0] || sizes[1] != size || size > kMostBytes) {
+    text.fail_file(
+        ErrorCode::parse,
+        "expected {} bytes of compressed data for {} bytes of points, at most {}; got {} and {}",
+        sizes[0], size, kMostBytes, packed.size(), sizes[1]);
+  }
+  return expand_lzf(packed, size, text);
+}
+
 CloudFile read_binary_records(const CloudHeader& header, const LineReader& text) {
   std::size_t stride = 0;
   for (const CloudField& field : header.fields) stride += field.type.size;
   const std::array<Place, 3> places = find_places(header, text);
-  const std::size_t expected = stride * header.count, got = text.rest().size();
-  if (got < expected || (got > expected && !header.may_go_on)) {
+  const std::size_t expected = stride * header.count;
+  const std::string expanded = header.is_compressed ? expanded_records(expected, text) : "";
+  const std::string_view bytes = header.is_compressed ? std::string_view(expanded) : text.rest();
+  if (bytes.size() < expected || (bytes.size() > expected && !header.may_go_on)) {
     text.fail_file(ErrorCode::parse, "expected {} bytes of {} points after the header, got {}",
-                   expected, header.count, got);
+                   expected, header.count, bytes.size());
   }
   Collect points(header.count);
   for (std::size_t i = 0; i < header.count; ++i) {
-    const char* const record = text.rest().data() + i * stride;
     std::array<double, 3> p{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      p[axis] = read_binary(record + places[axis].offset, places[axis].type,
-                            header.data == PlyHeader::Data::big_endian);
+      const Place& place = places[axis];
+      const std::size_t at = header.is_compressed
+                                 ? place.offset * header.count + i * place.type.size
+                                 : i * stride + place.offset;
+      p[axis] =
+          read_binary(bytes.data() + at, place.type, header.data == PlyHeader::Data::big_endian);
     }
     points.add(p);
   }
@@ -243,7 +317,8 @@ Result<CloudFile> parse_cloud(std::string_view bytes, const std::string& source)
     if (is_ply(bytes)) {
       return read_records(read_ply_cloud_header(text), text);
     }
-    if (bytes.starts_with('#') || bytes.starts_with("VERSION")) {
+    const std::string_view first = bytes.substr(0, bytes.find_first_of(" \t\r\n"));
+    if (bytes.starts_with('#') || first == "VERSION" || first == "FIELDS" || first == "COLUMNS") {
       return read_records(read_pcd_header(text), text);
     }
     text.fail_file(ErrorCode::unsupported, "expected points in a file of PLY or PCD");

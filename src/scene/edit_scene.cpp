@@ -56,15 +56,44 @@ const Obstacle* Scene::find(std::string_view obstacle) const {
 
 Obstacle* Scene::find(std::string_view obstacle) { return find_in(obstacles, obstacle); }
 
+std::optional<std::size_t> internal::ObstacleNames::find(const std::vector<Obstacle>& obstacles,
+                                                         const std::string& name) {
+  if (data_ != obstacles.data() || size_ != obstacles.size()) {
+    positions_.clear();
+    for (const Obstacle& obstacle : obstacles) {
+      positions_.emplace(obstacle.name, positions_.size());
+    }
+    data_ = obstacles.data();
+    size_ = obstacles.size();
+  }
+  const auto found = positions_.find(name);
+  return found == positions_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void internal::ObstacleNames::add_last(const std::vector<Obstacle>& obstacles) {
+  positions_.emplace(obstacles.back().name, obstacles.size() - 1);
+  data_ = obstacles.data();
+  size_ = obstacles.size();
+}
+
 Result<void> Scene::add(Obstacle obstacle) {
   if (obstacle.name.empty()) return refuse_edit("", "expected a name");
   if (obstacle.shapes.empty()) return refuse_edit(obstacle.name, "expected a shape");
-  if (find(obstacle.name) != nullptr) {
+  if (names.find(obstacles, obstacle.name)) {
     return refuse_edit(obstacle.name,
                        "expected a unique name; the scene has an obstacle of this name");
   }
   MNEME_TRY(internal::check_shapes(obstacle));
   obstacles.push_back(std::move(obstacle));
+  names.add_last(obstacles);
+  return {};
+}
+
+Result<void> Scene::add_shape(const std::string& obstacle, Shape shape) {
+  const auto found = names.find(obstacles, obstacle);
+  if (!found) return add({obstacle, {std::move(shape)}});
+  MNEME_TRY(internal::check_shapes({obstacle, {shape}}));
+  obstacles[*found].shapes.push_back(std::move(shape));
   return {};
 }
 

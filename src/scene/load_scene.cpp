@@ -3,7 +3,7 @@
 #include "mneme/scene.h"
 
 #include "base/files.h"
-#include "scene/input.h"
+#include "input/input.h"
 #include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
 
@@ -26,9 +26,12 @@ namespace {
 
 Result<FramedScene> parse_framed_scene(std::string_view yaml, const std::string& source) {
   return internal::without_throwing([&] {
+    const std::string name = std::filesystem::path(source).stem().string();
+    if (internal::is_scene_text(yaml)) {
+      return FramedScene{internal::read_scene_text(yaml, source, name), ""};
+    }
     const internal::InputValue value = internal::parse_yaml(yaml, source);
     const internal::Input input(value, source);
-    const std::string name = std::filesystem::path(source).stem().string();
     if (!internal::is_moveit_scene(input)) {
       return FramedScene{internal::read_scene(input, name), ""};
     }

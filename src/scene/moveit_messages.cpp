@@ -25,8 +25,11 @@ Vec3 read_moveit_point(const Input& input) {
 Eigen::Matrix3d read_moveit_rotation(const Input& input) {
   if (!input.is_map()) return read_rotation(input, false);
   input.allow_keys({"x", "y", "z", "w"});
-  return rotation_of(input, {input.at("x").finite_number(), input.at("y").finite_number(),
-                             input.at("z").finite_number(), input.at("w").finite_number()});
+  const std::array<double, 4> xyzw = {input.at("x").finite_number(), input.at("y").finite_number(),
+                                      input.at("z").finite_number(), input.at("w").finite_number()};
+  // ROS 1 leaves an orientation that nobody sets at 0, which MoveIt takes for the identity.
+  const bool is_unset = std::ranges::all_of(xyzw, [](double value) { return value == 0; });
+  return is_unset ? Eigen::Matrix3d::Identity() : rotation_of(input, xyzw);
 }
 
 namespace {
@@ -130,10 +133,23 @@ Shape read_moveit_primitive(const Input& primitive, const Transform& pose, std::
   type.fail_expecting("box, sphere or cylinder");
 }
 
-namespace {
+std::optional<Box> box_of_plane(const std::array<double, 4>& abcd, const Transform& pose) {
+  constexpr double kHalfWidth = 100, kHalfThickness = 0.0005;  // metres
+  const Vec3 normal(abcd[0], abcd[1], abcd[2]);
+  if (!(normal.norm() > 1e-9)) return std::nullopt;
+  const Eigen::Quaterniond turn =
+      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal.normalized());
+  const Transform X_SP{turn.toRotationMatrix(), -abcd[3] / normal.squaredNorm() * normal};
+  return Box{pose * X_SP, Vec3(kHalfWidth, kHalfWidth, kHalfThickness)};
+}
 
-/// Metres, half of them.
-constexpr double kPlaneWidth = 100, kPlaneThickness = 0.0005;
+Box centred_plane(Box plane) {
+  const Vec3 normal = plane.pose.rotation.col(2);
+  plane.pose.translation = normal.dot(plane.pose.translation) * normal;
+  return plane;
+}
+
+namespace {
 
 std::size_t read_index(const Input& input, std::size_t count) {
   const double value = input.finite_number();
@@ -170,12 +186,9 @@ Box read_moveit_plane(const Input& plane, const Transform& pose) {
   plane.allow_keys({"coef"});
   const Input coefficients = plane.at("coef");
   const std::vector<double> c = coefficients.finite_numbers(4, "a, b, c, d of a plane");
-  const Vec3 normal(c[0], c[1], c[2]);
-  if (!(normal.norm() > 1e-9)) coefficients.fail_expecting("a normal that is not zero");
-  const Eigen::Quaterniond turn =
-      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal.normalized());
-  const Transform X_SP{turn.toRotationMatrix(), -c[3] / normal.squaredNorm() * normal};
-  return {pose * X_SP, Vec3(kPlaneWidth, kPlaneWidth, kPlaneThickness)};
+  const auto box = box_of_plane({c[0], c[1], c[2], c[3]}, pose);
+  if (!box) coefficients.fail_expecting("a normal that is not zero");
+  return *box;
 }
 
 std::optional<Octree> read_moveit_octomap(const Input& octomap) {

@@ -114,9 +114,7 @@ namespace {
 Obstacle placed(const Transform& X_RF, const MoveitObject& object) {
   Obstacle obstacle = moved(X_RF, object.obstacle);
   for (Shape& plane : std::span(obstacle.shapes).last(object.plane_count)) {
-    Transform& pose = std::get<Box>(plane).pose;
-    const Vec3 normal = pose.rotation.col(2);
-    pose.translation = normal.dot(pose.translation) * normal;
+    plane = centred_plane(std::get<Box>(plane));
   }
   return obstacle;
 }

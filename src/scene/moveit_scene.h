@@ -7,8 +7,9 @@
 #include "mneme/geometry.h"
 #include "mneme/scene.h"
 
-#include "scene/input.h"
+#include "input/input.h"
 
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -87,6 +88,19 @@ class MoveitFrames {
   std::map<std::string, Transform> X_PF_;
   std::optional<Transform> X_PR_;
 };
+
+/// Returns true for MoveIt's scene text, which RViz saves as .scene: after a first line with the
+/// name comes "* " of an object, or a dot.
+[[nodiscard]] bool is_scene_text(std::string_view text);
+/// Reads scene text with or without poses of objects, in the frame of the robot's root link.
+[[nodiscard]] Scene read_scene_text(std::string_view text, const std::string& source,
+                                    const std::string& default_name);
+
+/// Returns a thin box for the plane a x + b y + c z + d = 0 in `pose`; nothing without a normal.
+[[nodiscard]] std::optional<Box> box_of_plane(const std::array<double, 4>& abcd,
+                                              const Transform& pose);
+/// Returns the box of a plane, centred at the point of the plane nearest to the origin.
+[[nodiscard]] Box centred_plane(Box plane);
 
 /// Returns true if `input` has a key of a planning scene.
 [[nodiscard]] bool is_moveit_scene(const Input& input);

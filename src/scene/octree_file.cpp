@@ -4,7 +4,7 @@
 #include "base/files.h"
 #include "geometry/axis_box.h"
 #include "scene/compound_files.h"
-#include "scene/input.h"
+#include "input/input.h"
 
 #include <fmt/format.h>
 

@@ -90,8 +90,8 @@ void read_circles(const Input& circles, SceneBuilder& scene) {
   }
   for (const auto& [name, circle] : named) {
     const std::vector<double> row = circle.finite_numbers(3, "x, y, radius in metres");
-    const double radius = circle.items()[2].positive_number();
-    add(circle, name, "", Sphere{{row[0], row[1], 0.0}, radius}, scene);
+    if (!(row[2] > 0)) static_cast<void>(circle.items()[2].positive_number());
+    add(circle, name, "", Sphere{{row[0], row[1], 0.0}, row[2]}, scene);
   }
 }
 
@@ -101,17 +101,31 @@ std::pair<std::string, std::string> read_name_pair(const Input& pair) {
   return {names[0].text(), names[1].text()};
 }
 
+ObstacleContacts::ObstacleContacts(Scene& scene) {
+  for (Obstacle& obstacle : scene.obstacles) obstacles_.emplace(obstacle.name, &obstacle);
+}
+
+Obstacle* ObstacleContacts::find(const std::string& name) const {
+  const auto found = obstacles_.find(name);
+  return found == obstacles_.end() ? nullptr : found->second;
+}
+
+void ObstacleContacts::allow(Obstacle& obstacle, const std::string& link) {
+  if (allowed_.emplace(&obstacle, link).second) obstacle.may_touch.push_back(link);
+}
+
 void read_allowed_contacts(const Input& list, Scene& scene) {
+  ObstacleContacts contacts(scene);
   for (const Input& pair : list.items()) {
     const auto [link, name] = read_name_pair(pair);
-    Obstacle* obstacle = scene.find(name);
+    Obstacle* obstacle = contacts.find(name);
     if (obstacle == nullptr) {
       pair.fail(ErrorCode::invalid,
                 "expected a link and an obstacle of this scene, "
                 "got no obstacle \"{}\"",
                 name);
     }
-    obstacle->may_touch.push_back(link);
+    contacts.allow(*obstacle, link);
   }
 }
 

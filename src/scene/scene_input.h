@@ -7,7 +7,7 @@
 #include "mneme/geometry.h"
 #include "mneme/scene.h"
 
-#include "scene/input.h"
+#include "input/input.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -19,6 +19,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -93,6 +94,21 @@ void read_obstacles(const Input& list, const ObstacleSpelling& spelling, SceneBu
 
 /// Adds circles [x, y, radius] of a list, or of a map from names.
 void read_circles(const Input& circles, SceneBuilder& scene);
+
+/// Finds obstacles by name, and allows contacts. Valid until obstacles are added, removed or
+/// renamed.
+class ObstacleContacts {
+ public:
+  explicit ObstacleContacts(Scene& scene);
+  /// Returns null if there is no obstacle of this name.
+  [[nodiscard]] Obstacle* find(const std::string& name) const;
+  /// Adds a link to Obstacle::may_touch, unless this object has added it before.
+  void allow(Obstacle& obstacle, const std::string& link);
+
+ private:
+  std::unordered_map<std::string_view, Obstacle*> obstacles_;
+  std::set<std::pair<const Obstacle*, std::string>> allowed_;
+};
 
 /// Adds pairs [LINK, OBSTACLE] of a list to Obstacle::may_touch.
 void read_allowed_contacts(const Input& list, Scene& scene);

@@ -234,7 +234,9 @@ class ShapeReader {
     allow_posed({"size"});
     const Input size = input_.at("size");
     const std::vector<double> extents = size.finite_numbers(3, "full extents in metres");
-    for (const Input& extent : size.items()) static_cast<void>(extent.positive_number());
+    if (std::ranges::min(extents) <= 0) {
+      for (const Input& extent : size.items()) static_cast<void>(extent.positive_number());
+    }
     return Box{read_pose(), 0.5 * Vec3(extents[0], extents[1], extents[2])};
   }
 

@@ -4,7 +4,7 @@
 
 #include "base/fail.h"
 #include "scene/scene_input.h"
-#include "scene/input.h"
+#include "input/input.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

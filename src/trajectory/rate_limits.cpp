@@ -4,7 +4,7 @@
 #include "base/check_ranges.h"
 #include "base/fail.h"
 #include "base/files.h"
-#include "scene/input.h"
+#include "input/input.h"
 #include "trajectory/speed_profile.h"
 
 #include <fmt/format.h>

@@ -3,7 +3,7 @@
 #include "mneme/trajectory.h"
 
 #include "base/text.h"
-#include "scene/input.h"
+#include "input/input.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/settings_input.h"
-#include "scene/input.h"
+#include "input/input.h"
 #include "support/support.h"
 
 namespace mneme::test {

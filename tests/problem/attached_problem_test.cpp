@@ -6,7 +6,7 @@
 
 #include "problem/problem_input.h"
 #include "problem/small_robots.h"
-#include "scene/input.h"
+#include "input/input.h"
 #include "support/support.h"
 
 #include <doctest/doctest.h>

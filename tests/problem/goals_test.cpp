@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "problem/moveit_files.h"
 #include "problem/small_robots.h"
-#include "scene/input.h"
+#include "input/input.h"
 #include "support/support.h"
 
 #include <Eigen/Geometry>

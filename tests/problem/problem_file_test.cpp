@@ -5,7 +5,7 @@
 #include "problem/moveit_files.h"
 #include "problem/problem_input.h"
 #include "problem/small_robots.h"
-#include "scene/input.h"
+#include "input/input.h"
 #include "support/support.h"
 
 #include <limits>

@@ -105,8 +105,8 @@ TEST_SUITE("unit") {
           "f.ply: expected 56 bytes of 2 points after the header, got 30");
     CHECK(cloud_message("VERSION 0.7\nFIELDS x\nbad line\n") ==
           "f.ply:3: expected a header of PCD, got \"bad\"");
-    CHECK(cloud_message("VERSION 0.5\nFIELDS x\nDATA ascii\n") ==
-          "f.ply:3: expected PCD of version .7, got 0.5");
+    CHECK(cloud_message("VERSION 0.8\nFIELDS x\nDATA ascii\n") ==
+          "f.ply:3: expected PCD of version .5, .6 or .7, got 0.8");
   }
 
   TEST_CASE("a cloud of more points than memory is meant to hold is refused before it is read") {
@@ -114,8 +114,49 @@ TEST_SUITE("unit") {
           "f.ply:4: expected at most 4000000, got 10000000");
     CHECK(cloud_message(pcd_header("binary", 4000, 2500)) ==
           "f.ply:11: expected at most 4000000 points, got 10000000");
-    CHECK(cloud_message(pcd_header("binary_compressed", 1, 1))
-              .starts_with("f.ply:11: expected the data ascii or binary"));
+    CHECK(cloud_message(pcd_header("packed", 1, 1))
+              .starts_with("f.ply:11: expected the data ascii, binary or binary_compressed"));
+  }
+
+  TEST_CASE("files of older versions and binary files with padding are read") {
+    const std::string points = "DATA ascii\n1 2 3\n4 5 6\n";
+    const std::vector<CloudPoint> expected = {{1, 2, 3}, {4, 5, 6}};
+    require_points(
+        "# .PCD v.5\nVERSION .5\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\n"
+        "HEIGHT 1\nPOINTS 2\n" +
+            points,
+        expected);
+    require_points("COLUMNS x y z\nPOINTS 2\n" + points, expected);
+    require_points("VERSION 0.6\nFIELDS x y z\nWIDTH 2\n" + points, expected);
+    const std::string binary = "FIELDS x y z\nWIDTH 1\nHEIGHT 1\nDATA binary\n" + raw_bytes(1.0f) +
+                               raw_bytes(2.0f) + raw_bytes(3.0f);
+    require_points(binary + std::string(4096, '\0'), {{1, 2, 3}});
+  }
+
+  TEST_CASE("compressed points of PCD are read field by field, damage is refused") {
+    const std::string header = "FIELDS x y z\nWIDTH 4\nHEIGHT 1\nDATA binary_compressed\n";
+    // x: 1 1 1 1, as a literal and a copy that overlaps itself; y and z: literals.
+    std::string packed = std::string(1, '\x03') + raw_bytes(1.0f);
+    packed += "\xe0\x03" + std::string(1, '\x03');  // copies 7 + 3 + 2 bytes from 4 back
+    for (const float first : {2.0f, 10.0f}) {
+      packed += '\x0f';
+      for (int i = 0; i < 4; ++i) packed += raw_bytes(first + static_cast<float>(i));
+    }
+    const auto with = [&](const std::string& data, std::uint32_t size = 48) {
+      return header + raw_bytes(static_cast<std::uint32_t>(data.size())) + raw_bytes(size) + data;
+    };
+    require_points(with(packed), {{1, 2, 10}, {1, 3, 11}, {1, 4, 12}, {1, 5, 13}});
+    require_points(with(packed) + std::string(100, '\0'),
+                   {{1, 2, 10}, {1, 3, 11}, {1, 4, 12}, {1, 5, 13}});
+    CHECK(cloud_message(header + "abc") == "f.ply: ends before its compressed data");
+    const std::string sizes =
+        "f.ply: expected 42 bytes of compressed data for 48 bytes of points, ";
+    CHECK(cloud_message(with(packed, 47)) == sizes + "at most 1073741824; got 42 and 47");
+    CHECK(cloud_message(with(packed).substr(0, 90)) == sizes + "at most 1073741824; got 29 and 48");
+    CHECK(cloud_message(with(packed.substr(0, 20))) == "f.ply: ends within its compressed data");
+    CHECK(cloud_message(with(packed.substr(0, 8))) ==
+          "f.ply: has compressed data of other than 48 bytes");
+    CHECK(cloud_message(with("\x20\x05")) == "f.ply: has compressed data that is damaged");
   }
 
   TEST_CASE("a cloud needs each of x, y and z once, as floating point") {

@@ -166,6 +166,34 @@ TEST_SUITE("unit") {
     CHECK(scene.find("a") == nullptr);
   }
 
+  TEST_CASE("shapes of one name are one body, also after obstacles were changed by hand") {
+    Scene scene{"s", {}};
+    REQUIRE(scene.add_shape("a", Sphere{Vec3::Zero(), 1}).has_value());
+    REQUIRE(scene.add_shape("a", Sphere{Vec3::UnitX(), 1}).has_value());
+    REQUIRE(scene.obstacles.size() == 1);
+    CHECK(scene.obstacles[0].shapes.size() == 2);
+    scene.obstacles.push_back(ball("b"));
+    CHECK_FALSE(scene.add(ball("b")).has_value());
+    REQUIRE(scene.remove("a").has_value());
+    CHECK(scene.add(ball("a")).has_value());
+    Scene copy = scene;
+    CHECK(copy == scene);
+    CHECK_FALSE(copy.add(ball("a")).has_value());
+    const Scene moved_to = std::move(copy);
+    copy = Scene{"t", {}};
+    CHECK(copy.add(ball("a")).has_value());
+    CHECK(edit_message(scene.add_shape("a", Sphere{Vec3::Zero(), -1})).starts_with("obstacle 'a'"));
+  }
+
+  TEST_CASE("adding an obstacle does not read those that are there") {
+    constexpr int kCount = 100'000;
+    Scene scene{"s", {}};
+    const Stopwatch stopwatch;
+    for (int i = 0; i < kCount; ++i) REQUIRE(scene.add(ball("b" + std::to_string(i))).has_value());
+    // A search through the list took minutes.
+    CHECK(stopwatch.elapsed_s() < 10);
+  }
+
   TEST_CASE("names that are unknown or taken are errors that name them") {
     Scene scene = with_cloud();
     const std::string unknown = "obstacle \"x\": there is none of this name in scene \"s\"";

@@ -27,6 +27,13 @@ TEST_SUITE("unit") {
                .rotation == list.rotation));
   }
 
+  TEST_CASE("an orientation that a message leaves at zero is the identity, as in MoveIt") {
+    CHECK(read_yaml("{position: [0, 0, 0], orientation: {x: 0, y: 0, z: 0, w: 0}}",
+                    internal::read_moveit_pose)
+              .value()
+              .rotation == Eigen::Matrix3d::Identity());
+  }
+
   TEST_CASE("a missing orientation is none, anything else that is missing is refused") {
     const auto read = internal::read_moveit_pose;
     CHECK(read_yaml("{position: [1, 2, 3]}", read).value().rotation == Eigen::Matrix3d::Identity());
@@ -34,7 +41,7 @@ TEST_SUITE("unit") {
           "f:1: expected the key position, which is missing");
     CHECK(failure_of("{position: {x: 1, y: 2}}", read) ==
           "f:1: key position: expected the key z, which is missing");
-    CHECK(failure_of("{position: [0, 0, 0], orientation: {x: 0, y: 0, z: 0, w: 0}}", read) ==
+    CHECK(failure_of("{position: [0, 0, 0], orientation: [0, 0, 0, 0]}", read) ==
           "f:1: key orientation: expected a quaternion that is not zero");
     CHECK(failure_of("{position: [0, 0, 0], rpy: [0, 0, 0]}", read) ==
           "f:1: key rpy: unknown key, expected one of position, orientation");

@@ -4,7 +4,7 @@
 /// Reads YAML text as a file "f" with any of the scene room's readers.
 #pragma once
 
-#include "scene/input.h"
+#include "input/input.h"
 
 #include <string>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/scene.h"
 
-#include "scene/input.h"
+#include "input/input.h"
 #include "scene/read_yaml.h"
 #include "scene/scene_input.h"
 #include "support/support.h"

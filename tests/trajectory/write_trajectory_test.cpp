@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/trajectory.h"
 
-#include "scene/input.h"
+#include "input/input.h"
 #include "support/support.h"
 
 #include <nlohmann/json.hpp>

@@ -5,7 +5,7 @@
 /// too large.
 #pragma once
 
-#include "scene/input.h"
+#include "input/input.h"
 
 #include <optional>
 #include <set>
@@ -53,5 +53,11 @@ class TreeBuilder {
   std::vector<Level> levels_;
   InputValue root_{{}, 1};
 };
+
+/// Parses a subset of YAML fast: blocks and flow collections of plain words and quoted text.
+/// Returns nothing for other text. Errors as parse_yaml().
+[[nodiscard]] std::optional<InputValue> parse_simple_yaml(std::string_view yaml,
+                                                          const std::string& source,
+                                                          int max_values);
 
 }  // namespace mneme::internal

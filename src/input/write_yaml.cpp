@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/input.h"
+#include "input/input.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

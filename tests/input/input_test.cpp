@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/base.h"
 
-#include "scene/input.h"
-#include "scene/tree_builder.h"
+#include "input/input.h"
+#include "input/tree_builder.h"
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 namespace mneme::test {
@@ -179,6 +181,25 @@ TEST_SUITE("unit") {
   }
 }
 
+/// Equal contents on equal lines.
+bool same_value(const InputValue& a, const InputValue& b) {
+  if (a.line != b.line || a.content.index() != b.content.index()) return false;
+  if (const auto* text = std::get_if<InputValue::Text>(&a.content)) {
+    const auto& other = std::get<InputValue::Text>(b.content);
+    return text->text == other.text && text->is_quoted == other.is_quoted;
+  }
+  if (const auto* list = std::get_if<InputValue::List>(&a.content)) {
+    return std::ranges::equal(*list, std::get<InputValue::List>(b.content), same_value);
+  }
+  if (const auto* map = std::get_if<InputValue::Map>(&a.content)) {
+    return std::ranges::equal(*map, std::get<InputValue::Map>(b.content),
+                              [](const auto& x, const auto& y) {
+                                return x.key == y.key && same_value(x.value, y.value);
+                              });
+  }
+  return true;
+}
+
 std::string yaml_failure(const std::string& yaml) {
   const auto result =
       internal::without_throwing([&] { return internal::parse_yaml(yaml, "f.yaml"); });
@@ -222,9 +243,62 @@ TEST_SUITE("unit") {
     CHECK(yaml_failure("[1, 2]: 3\n") == "f.yaml:1: expected a key that is a text");
   }
 
-  TEST_CASE("a second document is refused") {
-    CHECK(yaml_failure("a: 1\n---\nb: 2\n") ==
-          "f.yaml:2: expected the end of the text after one YAML document");
+  TEST_CASE("simple text is parsed as the whole of YAML is, with lines") {
+    const std::vector<std::string> texts = {
+        "a: 1\nb: [1, 2.5, -3e2]\n",
+        "# head\n\na:\n  b: x  # note\n  c:\n  - 1\n  - {d: 2, e: [3, 4]}\nf: \"q: #\"\n",
+        "- - 1\n  - 2\n- a: 1\n  b: 2\n-\n  c: 3\n-   d: 4\n    e: 5\n",
+        "a:\n- 1\n- 2\nb: {x: 1,\n  y: [2,\n 3]}\n",
+        "{\"a\": [1, \"two\", {\"b\":3}], 'c': 'd e'}",
+        "[]\n",
+        "a: {}\nb:\n    - name: n\n      size: [1]\n    - name: m\n      size: [2]",
+    };
+    for (const std::string& text : texts) {
+      CAPTURE(text);
+      const auto simple = internal::parse_simple_yaml(text, "f", 1000);
+      REQUIRE(simple.has_value());
+      // The end marker is beyond the subset.
+      CHECK(same_value(*simple, internal::parse_yaml(text + "\n...\n", "f")));
+    }
+    for (const char* text :
+         {"",          "a:\n",           "a: b c\n",    "a: ~",       "a: null",
+          "&x 1",      "a: !degrees 1",  "a: |\n  b",   "--- 1",      "a: 1\n...",
+          "a: x\n  y", "[1, 2,]",        "{a:1}",       "[a: 1]",     "a: \"\\n\"",
+          "\ta: 1",    "- 1\n  - 2",     "a: 1\n b: 2", "a: '",       "a: 'x''y'",
+          "? a",       "a: [1, # c\n2]", "a: b:",       "\xc3\xa4: 1"}) {
+      CAPTURE(text);
+      CHECK_FALSE(internal::parse_simple_yaml(text, "f", 1000).has_value());
+    }
+  }
+
+  TEST_CASE("a second document with contents is refused, an empty one is not") {
+    const std::string refusal = ": expected the end of the text after one YAML document";
+    CHECK(yaml_failure("a: 1\n---\nb: 2\n") == "f.yaml:3" + refusal);
+    CHECK(yaml_failure("a: 1\n---\n[]\n") == "f.yaml:3" + refusal);
+    CHECK(yaml_failure("a: 1\n---\n---\nb: 2\n") == "f.yaml:4" + refusal);
+    CHECK(yaml_failure("a: 1\n---\n").empty());
+    CHECK(yaml_failure("---\na: 1\n---\n---\n").empty());
+    const InputValue value = internal::parse_yaml("a: 1\n---\n", "f");
+    CHECK(std::get<InputValue::Map>(value.content).size() == 1);
+  }
+
+  TEST_CASE("angles may be tagged, other tags are refused by name") {
+    const std::string source = "f.yaml";
+    const InputValue value = internal::parse_yaml(
+        "[!degrees 30, !radians 0.5, !degrees \"-90\", !!float 2, !!str 3]", source);
+    const std::vector<internal::Input> items = internal::Input(value, source).items();
+    CHECK(items[0].number() == doctest::Approx(0.5235987755982988).epsilon(1e-15));
+    CHECK(items[1].number() == 0.5);
+    CHECK(items[2].number() == doctest::Approx(-1.5707963267948966).epsilon(1e-15));
+    CHECK(items[3].number() == 2);
+    CHECK_FALSE(items[4].is_number());
+    const std::string expected = "; expected !degrees or !radians before a number, or no tag";
+    CHECK(yaml_failure("a: !millimetres 3") == "f.yaml:1: unknown tag !millimetres" + expected);
+    CHECK(yaml_failure("a:\n  !degrees [1, 2]") == "f.yaml:2: unknown tag !degrees" + expected);
+    CHECK(yaml_failure("a: !!python/tuple {}") ==
+          "f.yaml:1: unknown tag tag:yaml.org,2002:python/tuple" + expected);
+    CHECK(yaml_failure("a: !degrees pi/2") ==
+          "f.yaml:1: expected a number after !degrees, got \"pi/2\"");
   }
 
   TEST_CASE("deep nesting is refused, however it is written") {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/input.h"
-#include "scene/tree_builder.h"
+#include "input/input.h"
+#include "input/tree_builder.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,8 +10,10 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
+#include <array>
 #include <iterator>
 #include <map>
+#include <numbers>
 #include <sstream>
 
 namespace mneme::internal {
@@ -91,37 +93,40 @@ class YamlListener : public YAML::EventHandler {
  public:
   explicit YamlListener(TreeBuilder& tree) : tree_(tree) {}
 
-  void OnDocumentStart(const YAML::Mark& mark) override {
-    if (++documents_ > 1) {
-      tree_.refuse(line_of(mark), "expected the end of the text after one YAML document");
-    }
-  }
+  void OnDocumentStart(const YAML::Mark&) override { ++documents_; }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    if (documents_ > 1) return;
     // The parser notices that a value is missing only where the next thing begins.
     open(tree_.key_line().value_or(line_of(mark)), {}, anchor);
     close();
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& text) override {
+    refuse_second_document(mark);
     if (tree_.is_key_next()) {
       tree_.set_key(line_of(mark), text);
       return;
     }
-    open(line_of(mark), InputValue::Text{text, tag == "!"}, anchor);
+    open(line_of(mark), content_of(line_of(mark), tag, text), anchor);
     close();
   }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
+    refuse_second_document(mark);
+    refuse_tag(line_of(mark), tag, "seq");
     open(line_of(mark), InputValue::List{}, anchor);
   }
   void OnSequenceEnd() override { close(); }
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value) override {
+    refuse_second_document(mark);
+    refuse_tag(line_of(mark), tag, "map");
     open(line_of(mark), InputValue::Map{}, anchor);
   }
   void OnMapEnd() override { close(); }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    refuse_second_document(mark);
     const auto anchored = anchored_.find(anchor);
     if (anchored == anchored_.end()) {
       tree_.refuse(line_of(mark), "expected an alias of a value that has ended");
@@ -132,6 +137,40 @@ class YamlListener : public YAML::EventHandler {
   }
 
  private:
+  static constexpr std::string_view kCore = "tag:yaml.org,2002:";
+
+  /// `ros2 topic echo` ends each message with ---, which begins an empty document.
+  void refuse_second_document(const YAML::Mark& mark) const {
+    if (documents_ > 1) {
+      tree_.refuse(line_of(mark), "expected the end of the text after one YAML document");
+    }
+  }
+
+  /// Refuses all but no tag and the core tag `kind`.
+  void refuse_tag(int line, const std::string& tag, std::string_view kind) const {
+    if (tag.empty() || tag == "?" || tag == "!" || tag == std::string(kCore).append(kind)) return;
+    tree_.refuse(line, fmt::format("unknown tag {}; expected !degrees or !radians before a number, "
+                                   "or no tag",
+                                   tag));
+  }
+
+  /// The value of a scalar. yaml-cpp gives quoted text the tag "!".
+  TreeBuilder::Content content_of(int line, const std::string& tag, const std::string& text) const {
+    if (tag == "!" || tag == std::string(kCore) + "str") return InputValue::Text{text, true};
+    if (tag == "!degrees" || tag == "!radians") {
+      const auto number = parse_yaml_number(text);
+      if (!number) {
+        tree_.refuse(line, fmt::format("expected a number after {}, got \"{}\"", tag, text));
+      }
+      return tag == "!radians" ? *number : *number * std::numbers::pi / 180;
+    }
+    if (std::ranges::find(kScalars, tag) == kScalars.end()) refuse_tag(line, tag, "str");
+    return InputValue::Text{text, false};
+  }
+  static constexpr std::array<std::string_view, 4> kScalars = {
+      "tag:yaml.org,2002:int", "tag:yaml.org,2002:float", "tag:yaml.org,2002:bool",
+      "tag:yaml.org,2002:null"};
+
   void open(int line, TreeBuilder::Content content, YAML::anchor_t anchor) {
     tree_.open(line, std::move(content));
     anchors_.push_back(anchor);
@@ -153,12 +192,18 @@ class YamlListener : public YAML::EventHandler {
 InputValue parse_yaml(std::string_view yaml, const std::string& source) {
   // Aliases can make a small text a huge tree.
   constexpr int kMaxValues = 4'000'000;
+  if (auto simple = parse_simple_yaml(yaml, source, kMaxValues)) return *std::move(simple);
   TreeBuilder tree(source, kMaxValues);
   YamlListener listener(tree);
   try {
     std::istringstream stream{std::string(yaml)};
     YAML::Parser parser(stream);
-    if (parser.HandleNextDocument(listener)) parser.HandleNextDocument(listener);
+    // Bounded, since the parser finds documents without end in some malformed texts.
+    constexpr int kMostDocuments = 100;
+    int documents = 0;
+    while (parser.HandleNextDocument(listener)) {
+      if (++documents > kMostDocuments) tree.refuse(1, "expected one YAML document");
+    }
     return tree.take();
   } catch (const YAML::Exception& error) {
     tree.refuse(line_of(error.mark),

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scene/input.h"
+#include "input/input.h"
 
 #include "base/fail.h"
 
@@ -13,10 +13,8 @@
 #include <limits>
 
 namespace mneme::internal {
-namespace {
 
-/// YAML's numbers, whatever the locale. Hexadecimal and octal integers are not among them.
-std::optional<double> parse_number(std::string_view text) {
+std::optional<double> parse_yaml_number(std::string_view text) {
   const bool is_signed = !text.empty() && (text.front() == '+' || text.front() == '-');
   const double sign = is_signed && text.front() == '-' ? -1.0 : 1.0;
   text.remove_prefix(is_signed ? 1 : 0);
@@ -34,6 +32,8 @@ std::optional<double> parse_number(std::string_view text) {
   const auto [stop, error] = std::from_chars(text.data(), end, magnitude);
   return error == std::errc() && stop == end ? std::optional(sign * magnitude) : std::nullopt;
 }
+
+namespace {
 
 std::optional<std::uint64_t> parse_whole(std::string_view text) {
   text.remove_prefix(text.starts_with('+') ? 1 : 0);
@@ -55,7 +55,7 @@ struct Describe {
   std::string operator()(std::uint64_t value) const { return fmt::format("{}", value); }
   std::string operator()(double value) const { return fmt::format("{}", value); }
   std::string operator()(const InputValue::Text& text) const {
-    const auto value = text.is_quoted ? std::nullopt : parse_number(text.text);
+    const auto value = text.is_quoted ? std::nullopt : parse_yaml_number(text.text);
     return value ? text.text : in_quotes(text.text);
   }
   std::string operator()(const InputValue::List& list) const {
@@ -85,20 +85,30 @@ Input Input::child(const InputValue& value, std::string_view key) const {
   return {value, *source_, key_.empty() ? std::string(key) : fmt::format("{}.{}", key_, key)};
 }
 
+const InputValue::Map& Input::map() const {
+  const auto* map = std::get_if<InputValue::Map>(&value_->content);
+  if (map == nullptr) fail_expecting("a map");
+  return *map;
+}
+
+const InputValue::List& Input::list() const {
+  const auto* list = std::get_if<InputValue::List>(&value_->content);
+  if (list == nullptr) fail_expecting("a list");
+  return *list;
+}
+
 void Input::allow_keys(const std::vector<std::string_view>& keys) const {
-  for (const auto& [key, input] : entries()) {
-    if (std::find(keys.begin(), keys.end(), key) == keys.end()) {
-      const std::vector<std::string> names(keys.begin(), keys.end());
-      input.fail(ErrorCode::parse, "unknown key, expected one of {}{}", fmt::join(keys, ", "),
-                 did_you_mean(key, names));
-    }
+  for (const InputEntry& entry : map()) {
+    if (std::ranges::find(keys, entry.key) != keys.end()) continue;
+    const std::vector<std::string> names(keys.begin(), keys.end());
+    child(entry.value, entry.key)
+        .fail(ErrorCode::parse, "unknown key, expected one of {}{}", fmt::join(keys, ", "),
+              did_you_mean(entry.key, names));
   }
 }
 
 std::optional<Input> Input::find(std::string_view key) const {
-  const auto* map = std::get_if<InputValue::Map>(&value_->content);
-  if (map == nullptr) fail_expecting("a map");
-  for (const InputEntry& entry : *map) {
+  for (const InputEntry& entry : map()) {
     if (entry.key == key) return child(entry.value, key);
   }
   return std::nullopt;
@@ -116,20 +126,16 @@ Input Input::at(std::string_view key) const {
 }
 
 std::vector<std::pair<std::string, Input>> Input::entries() const {
-  const auto* map = std::get_if<InputValue::Map>(&value_->content);
-  if (map == nullptr) fail_expecting("a map");
   std::vector<std::pair<std::string, Input>> result;
-  for (const InputEntry& entry : *map) {
+  for (const InputEntry& entry : map()) {
     result.emplace_back(entry.key, child(entry.value, entry.key));
   }
   return result;
 }
 
 std::vector<Input> Input::items() const {
-  const auto* list = std::get_if<InputValue::List>(&value_->content);
-  if (list == nullptr) fail_expecting("a list");
   std::vector<Input> result;
-  for (const InputValue& item : *list) {
+  for (const InputValue& item : list()) {
     result.emplace_back(item, *source_, fmt::format("{}[{}]", key_, result.size()));
   }
   return result;
@@ -140,19 +146,19 @@ std::vector<Input> Input::items(std::string_view key) const {
   return list ? list->items() : std::vector<Input>();
 }
 
-std::optional<double> Input::as_number() const {
-  if (const auto* number = std::get_if<double>(&value_->content)) return *number;
-  if (const auto* whole = std::get_if<std::uint64_t>(&value_->content)) {
+std::optional<double> Input::as_number(const InputValue& value) {
+  if (const auto* number = std::get_if<double>(&value.content)) return *number;
+  if (const auto* whole = std::get_if<std::uint64_t>(&value.content)) {
     return static_cast<double>(*whole);
   }
-  const auto* text = std::get_if<InputValue::Text>(&value_->content);
-  return text == nullptr || text->is_quoted ? std::nullopt : parse_number(text->text);
+  const auto* text = std::get_if<InputValue::Text>(&value.content);
+  return text == nullptr || text->is_quoted ? std::nullopt : parse_yaml_number(text->text);
 }
 
-bool Input::is_number() const { return as_number().has_value(); }
+bool Input::is_number() const { return as_number(*value_).has_value(); }
 
 double Input::number() const {
-  const auto number = as_number();
+  const auto number = as_number(*value_);
   if (!number) fail_expecting("a number");
   return *number;
 }
@@ -201,16 +207,21 @@ std::string Input::text_or(std::string_view key, const std::string& fallback) co
 
 std::vector<double> Input::numbers() const {
   std::vector<double> result;
-  for (const Input& item : items()) result.push_back(item.number());
+  for (const InputValue& item : list()) {
+    const auto number = as_number(item);
+    result.push_back(number ? *number : items()[result.size()].number());
+  }
   return result;
 }
 
 std::vector<double> Input::finite_numbers(std::size_t count, std::string_view what) const {
-  if (!is_list() || items().size() != count) {
+  if (!is_list() || list().size() != count) {
     fail_expecting("{} numbers ({})", count, what);
   }
-  std::vector<double> result;
-  for (const Input& item : items()) result.push_back(item.finite_number());
+  std::vector<double> result = numbers();
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!std::isfinite(result[i])) static_cast<void>(items()[i].finite_number());
+  }
   return result;
 }
 

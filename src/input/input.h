@@ -56,6 +56,8 @@ class Input {
 
   /// "SOURCE:LINE: key KEY: WHAT"
   [[nodiscard]] std::string place(const std::string& what) const;
+  /// The path of keys to this value, such as "joints.a.max_velocity".
+  [[nodiscard]] const std::string& key() const { return key_; }
   /// The name of the file or text.
   [[nodiscard]] const std::string& source() const { return *source_; }
   [[noreturn]] void fail(ErrorCode code, const std::string& what) const;
@@ -122,7 +124,9 @@ class Input {
   [[nodiscard]] std::vector<double> finite_numbers(std::size_t count, std::string_view what) const;
 
  private:
-  [[nodiscard]] std::optional<double> as_number() const;
+  [[nodiscard]] static std::optional<double> as_number(const InputValue& value);
+  [[nodiscard]] const InputValue::Map& map() const;
+  [[nodiscard]] const InputValue::List& list() const;
   [[nodiscard]] Input child(const InputValue& value, std::string_view key) const;
 
   const InputValue* value_;
@@ -130,8 +134,13 @@ class Input {
   std::string key_;
 };
 
-/// Parses the one document of `yaml`; `source` names it in messages. Throws InputFailure, also for
-/// a repeated key and for more than 4 million values with aliases expanded.
+/// Returns a number of YAML, whatever the locale: decimal, or .inf and .nan. Nothing for other
+/// text.
+[[nodiscard]] std::optional<double> parse_yaml_number(std::string_view text);
+
+/// Parses the one document of `yaml`; empty ones may follow. `source` names it in messages. The
+/// tags !degrees and !radians of a number give radians. Throws InputFailure, also for other tags, a
+/// repeated key and more than 4 million values with aliases expanded.
 [[nodiscard]] InputValue parse_yaml(std::string_view yaml, const std::string& source);
 
 /// Parses JSON with lines; `source` names it in messages. Throws InputFailure.
