@@ -11,12 +11,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <unordered_map>
 
 namespace mneme {
 namespace {
 
 using internal::as_index;
-using internal::find_link;
 
 template <class... Args>
 tl::unexpected<Error> refusal(const AttachedObject& object, fmt::format_string<Args...> what,
@@ -25,16 +25,19 @@ tl::unexpected<Error> refusal(const AttachedObject& object, fmt::format_string<A
               fmt::format(what, std::forward<Args>(args)...));
 }
 
+/// Indices of links, including attached objects, by name.
+using LinkIndices = std::unordered_map<std::string, int>;
+
 /// Adds the object as a link with a fixed joint.
 Result<void> add_link(const ApproximatedObject& added, std::vector<Link>& links,
-                      std::vector<Joint>& joints) {
+                      std::vector<Joint>& joints, LinkIndices& indices) {
   const AttachedObject& object = added.object;
   if (object.name.empty()) return refusal(object, "it has no name");
-  if (find_link(links, object.name)) {
+  if (!indices.emplace(object.name, static_cast<int>(links.size())).second) {
     return refusal(object, "there is a link or another attached object of this name");
   }
-  const auto carrier = find_link(links, object.link);
-  if (!carrier) {
+  const auto carrier = indices.find(object.link);
+  if (carrier == indices.end() || object.link == object.name) {
     return refusal(object, "there is no link '{}' to carry it", object.link);
   }
   if (added.spheres.empty() && added.capsules.empty()) {
@@ -42,7 +45,7 @@ Result<void> add_link(const ApproximatedObject& added, std::vector<Link>& links,
   }
   Joint joint;
   joint.name = object.name;
-  joint.parent_link = *carrier;
+  joint.parent_link = carrier->second;
   joint.child_link = static_cast<int>(links.size());
   links.push_back({object.name,
                    static_cast<int>(joints.size()),
@@ -59,17 +62,17 @@ Result<void> add_link(const ApproximatedObject& added, std::vector<Link>& links,
 
 /// Pairs that `may_touch` of an object allows.
 Result<internal::LinkPairs> find_allowed(std::span<const ApproximatedObject> objects,
-                                         std::span<const Link> links) {
+                                         const LinkIndices& indices) {
   internal::LinkPairs allowed;
   for (const ApproximatedObject& added : objects) {
     const AttachedObject& object = added.object;
     for (const std::string& name : object.may_touch) {
-      const auto other = find_link(links, name);
-      if (!other) {
+      const auto other = indices.find(name);
+      if (other == indices.end()) {
         return refusal(object, "it may touch '{}', but no link or attached object has this name",
                        name);
       }
-      allowed.push_back(std::minmax({*find_link(links, object.name), *other}));
+      allowed.push_back(std::minmax({indices.at(object.name), other->second}));
     }
   }
   return allowed;
@@ -82,10 +85,12 @@ Result<Robot> Robot::with_attached(std::vector<ApproximatedObject> objects) cons
   model.attached = model_->attached;
   std::ranges::move(objects, std::back_inserter(model.attached));
   const int first = static_cast<int>(model.links.size());
+  LinkIndices indices;
+  for (int i = 0; i < first; ++i) indices.emplace(model.links[as_index(i)].name, i);
   for (const ApproximatedObject& object : model.attached) {
-    MNEME_TRY(add_link(object, model.links, model.joints));
+    MNEME_TRY(add_link(object, model.links, model.joints, indices));
   }
-  const internal::LinkPairs allowed = MNEME_TRY(find_allowed(model.attached, model.links));
+  const internal::LinkPairs allowed = MNEME_TRY(find_allowed(model.attached, indices));
   const internal::LinkPairs pairs =
       internal::derive_self_pairs(model.links, model.joints, model.group, allowed, first);
   model.self_pairs.insert(model.self_pairs.end(), pairs.begin(), pairs.end());
