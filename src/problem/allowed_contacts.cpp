@@ -17,10 +17,10 @@ std::optional<std::string> AllowedContacts::allow(const std::string& first,
                        robot_.name(), name);
   }
   if (Obstacle* obstacle = scene_.find(second); obstacle && is_carried(first)) {
-    obstacle->may_touch.push_back(first);
+    scene_.allow(*obstacle, first);
   } else if (obstacle = is_carried(first) ? nullptr : scene_.find(first);
              obstacle && is_carried(second)) {
-    obstacle->may_touch.push_back(second);
+    scene_.allow(*obstacle, second);
   } else if (obstacle != nullptr) {
     return fmt::format(
         "expected a link or an attached object to touch obstacle \"{}\", got obstacle \"{}\"",
@@ -46,8 +46,8 @@ bool AllowedContacts::is_carried(const std::string& name) const {
 }
 
 AttachedObject* AllowedContacts::find_attached(const std::string& name) const {
-  const auto found = std::ranges::find(attached_, name, &AttachedObject::name);
-  return found == attached_.end() ? nullptr : &*found;
+  const auto found = attached_.find(name);
+  return found == attached_.end() ? nullptr : found->second;
 }
 
 void read_allowed(const Input& problem, AllowedContacts& contacts) {
@@ -66,13 +66,14 @@ void read_allowed(const Input& problem, Scene& scene) {
   if (const auto objects = problem.find("attached")) {
     for (const Input& object : objects->items()) attached.insert(object.at("name").text());
   }
+  ObstacleContacts contacts(scene);
   for (const Input& pair : list->items()) {
     const auto [first, second] = read_name_pair(pair);
     if (attached.contains(first) || attached.contains(second)) continue;
-    if (Obstacle* obstacle = scene.find(second)) {
-      obstacle->may_touch.push_back(first);
-    } else if (Obstacle* other = scene.find(first)) {
-      other->may_touch.push_back(second);
+    if (Obstacle* obstacle = contacts.find(second)) {
+      contacts.allow(*obstacle, first);
+    } else if (Obstacle* other = contacts.find(first)) {
+      contacts.allow(*other, second);
     }
   }
 }

@@ -87,6 +87,7 @@ using internal::value_or_throw;
 
 FramedScene extract_from_yaml(const std::string& path) {
   const auto text = value_or_throw(internal::read_text_file(path));
+  if (internal::is_scene_text(text)) return value_or_throw(load_framed_scene(path));
   const internal::InputValue value = internal::parse_yaml(text, path);
   const Input input(value, path);
   if (internal::is_moveit_request(input)) {

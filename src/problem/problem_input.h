@@ -14,6 +14,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -149,7 +151,9 @@ class AllowedContacts {
  public:
   /// Refers to its arguments.
   AllowedContacts(const Robot& robot, std::vector<AttachedObject>& attached, Scene& scene)
-      : robot_(robot), attached_(attached), scene_(scene) {}
+      : robot_(robot), scene_(scene) {
+    for (AttachedObject& object : attached) attached_.emplace(object.name, &object);
+  }
 
   /// Allows the pair. Returns its fault, or nothing. A name that a link and an obstacle share means
   /// the link in first place and the obstacle in second.
@@ -167,8 +171,8 @@ class AllowedContacts {
   [[nodiscard]] AttachedObject* find_attached(const std::string& name) const;
 
   const Robot& robot_;
-  std::vector<AttachedObject>& attached_;
-  Scene& scene_;
+  std::unordered_map<std::string_view, AttachedObject*> attached_;
+  ObstacleContacts scene_;
   std::vector<std::pair<std::string, std::string>> link_pairs_;
 };
 
