@@ -162,10 +162,11 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   MNEME_TRY(check_files(options, problem));
   Result<RateLimits> limits;
   if (options.trajectory.is_wanted()) {
-    limits =
-        find_rate_limits(problem.robot, options.trajectory.settings, options.trajectory.limits);
+    limits = find_rate_limits(problem.robot, options.trajectory.settings, options.trajectory.limits,
+                              options.robot_options.strict);
   }
   if (!limits) return tl::unexpected(limits.error());
+  for (const std::string& warning : limits->warnings) print_warning(warning);
   std::optional<Database> database = MNEME_TRY(open_memory_if_any(options, problem));
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
   return LoadedPlan{std::move(problem), std::move(database), *std::move(limits), elapsed.count()};

@@ -113,11 +113,14 @@ TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& li
   }
   const std::string file =
       limits.is_none() ? "" : py::module_::import("os").attr("fspath")(limits).cast<std::string>();
-  const py::gil_scoped_release released;
   const Robot& robot = plan.problem.robot;
+  const RateLimits rates = unwrap(find_rate_limits(robot, timing, file));
+  for (const std::string& warning : rates.warnings) {
+    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+  }
+  const py::gil_scoped_release released;
   const Trajectory timed =
-      unwrap(make_trajectory(plan.problem, plan.settings, plan.result.plan.path,
-                             unwrap(find_rate_limits(robot, timing, file)), timing));
+      unwrap(make_trajectory(plan.problem, plan.settings, plan.result.plan.path, rates, timing));
   return {robot, unwrap(timed.sample(timing.dt))};
 }
 

@@ -56,11 +56,7 @@ void add(Scene& scene, const std::string& name, const Shape& shape) {
     raise_invalid(
         fmt::format("obstacle '{}': expected a shape within {} m of the origin", name, kFarthest));
   }
-  if (Obstacle* body = scene.find(name)) {
-    body->shapes.push_back(shape);
-  } else {
-    unwrap(scene.add({name, {shape}}));
-  }
+  unwrap(scene.add_shape(name, shape));
 }
 
 Obstacle& find(Scene& scene, const std::string& name) {

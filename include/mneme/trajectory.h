@@ -52,16 +52,19 @@ struct RateLimits {
   std::vector<double> velocity;      ///< rad/s, or m/s for prismatic joints
   std::vector<double> acceleration;  ///< rad/s^2 or m/s^2
   std::vector<double> jerk = {};     ///< rad/s^3 or m/s^3; infinite: no limit; empty: none has one
+  std::vector<std::string> warnings = {};  ///< Keys and joints of the file that were ignored.
 };
 
 /// Returns the limits of `file` where it has them, otherwise those of the robot's URDF, otherwise
 /// those of the settings; velocity and acceleration are scaled. Joints that follow one of the group
-/// may lower its limits. `file`: YAML as MoveIt's joint_limits.yaml (docs/trajectories.md); empty:
-/// none. Errors: a file that cannot be read; a joint of the group that cannot move; settings out of
-/// range.
+/// may lower its limits. `file`: YAML as MoveIt's joint_limits.yaml; empty: none. A deceleration
+/// bounds the acceleration. Other keys and joints are ignored with a warning, or refused if
+/// `strict`. Errors: a file that cannot be read; a joint of the group that cannot move; settings
+/// out of range.
 [[nodiscard]] Result<RateLimits> find_rate_limits(const Robot& robot,
                                                   const TrajectorySettings& settings = {},
-                                                  const std::string& file = "");
+                                                  const std::string& file = "",
+                                                  bool strict = false);
 
 /// A motion from rest to rest. Velocity is continuous; acceleration is if jerk is limited. Limits
 /// hold at every time, not only at sampled points. Const and parallel-safe.

@@ -8,6 +8,7 @@
 #include "trajectory/speed_profile.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -50,43 +51,101 @@ std::optional<double> read_limit(const Input& joint, const std::string& quantity
   const std::string key = "max_" + quantity;
   const auto most = is_said ? std::optional(joint.at(key)) : joint.find(key);
   if (!most) return std::nullopt;
-  return most->positive_number();
+  const bool is_below_zero = quantity == "deceleration" && most->finite_number() < 0;
+  return is_below_zero ? -most->finite_number() : most->positive_number();
 }
 
-/// Limits that would be left aside in silence.
-void refuse_position_limits(const Input& joint) {
-  const auto found = joint.find("has_position_limits");
-  if (found && found->boolean()) {
-    found->fail(ErrorCode::unsupported,
-                "limits of positions, which are the URDF's, are not supported here");
+/// Reads one file of limits, and collects what it ignores.
+class LimitsFile {
+ public:
+  LimitsFile(const Robot& robot, bool strict) : robot_(robot), strict_(strict) {}
+
+  void read(const std::string& file, Rates& rates);
+  /// One warning that counts and names what was ignored; none if nothing was.
+  [[nodiscard]] std::vector<std::string> warnings(const std::string& file) const;
+
+ private:
+  void read_joint(const Input& joint, JointRates& rates);
+  void ignore_other_keys(const Input& map, const std::vector<std::string_view>& known);
+  void ignore(const Input& input, const std::string& name, ErrorCode code,
+              const std::string& fault);
+
+  const Robot& robot_;
+  bool strict_;
+  std::vector<std::string> ignored_;
+};
+
+void LimitsFile::ignore(const Input& input, const std::string& name, ErrorCode code,
+                        const std::string& fault) {
+  if (strict_) input.fail(code, fault);
+  ignored_.push_back(name);
+}
+
+void LimitsFile::ignore_other_keys(const Input& map, const std::vector<std::string_view>& known) {
+  if (strict_) map.allow_keys(known);
+  for (const auto& [key, input] : map.entries()) {
+    if (std::ranges::find(known, key) == known.end()) ignored_.push_back(input.key());
   }
 }
 
-void read_joint(const Input& joint, JointRates& rates) {
-  joint.allow_keys({"has_velocity_limits", "max_velocity", "has_acceleration_limits",
-                    "max_acceleration", "has_jerk_limits", "max_jerk", "has_position_limits",
-                    "min_position", "max_position"});
-  refuse_position_limits(joint);
+void LimitsFile::read_joint(const Input& joint, JointRates& rates) {
+  ignore_other_keys(
+      joint, {"has_velocity_limits", "max_velocity", "has_acceleration_limits", "max_acceleration",
+              "has_deceleration_limits", "max_deceleration", "has_jerk_limits", "max_jerk",
+              "has_position_limits", "min_position", "max_position"});
+  const auto position = joint.find("has_position_limits");
+  if (position && position->boolean()) {
+    ignore(*position, position->key() + " (the URDF limits positions)", ErrorCode::unsupported,
+           "limits of positions, which are the URDF's, are not supported here");
+  }
   if (const auto velocity = read_limit(joint, "velocity")) rates.velocity = *velocity;
-  if (const auto acceleration = read_limit(joint, "acceleration")) {
-    rates.acceleration = *acceleration;
+  const auto acceleration = read_limit(joint, "acceleration");
+  const auto deceleration = read_limit(joint, "deceleration");
+  // One bound serves for both; pilz writes decelerations below 0.
+  if (acceleration || deceleration) {
+    rates.acceleration =
+        std::min(acceleration.value_or(kUnlimited), deceleration.value_or(kUnlimited));
   }
   if (const auto jerk = read_limit(joint, "jerk")) rates.jerk = *jerk;
 }
 
-void read_file(const std::string& file, const Robot& robot, Rates& rates) {
+/// The map with the key joint_limits: the root, or below keys of ROS parameters.
+Input find_limits(Input input) {
+  while (input.is_map() && !input.find("joint_limits") && input.entries().size() == 1) {
+    const auto [key, inner] = input.entries().front();
+    if (!inner.is_map()) break;
+    input = inner;
+  }
+  return input;
+}
+
+void LimitsFile::read(const std::string& file, Rates& rates) {
   const std::string text = value_or_throw(read_text_file(file));
   const InputValue value = parse_yaml(text, file);
-  const Input input(value, file);
-  input.allow_keys(
-      {"joint_limits", "default_velocity_scaling_factor", "default_acceleration_scaling_factor"});
-  for (const auto& [name, joint] : input.at("joint_limits").entries()) {
+  const Input input = find_limits(Input(value, file));
+  const Input joints = input.at("joint_limits");
+  ignore_other_keys(input, {"joint_limits", "default_velocity_scaling_factor",
+                            "default_acceleration_scaling_factor"});
+  for (const auto& [name, joint] : joints.entries()) {
     const auto found = rates.find(name);
-    if (found == rates.end()) {
-      joint.fail(ErrorCode::invalid, "robot '{}' has no such joint", robot.name());
+    if (found != rates.end()) {
+      read_joint(joint, found->second);
+    } else {
+      ignore(joint, joint.key() + " (no such joint)", ErrorCode::invalid,
+             fmt::format("robot '{}' has no such joint", robot_.name()));
     }
-    read_joint(joint, found->second);
   }
+}
+
+std::vector<std::string> LimitsFile::warnings(const std::string& file) const {
+  constexpr std::size_t kMostNamed = 12;
+  if (ignored_.empty()) return {};
+  const std::size_t shown = std::min(ignored_.size(), kMostNamed);
+  return {
+      fmt::format("{}: ignored {} (an error if strict): {}{}", file,
+                  ignored_.size() == 1 ? "1 key" : fmt::format("{} keys", ignored_.size()),
+                  fmt::join(ignored_.begin(), ignored_.begin() + static_cast<long>(shown), ", "),
+                  shown < ignored_.size() ? ", ..." : "")};
 }
 
 /// Adds the limits of the settings where the joint has none.
@@ -151,11 +210,12 @@ Result<void> check_rate_limits(const Robot& robot, const RateLimits& limits) {
 }  // namespace internal
 
 Result<RateLimits> find_rate_limits(const Robot& robot, const TrajectorySettings& settings,
-                                    const std::string& file) {
+                                    const std::string& file, bool strict) {
   MNEME_TRY(internal::check_ranges(settings));
   internal::Rates rates = internal::rates_of_urdf(robot);
+  internal::LimitsFile limits_file(robot, strict);
   if (!file.empty()) {
-    MNEME_TRY(internal::without_throwing([&] { internal::read_file(file, robot, rates); }));
+    MNEME_TRY(internal::without_throwing([&] { limits_file.read(file, rates); }));
   }
   for (auto& [name, own] : rates) own = internal::complete(own, settings);
   RateLimits limits = internal::limits_of_group(robot, rates);
@@ -163,6 +223,7 @@ Result<RateLimits> find_rate_limits(const Robot& robot, const TrajectorySettings
   for (double& velocity : limits.velocity) velocity *= settings.velocity_scale;
   for (double& rate : limits.acceleration) rate *= settings.acceleration_scale;
   MNEME_TRY(internal::check_rate_limits(robot, limits));
+  limits.warnings = limits_file.warnings(file);
   return limits;
 }
 

@@ -112,16 +112,11 @@ joint_limits:
              {"joint_limits:\n  a: {max_velocity: .nan}", "expected a finite number"},
              {"joint_limits:\n  a: {max_acceleration: fast}", "expected a number, got \"fast\""},
              {"joint_limits:\n  a: {has_velocity_limits: true}", "the key max_velocity"},
-             {"joint_limits:\n  a: {velocity: 1}", "unknown key"},
-             {"limits: {}", "unknown key"},
-             {"a: 1", "unknown key"},
+             {"limits: {}", "the key joint_limits"},
+             {"a: 1", "the key joint_limits"},
              {"default_velocity_scaling_factor: 1", "the key joint_limits"},
-             {"joint_limits: {elbow: {max_velocity: 1}}", "robot 'hand' has no such joint",
-              ErrorCode::invalid},
              {"joint_limits: {a: {has_jerk_limits: true}}", "the key max_jerk"},
-             {"joint_limits: {a: {max_jerk: 0}}", "expected a number above 0, got 0"},
-             {"joint_limits: {a: {has_position_limits: true}}", "limits of positions",
-              ErrorCode::unsupported}}) {
+             {"joint_limits: {a: {max_jerk: 0}}", "expected a number above 0, got 0"}}) {
       const Error error = refusal(hand(), {}, c.yaml);
       CHECK_MESSAGE(contains(error.message, c.part), error.message);
       CHECK(contains(error.message, "limits.yaml"));
@@ -130,6 +125,45 @@ joint_limits:
     const auto missing = find_rate_limits(hand(), {}, "/nowhere/limits.yaml");
     REQUIRE_FALSE(missing.has_value());
     CHECK(missing.error().code == ErrorCode::io);
+  }
+
+  TEST_CASE("other keys and joints of a file are ignored with one warning, or refused if strict") {
+    const test::TemporaryDirectory directory;
+    const std::string file = directory / "limits.yaml";
+    const auto read = [&](const std::string& yaml, bool strict = false) {
+      test::write_file(file, yaml);
+      return find_rate_limits(hand(), {}, file, strict);
+    };
+    const std::string yaml = R"(
+robot_description_planning:
+  joint_limits:
+    a: {has_jerk: false, max_velocity: 1.5, has_position_limits: true, max_effort: 9}
+    elbow: {max_velocity: 1}
+)";
+    const auto limits = read(yaml);
+    REQUIRE_MESSAGE(limits.has_value(), (limits ? "" : limits.error().message));
+    CHECK(limits->velocity[0] == 1.5);
+    const std::string key = "robot_description_planning.joint_limits.";
+    CHECK(limits->warnings ==
+          std::vector<std::string>{file + ": ignored 4 keys (an error if strict): " + key +
+                                   "a.has_jerk, " + key + "a.max_effort, " + key +
+                                   "a.has_position_limits (the URDF limits positions), " + key +
+                                   "elbow (no such joint)"});
+    CHECK(contains(read(yaml, true).error().message, "a.has_jerk: unknown key"));
+    CHECK(contains(read("joint_limits: {elbow: {max_velocity: 1}}", true).error().message,
+                   "robot 'hand' has no such joint"));
+    CHECK(read("joint_limits: {a: {has_position_limits: true}}", true).error().code ==
+          ErrorCode::unsupported);
+  }
+
+  TEST_CASE("a deceleration bounds the acceleration, with either sign") {
+    const auto acceleration = [](const std::string& joint) {
+      return require_limits(hand(), {}, "joint_limits: {a: {" + joint + "}}").acceleration[0];
+    };
+    CHECK(acceleration("max_acceleration: 2, max_deceleration: -1.5") == 1.5);
+    CHECK(acceleration("max_acceleration: 1, max_deceleration: 1.5") == 1);
+    CHECK(acceleration("has_deceleration_limits: false, max_deceleration: -1.5") ==
+          acceleration("max_velocity: 1"));
   }
 
   TEST_CASE("a joint that may not move at all is named") {
