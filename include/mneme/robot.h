@@ -191,7 +191,8 @@ class Robot {
   /// Error: invalid, if no state of this name has a value for each joint of the group.
   [[nodiscard]] Result<Configuration> configuration_of(const GivenConfiguration& given) const;
   /// Returns why `q` is not a configuration of this robot, or nothing if it is one: wrong count,
-  /// not finite, or more than 1e-5 beyond a limit. `what` names it in the message, such as "start".
+  /// not finite, more than 1e-5 beyond a limit, or a continuous joint beyond 1e4 rad. `what` names
+  /// it in the message, such as "start".
   [[nodiscard]] std::optional<std::string> describe_violation(std::span<const double> q,
                                                               std::string_view what) const;
   /// Returns `q` with continuous joints wrapped to [-pi, pi) and others clamped to their limits.

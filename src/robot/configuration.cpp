@@ -19,6 +19,9 @@ namespace {
 
 using internal::kLimitTolerance;
 
+/// Radians of a continuous joint beyond which sines of the kernels are inaccurate.
+constexpr double kFarthestTurn = 1e4;
+
 /// `angle` in [-pi, pi), exactly.
 double wrapped(double angle) {
   const double result = std::remainder(angle, 2 * std::numbers::pi);
@@ -81,6 +84,10 @@ std::optional<std::string> Robot::describe_violation(std::span<const double> q,
     if (!std::isfinite(value)) {
       return fmt::format("{}: joint '{}' (value {} of {}) is {}, expected a finite number", what,
                          joint.name, i + 1, joint_count(), value);
+    }
+    if (joint.type == JointType::continuous && std::abs(value) > kFarthestTurn) {
+      return fmt::format("{}: joint '{}' (value {} of {}) is {}, expected at most {} rad", what,
+                         joint.name, i + 1, joint_count(), value, kFarthestTurn);
     }
     if (!is_within_limits(joint, value)) {
       return fmt::format("{}: joint '{}' (value {} of {}) is {}, outside its limits [{}, {}]", what,

@@ -133,6 +133,10 @@ TEST_SUITE("unit") {
     CHECK_FALSE(robot.describe_violation(std::vector<double>{2 + 0.9e-5, -2 - 0.9e-5}, "start"));
     const std::vector<double> q{0, -2 - 1.1e-5};
     CHECK(contains(robot.describe_violation(q, "start").value(), "outside its limits [-2, 2]"));
+    const Robot endless = test::require_robot(test::make_chain(1, JointType::continuous));
+    CHECK_FALSE(endless.describe_violation(std::vector{-1e4}, "start").has_value());
+    CHECK(endless.describe_violation(std::vector{1e308}, "start") ==
+          "start: joint 'j1' (value 1 of 1) is 1e+308, expected at most 10000 rad");
   }
 
   TEST_CASE("a continuous joint may have any angle") {
