@@ -11,6 +11,7 @@
 #include "spheres/approximate_solid.h"
 #include "spheres/triangle_mesh.h"
 #include "robot/kinematics.h"
+#include "robot/planning_group.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -303,6 +304,8 @@ Result<ApproximatedRobot> load_approximated_robot(const std::string& path,
   const auto with_path = [&](const Error& error) {
     return Error{error.code, fmt::format("{}: {}", path, error.message)};
   };
+  // Approximation takes seconds: what make_robot() would refuse afterwards is refused first.
+  MNEME_TRY(internal::choose_group(parts, options).map_error(with_path));
   const auto has_solids = [](const Link& link) { return !link.solids.empty(); };
   std::vector<std::string> notes;
   if (std::ranges::any_of(parts.links, has_solids)) {
