@@ -17,7 +17,7 @@ PyObject* error_type = nullptr;
 
 void raise_in_python(const Error& error) {
   const py::object type = py::reinterpret_borrow<py::object>(error_type);
-  const py::object value = type(error.message);
+  const py::object value = type(to_text(error.message));
   value.attr("code") = to_string(error.code);
   PyErr_SetObject(error_type, value.ptr());
 }

@@ -195,7 +195,7 @@ namespace {
 py::object to_solutions(const FoundConfigurations& found, int joint_count) {
   const py::object type = py::module_::import("mneme._solutions").attr("Solutions");
   py::object rows = to_array(found.rows, joint_count).attr("view")(type);
-  rows.attr("message") = found.message;
+  rows.attr("message") = to_text(found.message);
   return rows;
 }
 

@@ -5,6 +5,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "errors.h"
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
@@ -104,10 +105,10 @@ std::vector<std::string> statuses(const Plans& plans) {
   return texts;
 }
 
-std::vector<std::string> messages(const Plans& plans) {
-  std::vector<std::string> texts;
+py::list messages(const Plans& plans) {
+  py::list texts;
   for (const auto& solution : plans.solutions) {
-    texts.push_back(solution ? solution->result.plan.message : solution.error().message);
+    texts.append(to_text(solution ? solution->result.plan.message : solution.error().message));
   }
   return texts;
 }

@@ -7,6 +7,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "errors.h"
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
@@ -116,7 +117,8 @@ TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& li
   const Robot& robot = plan.problem.robot;
   const RateLimits rates = unwrap(find_rate_limits(robot, timing, file));
   for (const std::string& warning : rates.warnings) {
-    if (PyErr_WarnEx(PyExc_UserWarning, warning.c_str(), 1) != 0) throw py::error_already_set();
+    const std::string text = to_text(warning);
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
   }
   const py::gil_scoped_release released;
   const Trajectory timed =
@@ -164,7 +166,7 @@ void bind_answer(py::class_<Plan>& type) {
       .def_property_readonly("is_solved",
                              [](const Plan& self) { return self.result.plan.is_solved(); })
       .def_property_readonly(
-          "message", [=](const Plan& self) { return plan_of(self).message; },
+          "message", [=](const Plan& self) { return to_text(plan_of(self).message); },
           "The reason why there is no path; empty if solved.")
       .def_property_readonly(
           "path", &path_of,
@@ -185,7 +187,7 @@ void bind_answer(py::class_<Plan>& type) {
           "start "
           "or a goal but its exact geometry does not, the exact geometry is checked.")
       .def_property_readonly(
-          "notes", [](const Plan& self) { return self.result.notes; },
+          "notes", [](const Plan& self) { return to_texts(self.result.notes); },
           "Goals that were dropped in favour of others, with reasons.")
       .def_property_readonly(
           "remembered", [](const Plan& self) { return self.result.remembered.rows; },

@@ -235,7 +235,7 @@ void bind_problem(py::module_& module) {
           "constraints", [](const SharedProblem& self) { return self.rest().constraints; },
           "Constraints along the whole path; see with_constraints.")
       .def_property_readonly(
-          "warnings", [](const SharedProblem& self) { return self.rest().warnings; },
+          "warnings", [](const SharedProblem& self) { return to_texts(self.rest().warnings); },
           "Parts of the input that were ignored.")
       .def(
           "to_yaml",

@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "errors.h"
 #include "keywords.h"
 #include "origins.h"
 #include "pickling.h"
@@ -144,10 +145,7 @@ void bind_properties(py::class_<Robot>& robot) {
                              "limits. Memory applies to all robots with the same value.")
       .def_property_readonly("is_planar", &Robot::is_planar)
       .def_property_readonly(
-          "warnings",
-          [](const Robot& self) {
-            return std::vector<std::string>(self.warnings().begin(), self.warnings().end());
-          },
+          "warnings", [](const Robot& self) { return to_texts(self.warnings()); },
           "Parts of the input that were ignored.");
 }
 

@@ -301,8 +301,9 @@ void bind_scene(py::module_& module) {
         return names;
       },
       "Names of the obstacles, in order.");
-  scene.def_readonly("warnings", &Scene::warnings,
-                     "Parts of the input that were ignored, such as points that are not finite.");
+  scene.def_property_readonly(
+      "warnings", [](const Scene& self) { return to_texts(self.warnings); },
+      "Parts of the input that were ignored, such as points that are not finite.");
   bind_shapes(scene);
   bind_edits(scene);
   scene.def(

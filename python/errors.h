@@ -10,6 +10,7 @@
 
 #include <exception>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace mneme::python {
@@ -26,6 +27,22 @@ class RaisedError : public std::exception {
  private:
   Error error_;
 };
+
+/// Returns text for Python, with bytes that are not UTF-8 as \xNN.
+[[nodiscard]] inline py::str to_text(std::string_view text) {
+  PyObject* decoded =
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "backslashreplace");
+  if (decoded == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(decoded);
+}
+
+/// The same for each of a list.
+template <class Texts>
+[[nodiscard]] py::list to_texts(const Texts& texts) {
+  py::list result;
+  for (const std::string& text : texts) result.append(to_text(text));
+  return result;
+}
 
 /// Returns the value of a result or raises its error.
 template <class T>

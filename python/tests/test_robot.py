@@ -78,3 +78,30 @@ def test_wrong_robots_are_errors_that_name_them(tmp_path):
     assert raised(mneme.Robot.planar, [])[0] == "invalid"
     with pytest.raises(TypeError):
         mneme.Robot.load(3)
+
+
+ARM = """<robot name='arm'><link name='a'/><link name='b'><weight/><collision><geometry>
+<sphere radius='0.1'/></geometry></collision></link>
+<joint name='j' type='revolute'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/>
+<limit lower='-2' upper='2' velocity='1'/>
+<safety_controller soft_lower_limit='-1' soft_upper_limit='1'/></joint></robot>"""
+
+
+def test_foreign_elements_and_soft_limits_are_warnings_unless_switched_off(tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(ARM)
+    soft = mneme.Robot.load(path)
+    assert len(soft.warnings) == 2
+    assert "unknown element <weight> in <link>" in soft.warnings[0]
+    np.testing.assert_array_equal(soft.limits, [[-1, 1]])
+    hard = mneme.Robot.load(path, hard_limits=True)
+    np.testing.assert_array_equal(hard.limits, [[-2, 2]])
+    code, message = raised(mneme.Robot.load, path, strict=True)
+    assert code == "parse" and "unknown element <weight>" in message
+
+
+def test_bytes_that_are_not_utf_8_are_escaped_in_messages(tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_bytes(ARM.encode().replace(b"weight", b"w\xffight"))
+    assert "<w\\xffight>" in mneme.Robot.load(path).warnings[0]
+    assert "<w\\xffight>" in raised(mneme.Robot.load, path, strict=True)[1]
