@@ -95,7 +95,7 @@ struct WorkCounters {
 
 /// An objective like ompl::base::PathLengthOptimizationObjective, for planners with an informed
 /// sampler (BIT*, Informed RRT*). Its informed sampler takes samples of the space's allocator and
-/// rejects those that cannot shorten the path. OMPL's ignores the allocator and does not wrap
+/// rejects states that cannot shorten the path. OMPL's ignores the allocator and does not wrap
 /// continuous joints.
 [[nodiscard]] ::ompl::base::OptimizationObjectivePtr make_path_length_objective(
     const ::ompl::base::SpaceInformationPtr& information);

@@ -58,17 +58,17 @@ double scene_distance(const PrimitiveKey& a, const PrimitiveKey& b) {
   return one_way_distance(a, b) + one_way_distance(b, a);
 }
 
-Result<GaussianMixture> pool_all(const Query& query, const MemoryQuery& asked) {
+Result<GaussianMixture> pool_all(const Query& query, const MemoryQuery& request) {
   std::vector<Match> matches;
   MNEME_TRY(query.database->for_each([&](const auto& row) {
     matches.push_back({row->is_path() ? with_waypoints_as_means(*row) : row, 0, {}});
   }));
-  return pool_matches(asked, std::move(matches));
+  return pool_matches(request, std::move(matches));
 }
 
-Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQuery& asked) {
+Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQuery& request) {
   const KindSettings& kind = query.kinds.front();
-  const auto primitives = MNEME_TRY(decompose(asked, kind));
+  const auto primitives = MNEME_TRY(decompose(request, kind));
   if (kind.kind->name != kCircles) {
     return fail(ErrorCode::unsupported, "sampler 'nearest_scenes' needs scenes of circles");
   }
@@ -90,7 +90,7 @@ Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQu
     return a.similarity_error < b.similarity_error;
   });
   matches.resize(std::min(wanted, matches.size()));
-  return pool_matches(asked, std::move(matches));
+  return pool_matches(request, std::move(matches));
 }
 
 }  // namespace mneme::internal

@@ -251,12 +251,12 @@ void reverse_if_needed(const ResolvedQuery& resolved, PriorRows& path) {
 
 Result<PriorRows> find_most_similar(const ResolvedQuery& resolved) {
   const Query& query = resolved.query;
-  const MemoryQuery asked = memory_query(query.problem, resolved.ends.goals);
+  const MemoryQuery request = memory_query(query.problem, resolved.ends.goals);
   PriorRows found;
   double least = std::numeric_limits<double>::infinity();
   for (const KindSettings& kind : query.kinds) {
     if (kind.kind->bend == nullptr) continue;
-    const auto primitives = MNEME_TRY(decompose(asked, kind));
+    const auto primitives = MNEME_TRY(decompose(request, kind));
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const auto matches =
           MNEME_TRY(find_matches(*query.database, *kind.kind, primitives[i].primitive,

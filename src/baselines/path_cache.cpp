@@ -38,11 +38,11 @@ Path stored_path(const MemoryQuery& query, const Configuration& goal, const Expe
 
 /// Rows with ends within KindSettings::replay of the query's. Reversed paths are excluded.
 Result<std::vector<Entry>> find_entries(const Query& query) {
-  const MemoryQuery asked = memory_query(query.problem);
+  const MemoryQuery request = memory_query(query.problem);
   std::vector<Entry> entries;
   for (const KindSettings& kind : query.kinds) {
     if (!(kind.replay > 0)) continue;
-    const auto primitives = MNEME_TRY(decompose(asked, kind));
+    const auto primitives = MNEME_TRY(decompose(request, kind));
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const LocalPrimitive& primitive = primitives[i].primitive;
       const auto rows = MNEME_TRY(query.database->find(kind.kind->version, {&primitive.key, 1},
@@ -51,7 +51,7 @@ Result<std::vector<Entry>> find_entries(const Query& query) {
       for (const KeyMatch& row : rows) {
         if (row.experience->path().waypoint_count() < 2) continue;
         entries.push_back({row.experience->id, row.similarity_error, 0,
-                           stored_path(asked, asked.goals[i], *row.experience)});
+                           stored_path(request, request.goals[i], *row.experience)});
       }
     }
   }

@@ -125,7 +125,7 @@ void visit_range(const VoxelGrid::Index& low, const VoxelGrid::Index& high, cons
 }
 
 /// Marks the octants that a part may intersect. Descends from cubes of 2^level octants per axis to
-/// the eighths of those that the part comes near.
+/// the eighths of cubes near the part.
 template <class Part>
 class Marker {
  public:

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Reads the surfaces of COLLADA 1.4 and 1.5. Nodes may instance others, so that a small file could
-// expand without end: depth, steps and triangles are limited. Whatever several elements may refer
-// to is read once, so that time stays linear in the size of the file.
+// expand without end: depth, steps and triangles are limited. Elements with several references are
+// read once, so that time stays linear in the size of the file.
 #include "base/fail.h"
 #include "mesh/line_reader.h"
 #include "mesh/mesh_file.h"

@@ -37,7 +37,7 @@ class SurfaceBuilder {
   Vec3 scale_;
   Transform pose_;
   std::vector<Triangle> triangles_;
-  std::size_t count_ = 0;  ///< with those that were skipped
+  std::size_t count_ = 0;  ///< with skipped ones
 };
 
 /// Triangles of a polygon, as indices of its corners: a fan if it is convex, otherwise by ear

@@ -65,7 +65,7 @@ constexpr std::array kRatios = {&PairedRatio::p50, &PairedRatio::p95, &PairedRat
 /// The values of kRatios for a sample of pairs.
 using Estimate = std::array<double, kRatios.size()>;
 
-/// Of the first three ratios, and of the maximum, which decides whether a mean is a bound.
+/// Percentiles of the first three ratios. The maximum decides whether a mean is a bound.
 constexpr std::array kPercents = {50, 95, 99, 100};
 using Percentiles = std::array<Time, kPercents.size()>;
 

@@ -204,7 +204,8 @@ TEST_SUITE("flow") {
     INFO(result.plan.message);
     REQUIRE(result.plan.is_solved());
     REQUIRE(result.notes.size() == 1);
-    CHECK(result.notes[0].starts_with("goal: links 'base' and 'hand' touch only with their spheres"));
+    CHECK(
+        result.notes[0].starts_with("goal: links 'base' and 'hand' touch only with their spheres"));
     CHECK(is_path_free(problem.robot, checked_scene(problem, result), result.plan.path, 0.01));
     const auto limits = find_rate_limits(problem.robot);
     REQUIRE(limits.has_value());
