@@ -68,6 +68,20 @@ struct PlanarPicture {
 /// if a configuration, a primitive or the mixture does not fit it.
 [[nodiscard]] Result<std::string> to_svg(const PlanarPicture& picture);
 
+/// A path in space as an animated SVG picture, for pages without scripts. The robot appears as the
+/// hulls of its links, blue at the start and red at the goal. Compound shapes are not shown.
+struct MovingPicture {
+  const Problem* problem = nullptr;
+  Path path;                ///< two configurations or more
+  double azimuth = -0.9;    ///< direction of the viewer about z, radians
+  double elevation = 0.45;  ///< of the viewer above the horizon, radians
+  int frames = 40;          ///< three or more, at equal joint distances
+  double seconds = 6;       ///< duration of a cycle
+};
+/// Returns the picture as an SVG document. Errors: invalid without a path. Cost: some 10 ms for a
+/// robot of 2000 spheres.
+[[nodiscard]] Result<std::string> to_svg(const MovingPicture& picture);
+
 /// Largest counts in a trace, which bound the size of its page.
 struct TraceSettings {
   int waypoints = 200;   ///< equal steps along the path

@@ -102,11 +102,11 @@ std::string short_number(double value, int decimals) {
   return text == "-0" ? "0" : text;
 }
 
-std::string short_points(std::span<const Point> points) {
+std::string short_points(std::span<const Point> points, int decimals) {
   std::string text;
   for (const Point& point : points) {
     if (!text.empty()) text += ' ';
-    text += short_number(point.x) + ',' + short_number(point.y);
+    text += short_number(point.x, decimals) + ',' + short_number(point.y, decimals);
   }
   return text;
 }

@@ -34,7 +34,7 @@ struct Point {
 /// Prints at most `decimals` decimals without trailing zeros; "0" if `value` is not finite.
 [[nodiscard]] std::string short_number(double value, int decimals = 2);
 /// Prints the value of a `points` attribute.
-[[nodiscard]] std::string short_points(std::span<const Point> points);
+[[nodiscard]] std::string short_points(std::span<const Point> points, int decimals = 2);
 
 /// Names and values of attributes. Values are escaped when written.
 using Attributes = std::initializer_list<std::pair<std::string_view, std::string>>;

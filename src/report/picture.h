@@ -65,6 +65,9 @@ struct Disc {
 using Polygon = std::vector<Point>;  ///< convex, counter-clockwise
 using Outline = std::variant<Disc, Polygon>;
 
+/// Returns the convex hull of `points`.
+[[nodiscard]] Polygon convex_hull(Polygon points);
+
 /// Returns the outline of `shape` in the plane z = 0: the section of a sphere, the projection along
 /// z of other shapes. Empty if the shape does not meet the plane.
 [[nodiscard]] std::optional<Outline> planar_outline(const Shape& shape);

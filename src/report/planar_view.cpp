@@ -38,13 +38,9 @@ void append_chain(Iterator first, Iterator last, Polygon& hull) {
 std::optional<Outline> shadow(const std::vector<Vec3>& points) {
   const auto [low, high] = std::ranges::minmax(points, {}, [](const Vec3& p) { return p.z(); });
   if (low.z() > 0 || high.z() < 0) return std::nullopt;
-  Polygon sorted;
-  for (const Vec3& p : points) sorted.push_back({p.x(), p.y()});
-  std::ranges::sort(sorted, {}, [](const Point& p) { return std::pair(p.x, p.y); });
-  Polygon hull;
-  append_chain(sorted.begin(), sorted.end(), hull);
-  append_chain(sorted.rbegin(), sorted.rend(), hull);
-  return hull;
+  Polygon flat;
+  for (const Vec3& p : points) flat.push_back({p.x(), p.y()});
+  return convex_hull(std::move(flat));
 }
 
 /// Appends a circle about the z axis of `pose`, at height `z` in its frame.
@@ -95,6 +91,14 @@ std::optional<Outline> outline_of(const CompoundShape<Part>& /*compound*/) {
 }
 
 }  // namespace
+
+Polygon convex_hull(Polygon points) {
+  std::ranges::sort(points, {}, [](const Point& p) { return std::pair(p.x, p.y); });
+  Polygon hull;
+  append_chain(points.begin(), points.end(), hull);
+  append_chain(points.rbegin(), points.rend(), hull);
+  return hull;
+}
 
 void Bounds::include(const Point& point, double margin) {
   left = std::min(left, point.x - margin);
