@@ -58,7 +58,7 @@ std::string fit_table(std::string_view table, int width, int height) {
   return text;
 }
 
-/// to_table() with names that a terminal may be shown.
+/// to_table() without control characters in names.
 std::string printable_table(std::vector<SetSummary> summaries) {
   for (SetSummary& summary : summaries) {
     summary.set = printable(summary.set);
@@ -67,8 +67,7 @@ std::string printable_table(std::vector<SetSummary> summaries) {
   return to_table(summaries);
 }
 
-/// Progress of a benchmark: a table that grows on a terminal, otherwise a line now and then. Not
-/// thread-safe.
+/// A table of results that grows on a terminal, or a line every few seconds. Not thread-safe.
 class LiveTable {
  public:
   explicit LiveTable(std::size_t total);
@@ -203,7 +202,7 @@ ExitCode judge_rows(const std::vector<BenchmarkRow>& rows) {
     return row.is_solved && !row.is_path_valid;
   });
   if (wrong == 0) return ExitCode::done;
-  print_error(fmt::format("{} did not survive the check at ten times the resolution",
+  print_error(fmt::format("{} failed the exact check at ten times the resolution",
                           counted(static_cast<std::size_t>(wrong), "path", "paths")));
   return ExitCode::failure;
 }

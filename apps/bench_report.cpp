@@ -114,41 +114,33 @@ Result<ExitCode> run_export(const ExportRun& run) {
   return ExitCode::done;
 }
 
-void add_report(CLI::App& bench, Action& action) {
-  CLI::App* command = bench.add_subcommand("report", "Make an HTML page and SVG figures of runs");
-  command->footer("Example:\n  mneme bench report runs.csv -o report.html");
-  const auto run = std::make_shared<ReportRun>();
-  command->add_option("CSV", run->csv_files, "files of runs that bench run wrote")->required();
-  command->add_option("-o,--output", run->out,
-                      "page to write (default report.html); figures are written beside it");
-  command->add_option("--title", run->options.title, "title of the page");
-  command->add_option("--baseline", run->options.baseline,
-                      "sampler that the others are compared with (default uniform)");
-  command->add_flag("--by-problem", run->options.by_problem,
-                    "a figure for each problem instead of one for each set");
-  add_json(*command, run->is_json);
-  command->callback([run, &action] { action = [run] { return run_report(*run); }; });
-}
-
-void add_export(CLI::App& bench, Action& action) {
-  CLI::App* command = bench.add_subcommand("export", "Write runs for other programs");
-  command->footer(
-      "Example:\n  mneme bench export runs.csv --ompl-logs logs\n"
-      "  ompl_benchmark_statistics logs/*.log -d runs.db");
-  const auto run = std::make_shared<ExportRun>();
-  command->add_option("CSV", run->csv_files, "files of runs that bench run wrote")->required();
-  command
-      ->add_option("--ompl-logs", run->log_directory,
-                   "directory for logs that ompl_benchmark_statistics reads, one per problem")
-      ->required();
-  command->callback([run, &action] { action = [run] { return run_export(*run); }; });
-}
-
 }  // namespace
 
 void add_bench_report(CLI::App& bench, Action& action) {
-  add_report(bench, action);
-  add_export(bench, action);
+  const auto made = std::make_shared<ReportRun>();
+  CLI::App& report =
+      add_command(bench, action, "report", "Make an HTML page and SVG figures from runs",
+                  "bench report runs.csv -o report.html", made, run_report);
+  report.add_option("CSV", made->csv_files, "files of 'bench run'")->required();
+  report.add_option("-o,--output", made->out,
+                    "page to write (default report.html), with its figures next to it");
+  report.add_option("--title", made->options.title, "title of the page");
+  report.add_option("--baseline", made->options.baseline,
+                    "sampler to compare the others with (default uniform)");
+  report.add_flag("--by-problem", made->options.by_problem,
+                  "a figure for each problem instead of each set");
+  add_json(report, made->is_json);
+
+  const auto logs = std::make_shared<ExportRun>();
+  CLI::App& to_logs = add_command(bench, action, "export", "Write runs for other programs",
+                                  "bench export runs.csv --ompl-logs logs\n"
+                                  "  ompl_benchmark_statistics logs/*.log -d runs.db",
+                                  logs, run_export);
+  to_logs.add_option("CSV", logs->csv_files, "files of 'bench run'")->required();
+  to_logs
+      .add_option("--ompl-logs", logs->log_directory,
+                  "directory for logs that ompl_benchmark_statistics reads, one per problem")
+      ->required();
 }
 
 }  // namespace mneme::app

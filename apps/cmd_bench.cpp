@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme bench: plans many problems and tells how long it took.
+/// mneme bench: plans many problems and measures.
 #include "mneme/benchmark.h"
 #include "mneme/report.h"
 
@@ -39,6 +39,7 @@ struct BenchOptions {
   std::string memories;
   std::vector<std::string> suite_settings;
   int jobs = 1;
+  bool is_suite = false;
   bool has_seeds = false;
   bool has_timeout = false;
   bool is_resumed = false;
@@ -100,7 +101,7 @@ Result<ExitCode> run_problems(const BenchOptions& options) {
   print_bench_results(file.rows(), options.is_json);
   if (is_complete) return judge_rows(file.rows());
   print_note(options.csv.empty() ? "interrupted"
-                                 : "interrupted; the same command with --resume goes on from here");
+                                 : "interrupted; continue with the same command and --resume");
   return ExitCode::interrupted;
 }
 
@@ -119,7 +120,7 @@ Result<ExitCode> run_suite_command(const BenchOptions& options) {
       run_suite(run, SuiteHooks{print_note, watch_learning, show_rows(), interrupt_flag()}));
   print_bench_results(result.rows, options.is_json);
   if (!result.is_complete) {
-    print_note("interrupted; the same command with --resume goes on from here");
+    print_note("interrupted; continue with the same command and --resume");
     return ExitCode::interrupted;
   }
   print_note(fmt::format("the report is {}", result.report));
@@ -148,41 +149,36 @@ void add_name_list(CLI::App& command, const std::string& flag, const std::string
 }
 
 void add_run_flags(CLI::App& command, BenchOptions& options) {
-  command
-      .add_option("PROBLEMS", options.arguments,
-                  "compact files, problems (FILE.json#NAME, YAML) or directories of them; or one "
-                  "suite (YAML with the key problems), which says all that it runs")
-      ->required();
-  add_part(command, options.part, "every N-th problem beginning with the I-th, such as 2/2");
-  command.add_option("--robot", options.robot,
-                     "robot to use instead of the problems': a URDF file or a name");
-  add_robot_flags(command, options.robot_options);
+  add_problem_list(command, options.arguments, options.part,
+                   ", or one suite (YAML with the key problems)");
+  add_other_robot(command, options.robot, options.robot_options);
   add_name_list(command, "--planners", "planner", options.planners, planner_names(),
                 "planners (default rrt_connect)");
   add_name_list(command, "--samplers", "sampler", options.samplers, sampler_names(),
                 "sources of configurations (default uniform, with --db gl,uniform)");
   add_number(command, "--seeds", options.seed_count, 1, 1000000,
-             "runs of each, with seeds from --seed on");
+             "runs of each case, with seeds from --seed on");
   add_database(command, options.db, options.kept, "memory of the sampler gl: an SQLite file");
   command.add_option("--csv", options.csv,
                      "file for one row per run, written while it runs; replaced if it exists");
   command.add_flag("--resume", options.is_resumed,
-                   "keep the rows of --csv (of a suite: those in --out) and run only what is "
-                   "missing");
+                   "keep the rows of --csv (for a suite: of --out) and run only the others");
   command.add_flag("--cold", options.is_cold,
                    "time runs cold: check each path before the next run, which evicts caches. "
                    "Default: the runs of a problem follow each other and are checked afterwards");
   add_number(command, "--jobs", options.jobs, 1, 4096,
-             "runs at the same time; more than idle cores make times longer");
-  command.add_option("--out", options.out,
-                     "directory for what a suite leaves (default out/bench/NAME): runs.csv, "
-                     "report.html and its figures, logs for OMPL");
-  command.add_option("--memories", options.memories,
-                     "directory of the memories that a suite learns (default: memories in --out); "
-                     "those that are there already are not learned again");
+             "runs at a time; more than there are idle cores make times longer");
+  command.add_option(
+      "--out", options.out,
+      "output directory of a suite (default out/bench/NAME): runs.csv, report.html and its "
+      "figures, logs for OMPL");
+  command.add_option(
+      "--memories", options.memories,
+      "directory of the memories that a suite learns (default: memories in --out); existing "
+      "ones are used");
   command
       .add_option("--setting", options.suite_settings,
-                  "run only this setting of a suite; may be given several times")
+                  "run only this setting of a suite; repeatable")
       ->type_name("NAME")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -194,7 +190,7 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
   add_json(command, options.is_json);
 }
 
-/// A suite says itself what it runs.
+/// Refuses flags that a suite's file decides.
 void check_suite_flags(const CLI::App& command) {
   const std::vector<std::string> allowed = {"PROBLEMS", "--seeds", "--timeout", "--resume",
                                             "--jobs",   "--out",   "--json",    "--memories",
@@ -203,7 +199,8 @@ void check_suite_flags(const CLI::App& command) {
     const std::string name = option->get_name();
     const bool is_allowed = std::find(allowed.begin(), allowed.end(), name) != allowed.end();
     if (option->count() == 0 || is_allowed) continue;
-    throw CLI::ValidationError(name, "does not go with a suite, whose file says what it runs");
+    throw CLI::ValidationError(name,
+                               "cannot be combined with a suite, whose file says what it runs");
   }
 }
 
@@ -214,49 +211,48 @@ void check_problem_flags(BenchOptions& options) {
   }
   const auto drawing = std::ranges::find_if(options.samplers, needs_memory);
   if (drawing != options.samplers.end() && options.db.empty()) {
-    throw CLI::ValidationError("--samplers",
-                               *drawing + " needs --db, the memory that it draws from");
+    throw CLI::ValidationError("--samplers", *drawing + " needs a memory: --db");
   }
   if (options.is_resumed && options.csv.empty()) {
-    throw CLI::ValidationError("--resume", "needs --csv, the rows that are there already");
+    throw CLI::ValidationError("--resume", "needs --csv, the file with the earlier rows");
   }
   if (options.jobs > 1 && learns_while_planning(options.settings)) {
     throw CLI::ValidationError(
         "--jobs",
-        "must be 1 with --learn-budget or --remember-after, whose runs follow from "
-        "each other");
+        "must be 1 with --learn-budget or --remember-after: later runs depend on earlier ones");
   }
   for (const auto& [flag, is_given] : {std::pair("--out", !options.out.empty()),
                                        std::pair("--memories", !options.memories.empty()),
                                        std::pair("--setting", !options.suite_settings.empty())}) {
-    if (is_given) throw CLI::ValidationError(flag, "goes with a suite only");
+    if (is_given) throw CLI::ValidationError(flag, "needs a suite");
   }
+}
+
+void check_flags(const CLI::App& command, BenchOptions& options) {
+  options.is_suite = options.arguments.size() == 1 && is_suite_file(options.arguments.front());
+  if (!options.is_suite) return check_problem_flags(options);
+  check_suite_flags(command);
+  options.has_seeds = command.count("--seeds") > 0;
+  options.has_timeout = command.count("--timeout") > 0;
+}
+
+Result<ExitCode> run(const BenchOptions& options) {
+  return options.is_suite ? run_suite_command(options) : run_problems(options);
 }
 
 }  // namespace
 
 void add_bench(CLI::App& program, Action& action) {
-  CLI::App* group = program.add_subcommand("bench", "Plan many problems and measure");
-  group->require_subcommand(1);
-  group->footer("Example:\n  mneme bench run problems.json --seeds 10 --csv runs.csv");
-  CLI::App* command = group->add_subcommand("run", "Run problems x planners x samplers x seeds");
-  command->footer(
-      "Example:\n  mneme bench run problems/ --planners rrt_connect,prm --seeds 10 --timeout 4 "
-      "--csv runs.csv\n  mneme bench run bench/suites/planar.yaml --seeds 5 --timeout 2");
+  CLI::App& group = add_group(program, "bench", "Plan many problems and measure",
+                              "bench run problems.json --seeds 10 --csv runs.csv");
   const auto options = std::make_shared<BenchOptions>();
-  add_run_flags(*command, *options);
-  command->callback([options, command, &action] {
-    if (options->arguments.size() == 1 && is_suite_file(options->arguments.front())) {
-      check_suite_flags(*command);
-      options->has_seeds = command->get_option("--seeds")->count() > 0;
-      options->has_timeout = command->get_option("--timeout")->count() > 0;
-      action = [options] { return run_suite_command(*options); };
-      return;
-    }
-    check_problem_flags(*options);
-    action = [options] { return run_problems(*options); };
-  });
-  add_bench_report(*group, action);
+  CLI::App& command = add_command(
+      group, action, "run", "Run problems x planners x samplers x seeds",
+      "bench run problems/ --planners rrt_connect,prm --seeds 10 --timeout 4 "
+      "--csv runs.csv\n  mneme bench run bench/suites/planar.yaml --seeds 5 --timeout 2",
+      options, run, check_flags);
+  add_run_flags(command, *options);
+  add_bench_report(group, action);
 }
 
 }  // namespace mneme::app

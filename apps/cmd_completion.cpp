@@ -158,7 +158,7 @@ std::string completion(const std::string& shell, const Commands& commands) {
 
 void add_completion(CLI::App& program, Action& action) {
   CLI::App* command =
-      program.add_subcommand("completion", "Print a script that completes commands");
+      program.add_subcommand("completion", "Print the completion script of a shell");
   command->footer(
       "Example:\n  mneme completion bash > ~/.local/share/bash-completion/completions/mneme");
   const auto shell = std::make_shared<std::string>();

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme db: looks into a database, and keeps it in order.
+/// mneme db: inspects a database.
 #include "mneme/experience.h"
 #include "mneme/pipeline.h"
 
@@ -296,68 +296,56 @@ Result<ExitCode> run_query(const DbOptions& options) {
   return ExitCode::done;
 }
 
-CLI::App* add_verb(CLI::App& group, const std::string& name, const std::string& description,
-                   const std::string& example, DbOptions& options) {
-  CLI::App* command = group.add_subcommand(name, description);
-  command->footer("Example:\n  mneme db " + name + " planar.db" + example);
-  command->add_option("URL", options.url, "SQLite file, or postgresql://...")->required();
-  add_json(*command, options.is_json);
-  return command;
+void read_key(const std::string& text, DbOptions& options) {
+  options.key = parse_numbers("--key", text);
+  if (options.key->size() != 6) {
+    throw CLI::ValidationError(
+        "--key", fmt::format("has {} numbers; expected x,y,r of two circles", options.key->size()));
+  }
+  for (std::size_t i = 0; i < options.key->size(); ++i) {
+    const double number = (*options.key)[i];
+    const bool is_radius = i % 3 == 2;
+    if (std::isfinite(number) && (!is_radius || number > 0)) continue;
+    throw CLI::ValidationError(
+        "--key", fmt::format("{} is no {} in metres", number, is_radius ? "radius" : "length"));
+  }
 }
 
-void add_query(CLI::App& group, const std::shared_ptr<DbOptions>& options, Action& action) {
-  CLI::App* command = add_verb(group, "query", "Find the stored primitives similar to others",
-                               " --key 3,1,1.2,3,-1.5,1 --similarity 3", *options);
-  const auto read_key = [options](const std::string& text) {
-    options->key = parse_numbers("--key", text);
-    if (options->key->size() != 6) {
-      throw CLI::ValidationError(
-          "--key",
-          fmt::format("has {} numbers; expected x,y,r of two circles", options->key->size()));
-    }
-    for (std::size_t i = 0; i < options->key->size(); ++i) {
-      const double number = (*options->key)[i];
-      const bool is_radius = i % 3 == 2;
-      if (std::isfinite(number) && (!is_radius || number > 0)) continue;
-      throw CLI::ValidationError(
-          "--key", fmt::format("{} is no {} in metres", number, is_radius ? "radius" : "length"));
-    }
-  };
-  add_text(*command, "--key", read_key, "two circles, metres; for keys of pairs")
-      ->type_name("X,Y,R,X,Y,R");
-  command->add_option("--problem", options->problem,
-                      "problem whose primitives to look up: YAML file, or FILE.json#NAME");
-  command->add_option("--robot", options->robot,
-                      "URDF file or name of a robot, instead of the problem's");
-  add_robot_flags(*command, options->robot_options);
-  add_settings(*command, options->settings, {"similarity", "max-matches"});
-  add_settings(*command, options->settings.memory);
-  command->callback([options, &action] {
-    if (options->key.has_value() == !options->problem.empty()) {
-      throw CLI::RequiredError("either --key or --problem");
-    }
-    action = [options] { return run_query(*options); };
-  });
+void check_query_flags(const CLI::App&, DbOptions& options) {
+  if (options.key.has_value() != options.problem.empty()) return;
+  throw CLI::RequiredError("either --key or --problem");
 }
 
 }  // namespace
 
 void add_db(CLI::App& program, Action& action) {
-  CLI::App* group =
-      program.add_subcommand("db", "Look into a database of experience, and keep it in order");
-  group->require_subcommand(1);
-  group->footer("Example:\n  mneme db info planar.db");
+  CLI::App& group = add_group(program, "db", "Inspect and maintain a memory", "db info planar.db");
   const auto options = std::make_shared<DbOptions>();
-  CLI::App* info = add_verb(*group, "info", "What the database holds", " --json", *options);
-  info->add_option("--robot", options->robot, "say how this robot differs: URDF file or name");
-  add_robot_flags(*info, options->robot_options);
-  info->callback([options, &action] { action = [options] { return run_info(*options); }; });
-  CLI::App* list = add_verb(*group, "list", "List its rows", " --limit 10", *options);
-  add_number(*list, "--limit", options->limit, 0, std::numeric_limits<std::int64_t>::max(),
-             "rows to print; without it, all");
-  list->callback([options, &action] { action = [options] { return run_list(*options); }; });
-  add_query(*group, options, action);
-  add_db_upkeep(*group, action);
+  CLI::App& info = add_command(group, action, "info", "Show robot, kinds, number of rows and size",
+                               "db info planar.db --json", options, run_info);
+  CLI::App& list = add_command(group, action, "list", "List the rows",
+                               "db list planar.db --limit 10", options, run_list);
+  CLI::App& query = add_command(group, action, "query", "Find stored primitives similar to others",
+                                "db query planar.db --key 3,1,1.2,3,-1.5,1 --similarity 3", options,
+                                run_query, check_query_flags);
+  for (CLI::App* command : {&info, &list, &query}) {
+    command->add_option("URL", options->url, "SQLite file, or postgresql://...")->required();
+    add_json(*command, options->is_json);
+  }
+  info.add_option("--robot", options->robot, "show how this robot differs: URDF file or name");
+  add_robot_flags(info, options->robot_options);
+  add_number(list, "--limit", options->limit, 0, std::numeric_limits<std::int64_t>::max(),
+             "rows to print (default: all)");
+  add_text(
+      query, "--key", [options](const std::string& text) { read_key(text, *options); },
+      "two circles, metres; for keys of pairs")
+      ->type_name("X,Y,R,X,Y,R");
+  query.add_option("--problem", options->problem,
+                   "problem whose primitives are looked up: YAML file, or FILE.json#NAME");
+  add_other_robot(query, options->robot, options->robot_options);
+  add_settings(query, options->settings, {"similarity", "max-matches"});
+  add_settings(query, options->settings.memory);
+  add_db_upkeep(group, action);
 }
 
 }  // namespace mneme::app

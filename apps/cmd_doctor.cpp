@@ -187,7 +187,7 @@ void print_json(const std::vector<Finding>& findings, bool is_good) {
                    {"ok", is_good}});
 }
 
-ExitCode run_doctor(bool is_json) {
+Result<ExitCode> run_doctor(const bool& is_json) {
   const std::vector<Finding> findings = examine();
   bool is_good = true;
   for (const Finding& finding : findings) is_good = is_good && finding.is_good;
@@ -202,15 +202,12 @@ ExitCode run_doctor(bool is_json) {
 }  // namespace
 
 void add_doctor(CLI::App& program, Action& action) {
-  CLI::App* command =
-      program.add_subcommand("doctor", "Say what is built in and installed, and try it");
-  command->footer("Example:\n  mneme doctor");
   const auto is_json = std::make_shared<bool>(false);
-  add_isa(*command);
-  add_json(*command, *is_json);
-  command->callback([is_json, &action] {
-    action = [is_json]() -> Result<ExitCode> { return run_doctor(*is_json); };
-  });
+  CLI::App& command =
+      add_command(program, action, "doctor", "Show what is built in and installed, and test it",
+                  "doctor", is_json, run_doctor);
+  add_isa(command);
+  add_json(command, *is_json);
 }
 
 }  // namespace mneme::app

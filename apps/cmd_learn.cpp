@@ -76,10 +76,12 @@ Json to_json(const Coverage& coverage, double threshold) {
 }
 
 void print_summary(const LearnSummary& summary, const Database& database) {
-  fmt::print("learned {} primitives ({} of them are impassable) in {:.1f} s, {} components\n",
-             summary.learned, summary.empty, summary.time_s, summary.components);
+  fmt::print("learned {} ({} of them impassable) in {:.1f} s, {}\n",
+             counted(static_cast<std::size_t>(summary.learned), "primitive", "primitives"),
+             summary.empty, summary.time_s,
+             counted(static_cast<std::size_t>(summary.components), "component", "components"));
   if (summary.skipped > 0) {
-    fmt::print("skipped {}: learned before or by other processes\n", summary.skipped);
+    fmt::print("skipped {}: already learned\n", summary.skipped);
   }
   const DatabaseInfo info = database.info();
   fmt::print("{} now holds {} with {} in {} bytes\n", info.url, counted_samplers(info.samplers),
@@ -92,15 +94,16 @@ void print_coverage(const Coverage& coverage, double threshold) {
     fmt::print("coverage: none, because the database is empty\n");
     return;
   }
-  fmt::print("coverage: similarity error to the nearest, over {} random primitives of the range:\n",
-             coverage.probes);
-  fmt::print("  median {:.3f}, p95 {:.3f}, max {:.3f} m^2; {} was asked for\n", coverage.median,
+  fmt::print(
+      "coverage: similarity error of the nearest row, over {} random primitives of the range:\n",
+      coverage.probes);
+  fmt::print("  median {:.3f}, p95 {:.3f}, max {:.3f} m^2; wanted below {}\n", coverage.median,
              coverage.p95, coverage.max, threshold);
 }
 
 ExitCode end_of(const LearnSummary& summary) {
   if (!summary.is_cancelled) return ExitCode::done;
-  print_note("interrupted; the same command goes on from here");
+  print_note("interrupted; continue with the same command");
   return ExitCode::interrupted;
 }
 
@@ -149,7 +152,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
       MNEME_TRY(problem_options(options.source.robot, options.source.robot_options));
   const auto found = MNEME_TRY(find_bench_problems(options.problems, options.part));
   const auto problems = MNEME_TRY(load_lesson_problems(found, overrides, print_note));
-  if (problems.empty()) return fail(ErrorCode::invalid, "the part has no problems");
+  if (problems.empty()) return fail(ErrorCode::invalid, "--part: it has no problems");
   const Robot& robot = problems.front().robot;
   MemorySettings memory = options.source.memory;
   if (!memory.kind) memory.kind = default_kind_of_paths(robot).name;
@@ -162,7 +165,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   return end_of(summary);
 }
 
-/// What falls to a shard.
+/// The items of a shard.
 template <class T>
 std::vector<T> take_shard(std::vector<T> all, const Part& shard) {
   std::size_t position = 0;
@@ -170,7 +173,7 @@ std::vector<T> take_shard(std::vector<T> all, const Part& shard) {
   return all;
 }
 
-/// Learns a shard of the lesson, and of what covers the grid.
+/// Learns a shard of the lesson's primitives and of those that cover the grid.
 Result<LearnSummary> learn_lesson(PrimitiveLesson lesson, const std::optional<PrimitiveGrid>& grid,
                                   const Part& shard, Database& database, const LearnJob& job) {
   std::vector<PrimitiveKey> keys = std::move(lesson.keys);
@@ -195,9 +198,7 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
     grid = std::move(read);
   }
   if (lesson.keys.empty() && !grid) {
-    print_note(
-        "these scenes have no primitives: no obstacles that the arm reaches are within --max-gap "
-        "of each other");
+    print_note("these scenes have no primitives: no two obstacles in reach are within --max-gap");
   }
   Database database =
       MNEME_TRY(Database::open(options.db, make_signature(robot), OpenMode::create, options.kept));
@@ -205,7 +206,7 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
   if (options.sharing.is_worker) job.shared = {options.db, options.sharing.lease_s};
   const LearnSummary summary =
       MNEME_TRY(learn_lesson(std::move(lesson), grid, options.sharing.shard, database, job));
-  // What one shard covers says nothing about the whole.
+  // A shard alone does not cover the range.
   if (options.sharing.shard.count > 1) grid.reset();
   return report(options, summary, database, grid);
 }
@@ -219,20 +220,19 @@ void add_sharing(CLI::App& command, Sharing& sharing) {
     }
     sharing.shard = *shard;
   };
-  add_text(command, "--shard", read_shard,
-           "every N-th primitive beginning with the I-th, each shard into a database of its own; "
-           "merged by `mneme db merge` they are what one process learns. I counts from 1 or from "
-           "0: shards 0 and N are the same")
+  add_text(
+      command, "--shard", read_shard,
+      "every N-th primitive, starting with the I-th, into a database of its own; 'mneme db merge' "
+      "joins the shards. I counts from 1 or from 0: shards 0 and N are the same")
       ->type_name("I/N");
   command.add_flag("--worker", sharing.is_worker,
-                   "share the primitives with all processes that were given the same command "
-                   "line and a database on a PostgreSQL server; ends when all are learned");
+                   "share the work with all processes that have the same command line, through the "
+                   "PostgreSQL database; ends when everything is learned");
   add_number(command, "--lease", sharing.lease_s, 0.1, 86400.0,
-             "with --worker: seconds without a sign of life after which a process's primitives go "
-             "to others");
+             "with --worker: silence after which a process loses its primitives, seconds");
 }
 
-/// Throws what the command line cannot mean.
+/// Throws a usage error for flags that contradict each other.
 void check_sharing(const CLI::App& command, const Sharing& sharing, const std::string& url,
                    bool has_problems) {
   const bool has_shard = command.count("--shard") > 0;
@@ -247,18 +247,17 @@ void check_sharing(const CLI::App& command, const Sharing& sharing, const std::s
 }
 
 void add_flags(CLI::App& command, LearnOptions& options) {
-  command.add_option(
-      "--robot", options.source.robot,
-      "URDF file or name of a robot; with --problems that of the problems if left out");
+  command.add_option("--robot", options.source.robot,
+                     "URDF file or name of a robot (with --problems the default is theirs)");
   add_robot_flags(command, options.source.robot_options);
-  command.add_option("--primitives", options.grid, "YAML file with a range of primitives to cover");
+  command.add_option("--primitives", options.grid,
+                     "YAML file with a range of primitives, for planar arms");
   command.add_option("--scenes", options.source.scenes,
-                     "scenes or problems whose primitives to learn: files or patterns");
-  command.add_option("--problems", options.problems,
-                     "problems to solve and to learn from their paths: files, FILE.json#NAME or "
-                     "directories");
-  add_part(command, options.part,
-           "with --problems: every N-th problem beginning with the I-th, such as 1/2");
+                     "scenes or problems whose primitives are learned: files or patterns");
+  command.add_option(
+      "--problems", options.problems,
+      "problems to solve; their paths are stored: files, FILE.json#NAME or directories");
+  add_part(command, options.part);
   add_number(command, "--paths", options.lesson.paths, 1, 1000,
              "with --problems: paths per problem");
   add_number(command, "--path-timeout", options.lesson.timeout_s, 0.0, 1e6,
@@ -267,49 +266,48 @@ void add_flags(CLI::App& command, LearnOptions& options) {
                "SQLite file to add to, made if missing, or postgresql://...")
       ->required();
   add_jobs(command, options.job.jobs);
-  add_number(command, "--seed", options.job.seed, 0, ~std::uint64_t{0},
-             "seed; another one adds other primitives to the same database");
+  add_seed(command, options.job.seed, "seed; another one adds other primitives");
   add_number(command, "--count", options.count, 0, 100000000,
-             "at least this many primitives, instead of the grid's number");
-  add_number(command, "--similarity-error", options.similarity_error, 1e-3, 1e9,
-             "every primitive of the range gets a match closer than this, m^2, instead of the "
-             "grid's value");
+             "least number of primitives, instead of the grid's");
+  add_number(
+      command, "--similarity-error", options.similarity_error, 1e-3, 1e9,
+      "largest similarity error to the nearest row in the range, m^2, instead of the grid's");
   add_sharing(command, options.sharing);
   add_settings(command, options.job.settings);
   add_memory_settings(command, options.source.memory);
 }
 
+void check_flags(const CLI::App& command, LearnOptions& options) {
+  const bool has_primitives = !options.grid.empty() || !options.source.scenes.empty();
+  if (has_primitives && !options.problems.empty()) {
+    throw CLI::ValidationError("--problems", "excludes --primitives and --scenes");
+  }
+  if (!has_primitives && options.problems.empty()) {
+    throw CLI::RequiredError("either --problems, or --primitives or --scenes,");
+  }
+  const std::string kind(memory_kinds().front()->name);
+  if (!options.grid.empty() && options.source.memory.kind.value_or(kind) != kind) {
+    throw CLI::ValidationError("--kind", fmt::format("--primitives is a range of '{}'", kind));
+  }
+  check_sharing(command, options.sharing, options.db, !has_primitives);
+  if (has_primitives && options.source.robot.empty()) throw CLI::RequiredError("--robot");
+}
+
 }  // namespace
 
 void add_learn(CLI::App& program, Action& action) {
-  CLI::App* command =
-      program.add_subcommand("learn", "Learn local samplers into a database; resumable");
-  command->footer(
-      "Example:\n  mneme learn --robot planar8 --primitives scenes/planar/grid.yaml "
-      "--db planar.db --jobs 2\n  mneme learn --problems problems/ --part 1/2 --db arm.db\n"
+  const auto options = std::make_shared<LearnOptions>();
+  CLI::App& command = add_command(
+      program, action, "learn", "Fill a memory from problems, scenes or primitives; resumable",
+      "learn --problems problems/ --part 1/2 --db arm.db\n"
+      "  mneme learn --robot planar8 --primitives scenes/planar/grid.yaml --db planar.db\n"
       "On a cluster, as an array of jobs:\n  mneme learn --robot planar8 --primitives grid.yaml "
       "--shard $SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT --db shard$SLURM_ARRAY_TASK_ID.db\n"
-      "  mneme db merge planar.db shard*.db");
-  const auto options = std::make_shared<LearnOptions>();
-  add_flags(*command, *options);
-  add_isa(*command);
-  add_json(*command, options->is_json);
-  command->callback([options, command, &action] {
-    const bool has_primitives = !options->grid.empty() || !options->source.scenes.empty();
-    if (has_primitives && !options->problems.empty()) {
-      throw CLI::ValidationError("--problems", "goes neither with --primitives nor with --scenes");
-    }
-    if (!has_primitives && options->problems.empty()) {
-      throw CLI::RequiredError("either --problems, or --primitives or --scenes,");
-    }
-    const std::string kind(memory_kinds().front()->name);
-    if (!options->grid.empty() && options->source.memory.kind.value_or(kind) != kind) {
-      throw CLI::ValidationError("--kind", fmt::format("--primitives is a range of '{}'", kind));
-    }
-    check_sharing(*command, options->sharing, options->db, !has_primitives);
-    if (has_primitives && options->source.robot.empty()) throw CLI::RequiredError("--robot");
-    action = [options] { return run_learn(*options); };
-  });
+      "  mneme db merge planar.db shard*.db",
+      options, run_learn, check_flags);
+  add_flags(command, *options);
+  add_isa(command);
+  add_json(command, options->is_json);
 }
 
 }  // namespace mneme::app

@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kEnvironment = R"(.SH ENVIRONMENT
 .TP
 .B MNEME_ROBOT_PATH
-directories, separated by colons, in which robots are looked for by name
+directories, separated by colons, that are searched for robots by name
 .TP
 .B MNEME_ISA
 instruction set of the kernels: scalar, sse, avx2 or avx512
@@ -34,7 +34,7 @@ spheres that approximate the meshes of robots; may be removed
 .BR xacro (1),
 .BR check_urdf (1)
 .PP
-The documents that came with the source, README.md first, and the schemas of all files in
+The documents of the source tree, README.md first, and the schemas of all files in
 .IR share/mneme/schema .
 )";
 
@@ -94,7 +94,7 @@ std::string manual(const CLI::App& program) {
 }  // namespace
 
 void add_manual(CLI::App& program, Action& action) {
-  CLI::App* command = program.add_subcommand("manual", "Print the manual page, for man");
+  CLI::App* command = program.add_subcommand("manual", "Print the manual page");
   command->footer("Example:\n  mneme manual | man -l -");
   command->callback([&program, &action] {
     action = [&program]() -> Result<ExitCode> {

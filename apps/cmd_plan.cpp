@@ -27,7 +27,7 @@
 namespace mneme::app {
 namespace {
 
-/// The files that people look at. Paths of what is wanted; empty for what is not.
+/// Paths of the pictures and pages to write; empty for none.
 struct PlanFiles {
   std::string svg;
   std::string view;
@@ -47,18 +47,16 @@ bool can_draw(const Problem& problem) {
 
 Result<void> write_picture(const std::string& path, const Problem& problem,
                            const SolveResult& result) {
-  if (!problem.robot.is_planar()) {
-    return fail(ErrorCode::unsupported,
-                fmt::format("'{}' was not written: robot {} is not planar, which --svg is for; "
-                            "--view shows any robot",
-                            path, problem.robot.name()));
+  if (!problem.robot.is_planar() && !result.plan.is_solved()) {
+    print_note(fmt::format("'{}' was not written: there is no path", path));
+    return {};
   }
-  return to_svg(make_picture(problem, result)).and_then([&](const std::string& svg) {
-    return write_file(path, svg);
-  });
+  const auto svg = problem.robot.is_planar() ? to_svg(make_picture(problem, result))
+                                             : to_svg(MovingPicture{&problem, result.plan.path});
+  return svg.and_then([&](const std::string& text) { return write_file(path, text); });
 }
 
-/// A plan with what it takes to show it.
+/// A plan with everything that its page needs.
 struct ShownPlan {
   const Problem& problem;
   const SolveResult& result;
@@ -85,7 +83,8 @@ Result<void> write_trace_and_page(const PlanFiles& files, const ShownPlan& shown
   });
 }
 
-/// Writes what is wanted. Without a usable start or goal there is nothing to draw: a note says so.
+/// Writes the files; if start or goal is no configuration, a note says that there is nothing to
+/// draw.
 Result<void> write_plan_files(const PlanFiles& files, const ShownPlan& shown,
                               const std::string& beside) {
   if (!can_draw(shown.problem)) {
@@ -140,7 +139,7 @@ Result<std::optional<Database>> open_memory_if_any(const PlanOptions& options,
       .map([](Database database) { return std::optional<Database>(std::move(database)); });
 }
 
-/// Before anything is planned: a memory and a problem are worth more than a picture.
+/// Refuses outputs that would replace an input, before anything is planned.
 Result<void> check_files(const PlanOptions& options, const Problem& problem) {
   std::vector<ReadFile> inputs = {{"the memory", options.db},
                                   {"the file of limits", options.trajectory.limits}};
@@ -291,7 +290,7 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   Database* database = loaded->database ? &*loaded->database : nullptr;
   const SolveResult result = MNEME_TRY(solve(loaded->problem, database, settings));
 
-  // There is a path, whatever is wrong with its trajectory: that is said last.
+  // An error of the trajectory is reported last: there is a path all the same.
   const auto timed = time_path(options, *loaded, settings, result.plan.path);
   print_answer(options, *loaded, result, timed ? *timed : std::nullopt);
   ShownPlan shown{loaded->problem, result, recorder, loaded->load_time_s};
@@ -313,22 +312,22 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
 void add_problem_flags(CLI::App& command, PlanOptions& options) {
   begin_rare_flags(command, "Problem");
   command.add_option("PROBLEM", options.problem, "YAML file, or FILE.json#NAME")->required();
-  command.add_option("--robot", options.robot,
-                     "robot to use instead of the problem's: a URDF file or a name");
-  add_robot_flags(command, options.robot_options);
+  add_other_robot(command, options.robot, options.robot_options);
   add_configuration(command, "--start", options.start, "start instead of the problem's");
   add_configuration(command, "--goal", options.goal, "goal instead of the problem's");
-  add_poses(command, "--goal-pose", options.goal_poses,
-            "pose of a link instead of the problem's goals, in the frame of its scene; without the "
-            "quaternion, any rotation; may be given several times, and beside --goal: any will do");
+  add_poses(
+      command, "--goal-pose", options.goal_poses,
+      "pose of a link instead of the problem's goals, in the frame of its scene; any rotation "
+      "without the quaternion; repeatable, also with --goal: alternatives");
   add_upright(command, options.upright);
   command
-      .add_option("--self-filter", options.self_filter,
-                  "metres: points of clouds that are nearer to the robot at its start are its own "
-                  "and left out; 0: only those in contact (default: none)")
+      .add_option(
+          "--self-filter", options.self_filter,
+          "drop points of clouds within this distance of the robot at its start, metres; 0: only "
+          "those in contact (default: none)")
       ->type_name("X");
   add_database(command, options.db, options.kept,
-               "memory: an SQLite file or postgresql://..; a file is made if planning adds to it");
+               "memory: an SQLite file or postgresql://..; created if planning adds to it");
 }
 
 void add_solve_flags(CLI::App& command, PlanOptions& options) {
@@ -367,37 +366,37 @@ void add_output_flags(CLI::App& command, PlanOptions& options) {
   add_choice(command, "--beside", "sampler", options.files.beside, sampler_names(),
              "show a second plan, with this sampler, beside that of --view")
       ->needs("--view");
-  command.add_option("--svg", options.files.svg, "write a picture of a planar robot's plan");
+  command.add_option("--svg", options.files.svg,
+                     "write a picture of the plan; of a robot in space, the moving path");
   command.add_option("--trace", options.files.trace,
                      "write what the page shows as JSON, for 'mneme view' and other programs");
   add_trajectory_flags(command, options.trajectory);
   add_json(command, options.is_json);
 }
 
-/// What most people set: one screen.
+/// The flags that --help shows.
 const std::vector<FlagGroup> kUsualFlags = {
     {"Usual", {"help", "help-all", "db", "memory", "timeout", "improve", "seed"}},
     {"Problem", {"robot", "group", "start", "goal"}},
     {"Output", {"view", "trajectory", "json"}},
 };
 
+void choose_sampler(const CLI::App& command, PlanOptions& options) {
+  if (command.count("--sampler") > 0) return;
+  options.settings.sampler = options.db.empty() ? "uniform" : "gl";
+}
+
 }  // namespace
 
 void add_plan(CLI::App& program, Action& action) {
-  CLI::App* command = program.add_subcommand("plan", "Solve a motion planning problem");
-  command->footer(
-      "Example:\n  mneme plan scenes/planar/scenario1.yaml --db planar.db --view s1.html");
   const auto options = std::make_shared<PlanOptions>();
-  add_problem_flags(*command, *options);
-  add_solve_flags(*command, *options);
-  add_output_flags(*command, *options);
-  show_flags(*command, kUsualFlags);
-  command->callback([command, options, &action] {
-    if (command->count("--sampler") == 0) {
-      options->settings.sampler = options->db.empty() ? "uniform" : "gl";
-    }
-    action = [options] { return run_plan(*options); };
-  });
+  CLI::App& command = add_command(program, action, "plan", "Solve a motion planning problem",
+                                  "plan scenes/shelf/thin.yaml --view plan.html", options, run_plan,
+                                  choose_sampler);
+  add_problem_flags(command, *options);
+  add_solve_flags(command, *options);
+  add_output_flags(command, *options);
+  show_flags(command, kUsualFlags);
 }
 
 }  // namespace mneme::app

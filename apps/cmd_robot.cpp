@@ -124,7 +124,7 @@ Json to_json(const std::vector<Contact>& contacts) {
   return rows;
 }
 
-/// Where the group's tips are, in the root link's frame.
+/// Poses of the group's tips in the root link's frame.
 Json find_tip_poses(const Robot& robot, const Configuration& q) {
   Json tips = Json::array();
   const std::vector<Transform> poses = robot.link_poses(q);
@@ -150,14 +150,13 @@ void print_tips(const Json& tips) {
   }
 }
 
-/// `ending` says what follows from the contact.
 void print_contact(const Contact& contact, std::string_view ending) {
   fmt::print("{} touches {} {} ({:.6f} m){}\n", printable(contact.link),
              contact.is_self ? "link" : "obstacle", printable(contact.other), contact.distance,
              ending);
 }
 
-/// Plans may begin and end where nothing but spheres touches.
+/// The distance of the exact geometry, where that and not the spheres decides.
 std::string describe_exact(const CollisionChecker& checker, const Configuration& q,
                            const Contact& contact) {
   const auto behind = find_exact_contact(checker.robot(), checker.scene(), q, contact);
@@ -180,7 +179,7 @@ ExitCode report_state(const CollisionChecker& checker, const Configuration& q, b
       print_contact(contact, describe_exact(checker, q, contact));
     }
     for (const Contact& contact : checker.fixed_contacts()) {
-      print_contact(contact, "; left aside, because no joint moves either");
+      print_contact(contact, "; ignored, because no joint moves either");
     }
     if (contacts.empty()) fmt::print("valid\n");
     print_tips(tips);
@@ -201,7 +200,7 @@ Result<ExitCode> run_check(const RobotCommandOptions& options) {
                   {"fixed_contacts", Json::array()},
                   {"tips", Json::array()}});
     } else {
-      fmt::print("{}\n", printable(*violation));
+      print_error(*violation);
     }
     return ExitCode::invalid_ends;
   }
@@ -230,34 +229,17 @@ Result<ExitCode> run_planar(const PlanarOptions& options) {
   return ExitCode::done;
 }
 
-void add_info(CLI::App& group, const std::shared_ptr<RobotCommandOptions>& options,
-              Action& action) {
-  CLI::App* command = group.add_subcommand("info", "Show joints, limits, links and hash");
-  command->footer("Example:\n  mneme robot info planar8");
-  command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
-  add_robot_flags(*command, options->robot_options);
-  add_json(*command, options->is_json);
-  command->callback([options, &action] { action = [options] { return run_info(*options); }; });
-}
-
-void add_check(CLI::App& group, const std::shared_ptr<RobotCommandOptions>& options,
-               Action& action) {
-  CLI::App* command =
-      group.add_subcommand("check", "Say what touches at a configuration, and where the tips are");
-  command->footer("Example:\n  mneme robot check planar8 --q 0,0,0,0,0,0,0,0 --scene shelf.yaml");
-  command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
-  add_robot_flags(*command, options->robot_options);
-  add_configuration(*command, "--q", options->q, "configuration")->required();
-  command->add_option("--scene", options->scene, "scene or problem with the obstacles");
-  add_isa(*command);
-  add_json(*command, options->is_json);
-  command->callback([options, &action] { action = [options] { return run_check(*options); }; });
+void check_planar(const CLI::App&, PlanarOptions& options) {
+  if (options.is_json && options.output == "-") {
+    throw CLI::ValidationError("--json", "needs -o, because the URDF goes to standard output");
+  }
 }
 
 void add_planar(CLI::App& group, Action& action) {
   const auto options = std::make_shared<PlanarOptions>();
-  CLI::App* command = group.add_subcommand("planar", "Make the URDF of a planar arm");
-  command->footer("Example:\n  mneme robot planar --links 1.6,1.4,1.8 -o arm.urdf");
+  CLI::App& command = add_command(group, action, "planar", "Write the URDF of a planar arm",
+                                  "robot planar --links 1.6,1.4,1.8 -o arm.urdf", options,
+                                  run_planar, check_planar);
   const auto read_links = [options](const std::string& text) {
     options->links = parse_numbers("--links", text);
     for (const double length : options->links) {
@@ -267,34 +249,36 @@ void add_planar(CLI::App& group, Action& action) {
                                  kLongestLink));
     }
   };
-  add_text(*command, "--links", read_links, "lengths, metres")->type_name("X,X,..")->required();
-  add_number(*command, "--thickness", options->thickness, 0, 10, "diameter of the links, metres");
-  command->add_option("--name", options->name, "name of the robot (default planar and the count)");
-  command->add_option("-o,--output", options->output,
-                      "file to write, - for standard output (default -)");
-  add_json(*command, options->is_json);
-  command->callback([options, &action] {
-    if (options->is_json && options->output == "-") {
-      throw CLI::ValidationError("--json", "needs -o, because the URDF is on standard output");
-    }
-    action = [options] { return run_planar(*options); };
-  });
+  add_text(command, "--links", read_links, "lengths, metres")->type_name("X,X,..")->required();
+  add_number(command, "--thickness", options->thickness, 0, 10, "diameter of the links, metres");
+  command.add_option("--name", options->name, "name of the robot (default planar and the count)");
+  command.add_option("-o,--output", options->output,
+                     "file to write, - for standard output (default -)");
+  add_json(command, options->is_json);
 }
 
 }  // namespace
 
 void add_robot(CLI::App& program, Action& action) {
-  CLI::App* group = program.add_subcommand(
-      "robot",
-      "Look at robots, move a link to a pose, approximate links by spheres, or make a planar arm");
-  group->require_subcommand(1);
-  group->footer("Example:\n  mneme robot info planar8");
+  CLI::App& group =
+      add_group(program, "robot", "Show and check robots, solve inverse kinematics, make spheres",
+                "robot info planar8");
   const auto options = std::make_shared<RobotCommandOptions>();
-  add_info(*group, options, action);
-  add_check(*group, options, action);
-  add_planar(*group, action);
-  add_robot_ik(*group, action);
-  add_robot_spheres(*group, action);
+  CLI::App& info = add_command(group, action, "info", "Show joints, limits, links and hash",
+                               "robot info planar8", options, run_info);
+  CLI::App& check =
+      add_command(group, action, "check", "Show the contacts and tips of a configuration",
+                  "robot check planar8 --q 0,0,0,0,0,0,0,0 --scene shelf.yaml", options, run_check);
+  for (CLI::App* command : {&info, &check}) {
+    add_robot_argument(*command, options->robot, options->robot_options);
+    add_json(*command, options->is_json);
+  }
+  add_configuration(check, "--q", options->q, "configuration")->required();
+  check.add_option("--scene", options->scene, "scene or problem with the obstacles");
+  add_isa(check);
+  add_planar(group, action);
+  add_robot_ik(group, action);
+  add_robot_spheres(group, action);
 }
 
 }  // namespace mneme::app

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme scene: looks at workspaces, converts and varies them.
+/// mneme scene: shows, converts and varies scenes.
 #include "mneme/instances.h"
 #include "mneme/memory.h"
 #include "mneme/problem.h"
@@ -26,7 +26,7 @@
 namespace mneme::app {
 namespace {
 
-/// Text of a scene file; the frame, if there is one, as a remark.
+/// Text of a scene file, with its frame as a remark.
 std::string to_scene_yaml(const FramedScene& scene) {
   if (scene.frame.empty()) return to_yaml(scene.scene);
   return fmt::format("# in the frame of {}\n{}", scene.frame, to_yaml(scene.scene));
@@ -69,31 +69,6 @@ Result<ExitCode> run_convert(const ConvertOptions& options) {
     print_note(fmt::format("wrote {}: {}", options.output,
                            counted(scene.scene.obstacles.size(), "obstacle", "obstacles")));
     return ExitCode::done;
-  });
-}
-
-void add_convert(CLI::App& group, Action& action) {
-  CLI::App* command =
-      group.add_subcommand("convert", "Write a scene as mneme's, MoveIt's or compact file");
-  command->footer("Example:\n  mneme scene convert scene0001.yaml -o shelf.yaml --robot fetch");
-  const auto options = std::make_shared<ConvertOptions>();
-  command
-      ->add_option("SCENE", options->input,
-                   "scene or problem: YAML file of mneme or MoveIt, or FILE.json#NAME")
-      ->required();
-  command->add_option("-o,--output", options->output,
-                      "file to write, - for standard output (default -)");
-  add_choice(*command, "--format", "format", options->format, {"scene", "moveit", "compact"},
-             "what to write (default compact if the file ends in .json, otherwise scene)");
-  command->add_option("--robot", options->robot,
-                      "robot into whose root link's frame the scene is moved: URDF file or name");
-  command->add_option("--frame", options->frame,
-                      "name of the scene's frame, for scenes that do not say");
-  command->callback([options, &action] {
-    if (options->format.empty()) {
-      options->format = options->output.ends_with(".json") ? "compact" : "scene";
-    }
-    action = [options] { return run_convert(*options); };
   });
 }
 
@@ -145,25 +120,6 @@ Result<ExitCode> run_vary(const VaryOptions& options) {
   return interrupt_flag()->load() ? ExitCode::interrupted : ExitCode::done;
 }
 
-void add_vary(CLI::App& group, Action& action) {
-  const auto options = std::make_shared<VaryOptions>();
-  CLI::App* command = group.add_subcommand("vary", "Write random scenes like a given one");
-  command->footer(
-      "Example:\n  mneme scene vary scenes/shelf/learn/shelf_1.yaml --variations "
-      "scenes/shelf/learn/variations.yaml -n 10 --seed 1 -o shelves");
-  command->add_option("SCENE", options->nominal, "scene or problem: YAML file, or FILE.json#NAME")
-      ->required();
-  command->add_option("--variations", options->variations, "YAML file that says what varies")
-      ->required();
-  command->add_option("-o,--output", options->output,
-                      "directory of the scenes NAME_0001.yaml and so on (default .)");
-  add_number(*command, "-n,--count", options->count, 1, kMaxVariants, "scenes to write");
-  add_number(*command, "--seed", options->seed, 0, std::numeric_limits<std::uint64_t>::max(),
-             "seed of all random numbers; the n-th scene depends on it and on n alone");
-  add_json(*command, options->is_json);
-  command->callback([options, &action] { action = [options] { return run_vary(*options); }; });
-}
-
 using Json = nlohmann::ordered_json;
 
 struct SceneInfoOptions {
@@ -174,7 +130,7 @@ struct SceneInfoOptions {
   MemorySettings memory;
 };
 
-/// Nothing if no robot is known.
+/// Empty if no robot is known.
 using Primitives = std::optional<std::vector<LocalPrimitive>>;
 
 Result<Primitives> primitives_of(const SceneInfoOptions& options, const Workspace& workspace) {
@@ -251,33 +207,63 @@ Result<ExitCode> run_info(const SceneInfoOptions& options) {
   return ExitCode::done;
 }
 
+void choose_format(const CLI::App&, ConvertOptions& options) {
+  if (!options.format.empty()) return;
+  options.format = options.output.ends_with(".json") ? "compact" : "scene";
+}
+
+void add_convert(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<ConvertOptions>();
+  CLI::App& command = add_command(group, action, "convert",
+                                  "Write a scene as a file of mneme, of MoveIt or a compact file",
+                                  "scene convert scene0001.yaml -o shelf.yaml --robot fetch",
+                                  options, run_convert, choose_format);
+  add_scene_argument(command, options->input);
+  command.add_option("-o,--output", options->output,
+                     "file to write, - for standard output (default -)");
+  add_choice(command, "--format", "format", options->format, {"scene", "moveit", "compact"},
+             "format (default compact if the file ends in .json, otherwise scene)");
+  command.add_option("--robot", options->robot,
+                     "move the scene into the frame of this robot's root link: URDF file or name");
+  command.add_option("--frame", options->frame, "frame of a scene that names none");
+}
+
+void add_vary(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<VaryOptions>();
+  CLI::App& command = add_command(group, action, "vary", "Write random scenes like a given one",
+                                  "scene vary scenes/shelf/learn/shelf_1.yaml --variations "
+                                  "scenes/shelf/learn/variations.yaml -n 10 --seed 1 -o shelves",
+                                  options, run_vary);
+  add_scene_argument(command, options->nominal);
+  command.add_option("--variations", options->variations, "YAML file of variations")->required();
+  command.add_option("-o,--output", options->output,
+                     "directory of the scenes NAME_0001.yaml and so on (default .)");
+  add_number(command, "-n,--count", options->count, 1, kMaxVariants, "scenes to write");
+  add_seed(command, options->seed, "seed; scene number n depends on it and on n only");
+  add_json(command, options->is_json);
+}
+
 void add_info(CLI::App& group, Action& action) {
   const auto options = std::make_shared<SceneInfoOptions>();
-  CLI::App* command = group.add_subcommand("info", "Show obstacles, primitives and gaps");
-  command->footer("Example:\n  mneme scene info scenes/planar/scenario1.yaml");
-  command->add_option("SCENE", options->scene, "scene or problem: YAML file, or FILE.json#NAME")
-      ->required();
-  command->add_option("--robot", options->robot,
-                      "robot that decides about primitives: URDF file or name (default: that of "
-                      "the problem)");
-  add_robot_flags(*command, options->robot_options);
-  add_memory_settings(*command, options->memory);
-  add_json(*command, options->is_json);
-  command->callback([options, &action] { action = [options] { return run_info(*options); }; });
+  CLI::App& command = add_command(group, action, "info", "Show obstacles, primitives and gaps",
+                                  "scene info scenes/planar/scenario1.yaml", options, run_info);
+  add_scene_argument(command, options->scene);
+  add_other_robot(command, options->robot, options->robot_options);
+  add_memory_settings(command, options->memory);
+  add_json(command, options->is_json);
 }
 
 }  // namespace
 
 void add_scene(CLI::App& program, Action& action) {
-  CLI::App* group = program.add_subcommand("scene", "Look at workspaces and make problems");
-  group->require_subcommand(1);
-  group->footer("Example:\n  mneme scene info scenes/planar/scenario1.yaml");
-  add_info(*group, action);
-  add_convert(*group, action);
-  add_scene_threaded(*group, action);
-  add_scene_enclosed(*group, action);
-  add_scene_repeat(*group, action);
-  add_vary(*group, action);
+  CLI::App& group = add_group(program, "scene", "Show, convert and vary scenes; make problems",
+                              "scene info scenes/planar/scenario1.yaml");
+  add_info(group, action);
+  add_convert(group, action);
+  add_scene_threaded(group, action);
+  add_scene_enclosed(group, action);
+  add_scene_repeat(group, action);
+  add_vary(group, action);
 }
 
 }  // namespace mneme::app

@@ -37,7 +37,7 @@ struct ServeOptions {
   ServiceSettings service;
 };
 
-/// The file's first line. An empty token would let everybody in.
+/// The file's first line. An empty one is an error: it would admit everybody.
 Result<std::string> read_token(const std::string& path) {
   if (path.empty()) return "";
   const auto text = MNEME_TRY(read_file(path, kMostTokenBytes));
@@ -57,7 +57,7 @@ Result<std::shared_ptr<Database>> open_database(const ServeOptions& options, con
   });
 }
 
-/// Of this thread and those that it starts: they come to wait_for_signal() alone.
+/// Blocks `signals` in this thread and those that it starts; wait_for_signal() receives them.
 void hold_signals(sigset_t& signals) {
   sigemptyset(&signals);
   sigaddset(&signals, SIGTERM);
@@ -72,7 +72,7 @@ void wait_for_signal(const sigset_t& signals) {
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
 }
 
-/// What the page begins with; null for the robot at rest.
+/// The first problem of the page; null for the robot at rest.
 Result<std::shared_ptr<const Problem>> load_shown(const ServeOptions& options) {
   if (options.problem.empty()) return std::shared_ptr<const Problem>();
   const auto overrides = MNEME_TRY(problem_options(options.robot, options.robot_options));
@@ -109,31 +109,31 @@ Result<ExitCode> run_serve(const ServeOptions& options) {
 }  // namespace
 
 void add_serve(CLI::App& program, Action& action) {
-  CLI::App* command = program.add_subcommand("serve", "Plan for many clients over HTTP");
-  command->footer("Example:\n  mneme serve --robot fetch --db fetch.db --remember-after 3000");
   const auto options = std::make_shared<ServeOptions>();
-  command->add_option("--robot", options->robot, "a URDF file or a name")->required();
-  add_robot_flags(*command, options->robot_options);
-  add_database(*command, options->db, options->kept, "memory: an SQLite file or postgresql://...");
+  CLI::App& command =
+      add_command(program, action, "serve", "Plan for many clients over HTTP",
+                  "serve --robot fetch --db fetch.db --remember-after 3000", options, run_serve);
+  command.add_option("--robot", options->robot, "URDF file or name of a robot")->required();
+  add_robot_flags(command, options->robot_options);
+  add_database(command, options->db, options->kept, "memory: an SQLite file or postgresql://...");
   const auto listen = [&where = options->service.listen](const std::string& text) {
     const auto checked = check_listen(text);
     if (!checked) throw CLI::ValidationError("--listen", checked.error().message);
     where = text;
   };
-  add_text(*command, "--listen", listen,
-           "HOST:PORT, where port 0 is any that is free, or unix:PATH (default 127.0.0.1:7890); "
-           "addresses that other machines reach need --token-file");
-  command->add_option("--problem", options->problem,
-                      "whose scene requests are in that say nothing of obstacles, whose group and "
-                      "fixed joints the robot has, and what the page at / begins with: YAML file, "
-                      "or FILE.json#NAME");
-  command->add_option("--token-file", options->token_file,
-                      "file whose first line clients must send as Authorization: Bearer TOKEN");
-  add_settings(*command, options->service);
-  command->get_option("--remember-after")->needs("--db");
-  add_number(*command, "--longest-body", options->body_mib, 1, 1024, "MiB of a request");
-  add_isa(*command);
-  command->callback([options, &action] { action = [options] { return run_serve(*options); }; });
+  add_text(command, "--listen", listen,
+           "HOST:PORT, port 0 for any free one, or unix:PATH (default 127.0.0.1:7890); addresses "
+           "that other machines reach need --token-file");
+  command.add_option("--problem", options->problem,
+                     "problem that gives the group, the fixed joints, the first view of the page, "
+                     "and the scene of requests without obstacles: YAML file, or FILE.json#NAME");
+  command.add_option("--token-file", options->token_file,
+                     "file whose first line clients must send as Authorization: Bearer TOKEN");
+  add_settings(command, options->service);
+  command.get_option("--remember-after")->needs("--db");
+  add_number(command, "--longest-body", options->body_mib, 1, 1024,
+             "largest body of a request, MiB");
+  add_isa(command);
 }
 
 }  // namespace mneme::app

@@ -1,15 +1,17 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme settings: the declarations of all settings, for tools/generate_settings.py.
+/// mneme settings: the declarations of all settings as JSON; tools/generate_settings.py reads it.
 #include "mneme/pipeline.h"
 
 #include "commands.h"
 #include "console.h"
+#include "options.h"
 
 #include <nlohmann/json.hpp>
 
 #include <limits>
+#include <memory>
 #include <type_traits>
 
 namespace mneme::app {
@@ -62,22 +64,21 @@ Json kinds() {
 }  // namespace
 
 void add_settings_list(CLI::App& program, Action& action) {
-  CLI::App* command = program.add_subcommand("settings", "Print the declarations of all settings");
-  command->group("");  // for the documents, not for people
-  static bool is_json = false;
-  command->add_flag("--json", is_json, "print them as JSON, which is all there is");
-  command->callback([&action] {
-    action = []() -> Result<ExitCode> {
-      print_json({{{"group", "plan"}, {"settings", settings_of<PlanSettings>()}},
-                  {{"group", "solve"}, {"settings", settings_of<SolveSettings>()}},
-                  {{"group", "memory"}, {"settings", settings_of<MemorySettings>()}},
-                  kinds(),
-                  {{"group", "learn"}, {"settings", settings_of<LearnSettings>()}},
-                  {{"group", "trajectory"}, {"settings", settings_of<TrajectorySettings>()}},
-                  {{"group", "ik"}, {"settings", settings_of<IkSettings>()}}});
-      return ExitCode::done;
-    };
-  });
+  const auto is_json = std::make_shared<bool>();
+  const auto run = [](const bool&) -> Result<ExitCode> {
+    print_json({{{"group", "plan"}, {"settings", settings_of<PlanSettings>()}},
+                {{"group", "solve"}, {"settings", settings_of<SolveSettings>()}},
+                {{"group", "memory"}, {"settings", settings_of<MemorySettings>()}},
+                kinds(),
+                {{"group", "learn"}, {"settings", settings_of<LearnSettings>()}},
+                {{"group", "trajectory"}, {"settings", settings_of<TrajectorySettings>()}},
+                {{"group", "ik"}, {"settings", settings_of<IkSettings>()}}});
+    return ExitCode::done;
+  };
+  CLI::App& command =
+      add_command<bool>(program, action, "settings", "Print all settings, defaults and ranges",
+                        "settings > settings.json", is_json, run);
+  command.add_flag("--json", *is_json, "the only format, and the default");
 }
 
 }  // namespace mneme::app

@@ -41,17 +41,16 @@ Result<ExitCode> run_view(const ViewOptions& options) {
 }  // namespace
 
 void add_view(CLI::App& program, Action& action) {
-  CLI::App* command = program.add_subcommand("view", "Make a page that shows a trace of a plan");
-  command->footer(
-      "Example:\n  mneme plan scenes/planar/scenario1.yaml --trace s1.json\n"
-      "  mneme view s1.json -o s1.html");
   const auto options = std::make_shared<ViewOptions>();
-  command->add_option("TRACE", options->trace, "trace that 'mneme plan --trace' wrote")->required();
-  command->add_option("--beside", options->beside,
-                      "trace of another plan of the same problem, to be shown beside it");
-  command->add_option("-o,--output", options->page, "page to write; it needs no other file")
+  CLI::App& command = add_command(program, action, "view", "Make a page from a saved trace",
+                                  "plan scenes/planar/scenario1.yaml --trace s1.json\n"
+                                  "  mneme view s1.json -o s1.html",
+                                  options, run_view);
+  command.add_option("TRACE", options->trace, "file of 'mneme plan --trace'")->required();
+  command.add_option("--beside", options->beside,
+                     "trace of another plan of the same problem, shown beside the first");
+  command.add_option("-o,--output", options->page, "page to write; it needs no other file")
       ->required();
-  command->callback([options, &action] { action = [options] { return run_view(*options); }; });
 }
 
 }  // namespace mneme::app

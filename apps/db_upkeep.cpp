@@ -151,59 +151,40 @@ Result<ExitCode> run_compact(const UpkeepOptions& options) {
   });
 }
 
-/// Adds subcommands that share their options.
-class Upkeep {
- public:
-  Upkeep(CLI::App& group, Action& action) : group_(group), action_(action) {}
-
-  CLI::App& add(const std::string& name, const std::string& description, const std::string& example,
-                Result<ExitCode> (*run)(const UpkeepOptions&)) {
-    CLI::App* command = group_.add_subcommand(name, description);
-    command->footer("Example:\n  mneme db " + name + " " + example);
-    command->add_option("URL", options_->url, "SQLite file, or postgresql://...")->required();
-    add_json(*command, options_->is_json);
-    command->callback([options = options_, run, &action = action_] {
-      action = [options, run] { return run(*options); };
-    });
-    return *command;
-  }
-
-  void add_file(CLI::App& command) {
-    command.add_option("FILE", options_->file, "JSON lines (.jsonl)")->required();
-  }
-  UpkeepOptions& options() { return *options_; }
-
- private:
-  CLI::App& group_;
-  Action& action_;
-  std::shared_ptr<UpkeepOptions> options_ = std::make_shared<UpkeepOptions>();
-};
-
 }  // namespace
 
 void add_db_upkeep(CLI::App& group, Action& action) {
-  Upkeep upkeep(group, action);
-  upkeep
-      .add("verify", "Check structure and checksums; name damaged rows and set them aside",
-           "planar.db", run_verify)
-      .add_flag("--report", upkeep.options().is_report, "only report: change nothing");
-  upkeep
-      .add("merge", "Add the rows of other databases: a union of sets", "all.db part1.db part2.db",
-           run_merge)
-      .add_option("FROM", upkeep.options().sources, "databases to add to URL")
+  const auto options = std::make_shared<UpkeepOptions>();
+  const auto add = [&](const std::string& name, const std::string& sentence,
+                       const std::string& example,
+                       Result<ExitCode> (*run)(const UpkeepOptions&)) -> CLI::App& {
+    CLI::App& command =
+        add_command(group, action, name, sentence, "db " + name + " " + example, options, run);
+    command.add_option("URL", options->url, "SQLite file, or postgresql://...")->required();
+    add_json(command, options->is_json);
+    return command;
+  };
+  add("verify", "Check structure and checksums, and set damaged rows aside", "planar.db",
+      run_verify)
+      .add_flag("--report", options->is_report, "only report, change nothing");
+  add("merge", "Add the rows of other databases", "all.db part1.db part2.db", run_merge)
+      .add_option("FROM", options->sources, "databases to add to URL")
       ->required();
-  upkeep.add_file(
-      upkeep.add("export", "Write all rows to a file", "planar.db planar.jsonl", run_export));
-  upkeep.add_file(
-      upkeep.add("import", "Add the rows of a file", "planar.db planar.jsonl", run_import));
-  CLI::App& adopt = upkeep.add("adopt", "Make it the experience of a robot with other joint limits",
-                               "arm.db --robot arm.urdf", run_adopt);
-  adopt.add_option("--robot", upkeep.options().robot, "URDF file or name of the robot")->required();
-  add_robot_flags(adopt, upkeep.options().robot_options);
-  adopt.add_flag("--force", upkeep.options().is_forced,
-                 "also where an older mneme made the database and did not note the joints' frames");
-  upkeep.add("compact", "Remove what was set aside and give its space back", "planar.db",
-             run_compact);
+  CLI::App& to_file =
+      add("export", "Write all rows to a file", "planar.db planar.jsonl", run_export);
+  CLI::App& from_file =
+      add("import", "Add the rows of a file", "planar.db planar.jsonl", run_import);
+  for (CLI::App* command : {&to_file, &from_file}) {
+    command->add_option("FILE", options->file, "JSON lines (.jsonl)")->required();
+  }
+  CLI::App& adopt = add("adopt", "Use the rows for a robot with other joint limits",
+                        "arm.db --robot arm.urdf", run_adopt);
+  adopt.add_option("--robot", options->robot, "URDF file or name of the robot")->required();
+  add_robot_flags(adopt, options->robot_options);
+  adopt.add_flag("--force", options->is_forced,
+                 "also for a database of an older mneme, which has no frames of the joints");
+  add("compact", "Remove rows that were set aside and give back their space", "planar.db",
+      run_compact);
 }
 
 }  // namespace mneme::app

@@ -26,11 +26,12 @@ namespace mneme::app {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
-  mneme demo
+  mneme plan scenes/shelf/thin.yaml --view plan.html
+  mneme demo --open
   mneme learn --robot planar8 --primitives scenes/planar/grid.yaml --db planar.db
   mneme plan scenes/planar/scenario1.yaml --db planar.db --view scenario1.html
   mneme db info planar.db
-Where mneme is installed, the scenes of the examples are in share/mneme: see 'mneme doctor'.
+Installed, the scenes of the examples are in share/mneme: see 'mneme doctor'.
 
 Exit codes: 0 done or solved, 1 failure, 2 wrong usage, 3 no path within the limit,
   4 invalid start or goal, 5 database of another robot or corrupt, 130 interrupted)";
@@ -121,8 +122,7 @@ int act(const Action& action) {
 
 int run(int argument_count, char** arguments) {
   CLI::App program(
-      "Motion planning from memory: an arm threads itself through gaps because it "
-      "remembers how.");
+      "Plans motions of robot arms, proves them free of contact, and remembers solved problems.");
   Action action;
   set_up(program, action);
   if (const char* flag = flag_without_value({arguments, arguments + argument_count})) {

@@ -25,7 +25,7 @@ constexpr std::size_t kHelpWidth = 100;
 /// Ends the names of the groups of flags that --help leaves out.
 constexpr std::string_view kMore = ", more";
 
-/// What settings that are left to the kind of memory are.
+/// The defaults of settings that depend on the kind of memory.
 std::string describe_kinds() {
   constexpr const char* kRow = "  {:<16}{:>8}{:>8}{:>12}{:>13}{:>18}{:>9}\n";
   std::string text = "Defaults by kind of memory:\n";
@@ -93,6 +93,14 @@ class WrappingFormatter : public CLI::Formatter {
 };
 
 }  // namespace
+
+CLI::App& add_group(CLI::App& program, const std::string& name, const std::string& sentence,
+                    const std::string& example) {
+  CLI::App* group = program.add_subcommand(name, sentence);
+  group->require_subcommand(1);
+  group->footer("Example:\n  mneme " + example);
+  return *group;
+}
 
 template <class T>
 std::optional<T> parse_number(std::string_view text) {
@@ -201,7 +209,7 @@ CLI::Option* add_poses(CLI::App& app, const std::string& flag, std::vector<PoseG
       ->type_name("LINK:X,Y,Z,QX,QY,QZ,QW");
 }
 
-CLI::Option* add_part(CLI::App& app, std::string& part, const std::string& help) {
+CLI::Option* add_part(CLI::App& app, std::string& part) {
   const auto read = [&part](const std::string& text) {
     const std::optional<Part> parsed = parse_part(text);
     if (!parsed || parsed->index == 0) {
@@ -211,7 +219,8 @@ CLI::Option* add_part(CLI::App& app, std::string& part, const std::string& help)
     }
     part = text;
   };
-  return add_text(app, "--part", read, help)->type_name("I/N");
+  return add_text(app, "--part", read, "every N-th problem, starting with the I-th, such as 1/2")
+      ->type_name("I/N");
 }
 
 CLI::Option* add_upright(CLI::App& app, std::vector<OrientationConstraint>& constraints) {
@@ -232,8 +241,9 @@ CLI::Option* add_upright(CLI::App& app, std::vector<OrientationConstraint>& cons
   return app
       .add_option_function<std::vector<std::string>>(
           "--upright", read,
-          "link whose z axis leans from that of the scene by no more than an angle, all along the "
-          "path; besides the problem's constraints; may be given several times")
+          "keep the link upright: largest angle between its z axis and that of the scene, radians, "
+          "on "
+          "the whole path; in addition to the problem's constraints; repeatable")
       ->allow_extra_args(false)
       ->type_name("LINK:ANGLE");
 }
@@ -277,7 +287,7 @@ void add_memory_settings(CLI::App& app, MemorySettings& settings) {
     settings.kind = name;
   };
   add_text(app, "--kind", read,
-           fmt::format("kind of memory: {} (default: those of the database, or the robot's)",
+           fmt::format("kind of memory: {} (default: kinds of the database, or by robot)",
                        fmt::join(names, ", ")))
       ->type_name("NAME");
   add_settings(app, settings);
@@ -296,11 +306,11 @@ void add_isa(CLI::App& app) {
 
 void add_robot_flags(CLI::App& app, RobotOptions& options) {
   app.add_option("--srdf", options.srdf_path,
-                 "SRDF file with groups and allowed collisions (default: the one beside the URDF)");
+                 "SRDF file with groups and allowed collisions (default: next to the URDF)");
   app.add_option("--group", options.group,
                  "joints to plan for: a group of the SRDF, or the chain BASE_LINK:TIP_LINK");
   app.add_option("--package-path", options.package_paths,
-                 "directory in which the packages of package:// are; may be given several times")
+                 "directory of the packages of package:// URLs; repeatable")
       ->allow_extra_args(false)
       ->type_name("DIR");
   app.add_flag("--strict", options.strict,
@@ -313,7 +323,7 @@ void add_robot_flags(CLI::App& app, RobotOptions& options) {
 CLI::Option* add_database(CLI::App& app, std::string& url, DatabaseSettings& settings,
                           const std::string& help) {
   const auto take = [&url](const std::string& text) {
-    // What a variable of a shell that is not set leaves is no wish for a plan without memory.
+    // An unset shell variable is no request for a plan without memory.
     if (text.empty()) {
       throw CLI::ValidationError("--db", "expected a file or postgresql://..., got an empty text");
     }
@@ -325,13 +335,40 @@ CLI::Option* add_database(CLI::App& app, std::string& url, DatabaseSettings& set
     settings.memory_bytes = parse_in_range<std::int64_t>("--db-memory", text, 0, 1'000'000)
                             << kMebibyte;
   };
-  add_text(app, "--db-memory", read,
-           fmt::format("MiB of the database's rows in memory; of a larger one rows are read when "
-                       "they match (default {}; 0 to 1000000)",
-                       settings.memory_bytes >> kMebibyte))
+  add_text(
+      app, "--db-memory", read,
+      fmt::format("MiB of rows to keep in memory; a larger database reads rows when they match "
+                  "(default {}; 0 to 1000000)",
+                  settings.memory_bytes >> kMebibyte))
       ->type_name("N")
       ->needs(database);
   return database;
+}
+
+void add_robot_argument(CLI::App& app, std::string& robot, RobotOptions& options) {
+  app.add_option("ROBOT", robot, "URDF file or name of a robot")->required();
+  add_robot_flags(app, options);
+}
+
+void add_other_robot(CLI::App& app, std::string& robot, RobotOptions& options) {
+  app.add_option("--robot", robot, "robot instead of the problem's: URDF file or name");
+  add_robot_flags(app, options);
+}
+
+void add_problem_list(CLI::App& app, std::vector<std::string>& problems, std::string& part,
+                      const std::string& suites) {
+  app.add_option("PROBLEMS", problems,
+                 "compact files, problems (YAML, FILE.json#NAME) or directories of them" + suites)
+      ->required();
+  add_part(app, part);
+}
+
+void add_scene_argument(CLI::App& app, std::string& scene) {
+  app.add_option("SCENE", scene, "scene or problem: YAML file, or FILE.json#NAME")->required();
+}
+
+void add_seed(CLI::App& app, std::uint64_t& seed, const std::string& help) {
+  add_number(app, "--seed", seed, 0, ~std::uint64_t{0}, help);
 }
 
 void add_json(CLI::App& app, bool& is_json) {

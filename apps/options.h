@@ -7,6 +7,8 @@
 #include "mneme/pipeline.h"
 #include "mneme/robot.h"
 
+#include "commands.h"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
@@ -16,6 +18,7 @@
 #include <functional>
 #include <initializer_list>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +26,27 @@
 #include <vector>
 
 namespace mneme::app {
+
+/// Adds the subcommand `name` with an example, the words after "mneme ". Once its flags have filled
+/// `options`, `check` may complete them or throw a usage error; then the action is `run`.
+template <class Options>
+CLI::App& add_command(CLI::App& group, Action& action, const std::string& name,
+                      const std::string& sentence, const std::string& example,
+                      const std::shared_ptr<Options>& options,
+                      Result<ExitCode> (*run)(const Options&),
+                      void (*check)(const CLI::App&, Options&) = nullptr) {
+  CLI::App* command = group.add_subcommand(name, sentence);
+  command->footer("Example:\n  mneme " + example);
+  command->callback([=, &action] {
+    if (check != nullptr) check(*command, *options);
+    action = [=] { return run(*options); };
+  });
+  return *command;
+}
+
+/// A group of subcommands with an example.
+CLI::App& add_group(CLI::App& program, const std::string& name, const std::string& sentence,
+                    const std::string& example);
 
 /// The number that is all of `text`, or nothing; "nan" and "inf" are numbers of type double.
 template <class T>
@@ -53,7 +77,7 @@ CLI::Option* add_poses(CLI::App& app, const std::string& flag, std::vector<PoseG
 CLI::Option* add_upright(CLI::App& app, std::vector<OrientationConstraint>& constraints);
 
 /// A flag for a part of many problems: I/N, counted from 1.
-CLI::Option* add_part(CLI::App& app, std::string& part, const std::string& help);
+CLI::Option* add_part(CLI::App& app, std::string& part);
 
 template <class T>
 [[nodiscard]] std::string describe_range(T least, T most) {
@@ -131,6 +155,17 @@ void add_memory_settings(CLI::App& app, MemorySettings& settings);
 void add_isa(CLI::App& app);
 /// Adds --srdf, --group, --package-path, --strict and --hard-limits.
 void add_robot_flags(CLI::App& app, RobotOptions& options);
+/// The required argument ROBOT and the same flags.
+void add_robot_argument(CLI::App& app, std::string& robot, RobotOptions& options);
+/// The flag --robot for a robot instead of the problem's, and the same flags.
+void add_other_robot(CLI::App& app, std::string& robot, RobotOptions& options);
+/// The required argument PROBLEMS and the flag --part; `suites` says what else the argument may be.
+void add_problem_list(CLI::App& app, std::vector<std::string>& problems, std::string& part,
+                      const std::string& suites = "");
+/// The required argument `name` for a scene or a problem.
+void add_scene_argument(CLI::App& app, std::string& scene);
+/// The flag --seed.
+void add_seed(CLI::App& app, std::uint64_t& seed, const std::string& help);
 /// The flags --db, whose help is `help`, and --db-memory.
 CLI::Option* add_database(CLI::App& app, std::string& url, DatabaseSettings& settings,
                           const std::string& help);

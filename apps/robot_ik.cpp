@@ -50,7 +50,7 @@ Json to_json(const Robot& robot, const Configuration& near,
   return rows;
 }
 
-/// Where the search begins, or what is wrong with it.
+/// The start of the search. Errors: not a configuration of the robot.
 Result<Configuration> find_near(const IkOptions& options, const PlacedRobot& placed) {
   const Configuration zero(static_cast<std::size_t>(placed.robot.joint_count()), 0.0);
   const auto near = placed.robot.configuration_of(
@@ -90,25 +90,22 @@ Result<ExitCode> run_ik(const IkOptions& options) {
 
 void add_robot_ik(CLI::App& group, Action& action) {
   const auto options = std::make_shared<IkOptions>();
-  CLI::App* command = group.add_subcommand("ik", "Find configurations that bring a link to a pose");
-  command->footer(
-      "Example:\n  mneme robot ik panda --pose panda_hand:0.4,0.1,0.5,1,0,0,0 --scene shelf.yaml");
-  command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
-  add_robot_flags(*command, options->robot_options);
-  add_poses(*command, "--pose", options->poses,
-            "pose in the root link's frame; without the quaternion, any rotation; may be given "
-            "several times: any will do")
+  CLI::App& command = add_command(
+      group, action, "ik", "Find configurations that bring a link to a pose",
+      "robot ik panda --pose panda_hand:0.4,0.1,0.5,1,0,0,0 --scene shelf.yaml", options, run_ik);
+  add_robot_argument(command, options->robot, options->robot_options);
+  add_poses(command, "--pose", options->poses,
+            "pose in the root link's frame, any rotation without the quaternion; repeatable: "
+            "alternatives")
       ->required();
-  add_configuration(*command, "--near", options->near,
-                    "where the search begins: the nearest solution is printed first (default: the "
+  add_configuration(command, "--near", options->near,
+                    "start of the search; the nearest solution is printed first (default: the "
                     "problem's start, or zeros)");
-  command->add_option("--scene", options->scene, "scene or problem with the obstacles");
-  add_settings(*command, options->settings);
-  add_number(*command, "--seed", options->settings.seed, 0, ~std::uint64_t{0},
-             "seed of the random configurations");
-  add_isa(*command);
-  add_json(*command, options->is_json);
-  command->callback([options, &action] { action = [options] { return run_ik(*options); }; });
+  command.add_option("--scene", options->scene, "scene or problem with the obstacles");
+  add_settings(command, options->settings);
+  add_seed(command, options->settings.seed, "seed of the random configurations");
+  add_isa(command);
+  add_json(command, options->is_json);
 }
 
 }  // namespace mneme::app

@@ -63,7 +63,7 @@ Result<std::vector<std::string>> allow_pairs(Robot::Parts& parts, const PairSett
   });
 }
 
-/// What `text`, LINK=METRES, says; the link is one with something to approximate.
+/// The link and excess of `text`, LINK=METRES. Errors: no such link, or nothing to approximate.
 Result<std::pair<Link*, double>> parse_link_excess(const std::string& text, Robot::Parts& parts) {
   const std::size_t sign = text.rfind('=');
   const std::string name = text.substr(0, sign);
@@ -83,7 +83,7 @@ Result<std::pair<Link*, double>> parse_link_excess(const std::string& text, Robo
   return std::pair(&*link, excess);
 }
 
-/// Approximates the links with an excess of their own, so that the others are left.
+/// Approximates the links that have an excess of their own; the other links remain.
 Result<std::vector<LinkSpheres>> approximate_named(const SpheresOptions& options,
                                                    Robot::Parts& parts) {
   std::vector<LinkSpheres> result;
@@ -205,35 +205,34 @@ Result<ExitCode> run_spheres(const SpheresOptions& options) {
 
 void add_robot_spheres(CLI::App& group, Action& action) {
   const auto options = std::make_shared<SpheresOptions>();
-  CLI::App* command =
-      group.add_subcommand("spheres", "Approximate boxes, cylinders and meshes by spheres");
-  command->footer(
-      "Example:\n  mneme robot spheres arm.urdf -o arm_spheres.urdf --srdf-out arm_spheres.srdf");
-  command->add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
-  command->add_option("-o,--output", options->output, "URDF file to write")->required();
-  command->add_option("--srdf-out", options->srdf_output,
-                      "SRDF file to write: groups, and pairs that need no check");
-  command->add_option("--srdf", options->reading.srdf_path,
-                      "SRDF with groups and pairs to keep (default: the one beside ROBOT)");
+  CLI::App& command =
+      add_command(group, action, "spheres", "Approximate boxes, cylinders and meshes by spheres",
+                  "robot spheres arm.urdf -o arm_spheres.urdf --srdf-out arm_spheres.srdf", options,
+                  run_spheres);
+  command.add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
+  command.add_option("-o,--output", options->output, "URDF file to write")->required();
+  command.add_option("--srdf-out", options->srdf_output,
+                     "SRDF file to write: groups, and pairs that need no check");
+  command.add_option("--srdf", options->reading.srdf_path,
+                     "SRDF with groups and pairs to keep (default: next to ROBOT)");
   command
-      ->add_option("--package-path", options->reading.package_paths,
-                   "directory of package:// meshes; may be repeated")
+      .add_option("--package-path", options->reading.package_paths,
+                  "directory of package:// meshes; repeatable")
       ->type_name("DIR");
-  command->add_flag("--strict", options->reading.strict,
-                    "refuse unknown elements and attributes in URDF and SRDF");
-  command->add_flag("--hard-limits", options->reading.hard_limits,
-                    "use the limits of <limit>, not those of <safety_controller>");
-  add_settings(*command, options->spheres);
+  command.add_flag("--strict", options->reading.strict,
+                   "refuse unknown elements and attributes in URDF and SRDF");
+  command.add_flag("--hard-limits", options->reading.hard_limits,
+                   "use the limits of <limit>, not those of <safety_controller>");
+  add_settings(command, options->spheres);
   command
-      ->add_option("--link-excess", options->link_excess,
-                   "metres that the spheres of one link may stick out; may be repeated")
+      .add_option("--link-excess", options->link_excess,
+                  "how far the spheres of one link may stick out, metres; repeatable")
       ->type_name("LINK=METRES");
-  add_number(*command, "--samples", options->pairs.samples, 1, 100'000'000,
+  add_number(command, "--samples", options->pairs.samples, 1, 100'000'000,
              "random configurations that decide which pairs need no check");
-  command->add_flag("--allow-rest", options->pairs.allow_at_rest,
-                    "also allow pairs that touch where all joints are zero");
-  add_json(*command, options->is_json);
-  command->callback([options, &action] { action = [options] { return run_spheres(*options); }; });
+  command.add_flag("--allow-rest", options->pairs.allow_at_rest,
+                   "also allow pairs that touch where all joints are zero");
+  add_json(command, options->is_json);
 }
 
 }  // namespace mneme::app

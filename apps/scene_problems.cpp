@@ -43,25 +43,14 @@ struct GeneratorOptions {
   bool is_json = false;
 };
 
-void add_generator_flags(CLI::App& command, GeneratorOptions& options, int most,
-                         const std::string& output, const std::string& count,
-                         const std::string& seed) {
-  command.add_option("-o,--output", options.output, output)->required();
-  add_number(command, "--seed", options.seed, 0, std::numeric_limits<std::uint64_t>::max(), seed);
-  add_number(command, "-n,--count", options.count, 1, most, count);
-  add_json(command, options.is_json);
-}
-
-/// What a file calls `robot`: a name stays a name; a path must hold from wherever the file will be
-/// read.
+/// The robot's name, or its absolute path, so that the file can be read from anywhere.
 std::string robot_reference(const std::string& robot) {
   return robot.find('/') == std::string::npos && !robot.ends_with(".urdf")
              ? robot
              : std::filesystem::absolute(robot).lexically_normal().string();
 }
 
-/// Adds `problem` to a file of problems of one robot, which the first one begins; returns its
-/// entry.
+/// Appends `problem` to a file of problems of one robot; returns its entry.
 Json& append_problem(const Problem& problem, const std::string& robot, Json& file) {
   Json one = Json::parse(to_compact_json(problem, robot_reference(robot)));
   if (file.is_null()) {
@@ -72,7 +61,7 @@ Json& append_problem(const Problem& problem, const std::string& robot, Json& fil
   return file["problems"].back();
 }
 
-/// Writes the file, and says so: as `summary` and the name of the file, or in a sentence.
+/// Writes the file, then prints `summary` with the file's name, or the sentence.
 Result<ExitCode> write_problems(const GeneratorOptions& options, const Json& file, Json summary,
                                 const std::string& sentence) {
   if (options.output == "-") {
@@ -86,7 +75,7 @@ Result<ExitCode> write_problems(const GeneratorOptions& options, const Json& fil
   return interrupt_flag()->load() ? ExitCode::interrupted : ExitCode::done;
 }
 
-/// Lets a generator heed an interrupt and show how far it is.
+/// Makes a generator react to an interrupt and show its progress.
 template <class Settings>
 void watch(const GeneratorOptions& options, Progress& progress, Settings& settings) {
   settings.cancel = interrupt_flag();
@@ -131,7 +120,8 @@ Json to_json(const ThreadedOptions& options, const ThreadedInstances& made) {
           {"problems", problems}};
 }
 
-Result<ExitCode> run_threaded(ThreadedOptions options) {
+Result<ExitCode> run_threaded(const ThreadedOptions& given) {
+  ThreadedOptions options = given;
   MNEME_TRY(set_depth(options.depth, options.settings));
   const Robot robot = MNEME_TRY(load_named_robot(options.robot, {}, std::array{options.output}));
   Progress progress("threading");
@@ -163,7 +153,8 @@ Json to_json(const EnclosedOptions& options, const Robot& robot, const EnclosedI
   return file;
 }
 
-Result<ExitCode> run_enclosed(EnclosedOptions options) {
+Result<ExitCode> run_enclosed(const EnclosedOptions& given) {
+  EnclosedOptions options = given;
   const Robot robot =
       MNEME_TRY(load_named_robot(options.robot, options.robot_options, std::array{options.output}));
   Progress progress("enclosing");
@@ -186,7 +177,7 @@ struct RepeatOptions : GeneratorOptions {
   RepeatSettings settings;
 };
 
-/// Why a problem is no task, or nothing: start or goal is in contact, or there is no path.
+/// An error, with the reason, unless the problem has a path.
 Result<void> prove(const Problem& problem) {
   const auto checker = MNEME_TRY(CollisionChecker::make(problem.robot, problem.scene));
   PlanSettings settings;
@@ -208,7 +199,7 @@ Result<std::vector<Problem>> choose_tasks(const RepeatOptions& options) {
     if (const auto proven = prove(problem)) {
       tasks.push_back(std::move(problem));
     } else {
-      print_note("left out: " + proven.error().message);
+      print_note("excluded: " + proven.error().message);
     }
   }
   if (std::ssize(tasks) == options.tasks) return tasks;
@@ -216,7 +207,7 @@ Result<std::vector<Problem>> choose_tasks(const RepeatOptions& options) {
                                               options.tasks, tasks.size()));
 }
 
-/// Tasks take turns, as they do in a cell.
+/// Tasks alternate, as they do in a cell.
 Result<Json> make_repeats(const RepeatOptions& options, const std::vector<Problem>& tasks) {
   Json file;
   Progress progress("repeating");
@@ -247,87 +238,78 @@ Result<ExitCode> run_repeat(const RepeatOptions& options) {
                                     counted(tasks.size(), "task", "tasks"), options.output));
 }
 
+/// Adds a command with the flags that all generators have; the robot is `options.robot`.
+template <class Options>
+CLI::App& add_generator(CLI::App& group, Action& action, const std::string& name,
+                        const std::string& sentence, const std::string& example,
+                        const std::shared_ptr<Options>& options,
+                        Result<ExitCode> (*run)(const Options&), int most) {
+  CLI::App& command = add_command(group, action, name, sentence, example, options, run);
+  command.add_option("-o,--output", options->output, "compact file to write, - to print it")
+      ->required();
+  add_seed(command, options->seed, "seed; problem number n depends on it and on n only");
+  add_number(command, "-n,--count", options->count, 1, most, "problems, of repeat: per task");
+  add_isa(command);
+  add_json(command, options->is_json);
+  return command;
+}
+
 }  // namespace
 
 void add_scene_threaded(CLI::App& group, Action& action) {
   const auto options = std::make_shared<ThreadedOptions>();
   options->robot = "planar8";
   options->count = 100;
-  CLI::App* command = group.add_subcommand(
-      "threaded", "Write random problems of an arm threaded through a gap, each proven feasible");
-  command->footer(
-      "Example:\n  mneme scene threaded --robot planar8 --seed 1 -n 100 --gap 0.1:0.3 --depth 3:5 "
-      "-o threaded.json");
-  command->add_option("--robot", options->robot, "planar arm: URDF file or name (default planar8)");
-  add_generator_flags(*command, *options, kMostProblems,
-                      "compact problem file to write, - for standard output", "problems to write",
-                      "seed of all random numbers");
-  add_range(*command, "--gap", options->settings.gap, "metres between the two circles");
-  add_range(*command, "--depth", options->depth, "links from the first one that crosses the gap");
-  add_number(*command, "--passages", options->settings.passages, 1, 3,
-             "gaps: the start's, the goal's, and one in reach of the arm");
-  add_isa(*command);
-  command->callback([options, &action] { action = [options] { return run_threaded(*options); }; });
+  CLI::App& command = add_generator(
+      group, action, "threaded", "Write random problems of a planar arm in a gap, proven feasible",
+      "scene threaded --robot planar8 --seed 1 -n 100 --gap 0.1:0.3 --depth 3:5 -o threaded.json",
+      options, run_threaded, kMostProblems);
+  command.add_option("--robot", options->robot, "planar arm: URDF file or name (default planar8)");
+  add_range(command, "--gap", options->settings.gap, "distance of the two circles, metres");
+  add_range(command, "--depth", options->depth, "links from the first one in the gap to the last");
+  add_number(command, "--passages", options->settings.passages, 1, 3,
+             "gaps: at the start, at the goal, and one more in reach");
 }
 
 void add_scene_enclosed(CLI::App& group, Action& action) {
   const auto options = std::make_shared<EnclosedOptions>();
   options->robot = "panda";
   options->count = 20;
-  CLI::App* command = group.add_subcommand(
-      "enclosed", "Write random problems of any robot whose way is enclosed by boxes");
-  command->footer(
-      "Example:\n  mneme scene enclosed --robot panda --seed 1 -n 20 --clearance 0.01 --boxes 600 "
-      "-o enclosed.json");
-  command->add_option("--robot", options->robot, "URDF file or name (default panda)");
-  add_robot_flags(*command, options->robot_options);
-  add_generator_flags(*command, *options, kMostEnclosed, "compact problem file to write",
-                      "problems to write",
-                      "seed of all random numbers; the n-th problem depends on it and on n alone");
-  add_number(*command, "--clearance", options->settings.clearance, 1e-4, 1,
-             "metres that the boxes leave to the robot on its way, at least");
-  add_number(*command, "--boxes", options->settings.boxes, 1, kMaxBoxes,
-             "boxes around the way, if there is room");
-  add_range(*command, "--size", options->settings.size, "metres, full extents of a box");
-  add_number(*command, "--through", options->settings.through, 0, 100,
-             "random configurations that the way passes");
-  add_isa(*command);
-  command->callback([options, &action] { action = [options] { return run_enclosed(*options); }; });
+  CLI::App& command = add_generator(
+      group, action, "enclosed", "Write random problems whose path is enclosed by boxes",
+      "scene enclosed --robot panda --seed 1 -n 20 --clearance 0.01 --boxes 600 -o enclosed.json",
+      options, run_enclosed, kMostEnclosed);
+  command.add_option("--robot", options->robot, "URDF file or name (default panda)");
+  add_robot_flags(command, options->robot_options);
+  add_number(command, "--clearance", options->settings.clearance, 1e-4, 1,
+             "least distance between the boxes and the known path, metres");
+  add_number(command, "--boxes", options->settings.boxes, 1, kMaxBoxes,
+             "boxes around the path, if there is room");
+  add_range(command, "--size", options->settings.size, "full extents of a box, metres");
+  add_number(command, "--through", options->settings.through, 0, 100,
+             "random configurations on the path");
 }
 
 void add_scene_repeat(CLI::App& group, Action& action) {
   const auto options = std::make_shared<RepeatOptions>();
   options->count = 500;
-  CLI::App* command = group.add_subcommand(
-      "repeat", "Write the tasks of a cell, each again and again with small changes");
-  command->footer(
-      "Example:\n  mneme scene repeat problems.json --tasks 20 -n 500 --obstacles 0.02 --goal 0.03 "
-      "-o repeats.json");
-  command
-      ->add_option(
-          "PROBLEMS", options->problems,
-          "compact files, problems (FILE.json#NAME, YAML) or directories of them; those in "
-          "contact are left out")
-      ->required();
-  command->add_option("--part", options->part,
-                      "I/N: every N-th problem beginning with the I-th, such as 2/2");
-  command->add_option("--robot", options->robot,
-                      "robot to use instead of the problems': a URDF file or a name");
-  add_robot_flags(*command, options->robot_options);
-  add_number(*command, "--tasks", options->tasks, 1, kMostProblems,
-             "of the problems, the first ones");
-  add_generator_flags(
-      *command, *options, kMostProblems, "compact problem file to write", "problems per task",
-      "seed of all random numbers; the n-th repeat of a task depends on it and on n alone");
-  add_number(*command, "--obstacles", options->settings.obstacles, 0, kMostMetres,
-             "metres that each obstacle is moved at most");
-  add_number(*command, "--goal", options->settings.goal, 0, kMostMetres,
-             "metres that the tip of the arm is moved at most at the goal");
-  add_number(*command, "--base", options->settings.base, 0, kMostMetres,
-             "metres that the robot's base stands elsewhere at most");
-  add_number(*command, "--turn", options->settings.turn, 0, std::numbers::pi,
-             "radians that the robot's base is turned at most");
-  command->callback([options, &action] { action = [options] { return run_repeat(*options); }; });
+  CLI::App& command = add_generator(
+      group, action, "repeat", "Write the tasks of a cell again and again with small changes",
+      "scene repeat problems.json --tasks 20 -n 500 --obstacles 0.02 --goal 0.03 -o repeats.json",
+      options, run_repeat, kMostProblems);
+  add_problem_list(command, options->problems, options->part);
+  add_other_robot(command, options->robot, options->robot_options);
+  add_number(command, "--tasks", options->tasks, 1, kMostProblems,
+             "number of tasks: the first problems that have a path");
+  RepeatSettings& changes = options->settings;
+  add_number(command, "--obstacles", changes.obstacles, 0, kMostMetres,
+             "largest displacement of each obstacle, metres");
+  add_number(command, "--goal", changes.goal, 0, kMostMetres,
+             "largest displacement of the tip at the goal, metres");
+  add_number(command, "--base", changes.base, 0, kMostMetres,
+             "largest displacement of the robot's base, metres");
+  add_number(command, "--turn", changes.turn, 0, std::numbers::pi,
+             "largest rotation of the robot's base, radians");
 }
 
 }  // namespace mneme::app

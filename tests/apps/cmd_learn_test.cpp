@@ -205,7 +205,7 @@ TEST_SUITE("flow") {
     program.send(SIGINT);
     const ProgramRun run = program.wait();
     CHECK_MESSAGE(run.exit_code == 130, run.err);
-    CHECK(has_text(run.err, "the same command goes on from here"));
+    CHECK(has_text(run.err, "continue with the same command"));
     CHECK(run_program({"db", "verify", database}).exit_code == 0);
     CHECK(run_program(small_learn(files, database)).exit_code == 0);
   }
@@ -221,7 +221,7 @@ TEST_SUITE("flow") {
       const ProgramRun run = program.wait();
       CHECK_MESSAGE(run.exit_code == 130, run.err);
       CHECK(!has_text(run.err, "learning 1000"));
-      CHECK(has_text(run.err, "the same command goes on from here"));
+      CHECK(has_text(run.err, "continue with the same command"));
       if (is_json) {
         const Json json = Json::parse(run.out);
         CHECK(json["learned"] == 0);

@@ -410,13 +410,16 @@ TEST_SUITE("unit") {
     CHECK(std::filesystem::exists(files / "p.svg"));
   }
 
-  TEST_CASE("a robot that no picture can show has a page none the less") {
+  TEST_CASE("a path in space becomes a picture that moves, and no path none") {
     const PlanarFiles files;
     const std::string problem = source_file("scenes/shelf/thin.yaml");
-    check_bad_inputs({{{"plan", problem, "--max-iterations", "1", "--svg", files / "p.svg",
-                        "--view", files / "p.html"},
-                       1,
-                       {"p.svg", "fetch is not planar", "--view"}}});
+    const ProgramRun solved = run_program({"plan", problem, "--svg", files / "moving.svg"});
+    CHECK_MESSAGE(solved.exit_code == 0, solved.err);
+    CHECK(has_text(read_file(files / "moving.svg"), "<animate"));
+    const ProgramRun stopped = run_program({"plan", problem, "--max-iterations", "1", "--svg",
+                                            files / "p.svg", "--view", files / "p.html"});
+    CHECK(stopped.exit_code == 3);
+    CHECK(has_text(stopped.err, "p.svg' was not written: there is no path"));
     CHECK(std::filesystem::exists(files / "p.html"));
     CHECK_FALSE(std::filesystem::exists(files / "p.svg"));
   }
