@@ -145,12 +145,12 @@ void read_collision(XmlReader& xml, const MeshFinder& meshes, const XmlElement& 
   if (geometries.empty()) {
     xml.tolerate(element, "it has no shape", "the element <geometry> is missing");
   }
+  if (geometries.size() > 1) {
+    xml.tolerate(geometries[1]->GetLineNum(),
+                 "a second <geometry> in <collision>, which is used as well",
+                 "there is a second <geometry> in <collision>");
+  }
   for (const XmlElement* geometry : geometries) {
-    if (geometry != geometries.front()) {
-      xml.tolerate(geometry->GetLineNum(),
-                   "a second <geometry> in <collision>, which is used as well",
-                   "there is a second <geometry> in <collision>");
-    }
     const auto shapes = children(*geometry);
     if (shapes.size() != 1) {
       xml.tolerate(*geometry,

@@ -177,8 +177,9 @@ void XmlReader::check_child(const XmlElement& element, const XmlElement& child, 
   const std::string_view name = child.Name();
   const int line = child.GetLineNum();
   const std::string what = fmt::format("<{}> in <{}>", name, element.Name());
-  // A document whose macros are not expanded lacks links.
-  if (name.starts_with("xacro:") && name != "xacro:property" && name != "xacro:arg") {
+  // A document whose macros are not expanded lacks links; definitions that remain do no harm.
+  const bool is_definition = name == "xacro:property" || name == "xacro:arg";
+  if (name.starts_with("xacro:") && (is_strict() || !is_definition)) {
     fail(line,
          "unknown element {}; expected URDF, which xacro writes: xacro FILE.xacro > FILE.urdf",
          what);

@@ -216,7 +216,8 @@ TEST_SUITE("unit") {
     const Workspace w;
     fs::create_directories(w / "install/share");
     fs::rename(w / "src/arm_description", w / "install/share/arm_description");
-    const std::string mesh = w / "install/share/arm_description/meshes/a.stl";
+    const std::string mesh =
+        fs::path(w / "install/share/arm_description/meshes/a.stl").lexically_normal();
     CHECK(MeshFinder(w / "arm.urdf", {w / "install"}).find(kMesh) == mesh);
     CHECK(MeshFinder(w / "arm.urdf", {w / "install"})
               .find("package:///arm_description/meshes/a.stl") == mesh);
@@ -227,7 +228,7 @@ TEST_SUITE("unit") {
       const RosPackagePath variable(w / "install", "AMENT_PREFIX_PATH");
       CHECK(MeshFinder(w / "arm.urdf", {}).find(kMesh) == mesh);
     }
-    const std::string renamed = w / "src/arm-ros2";
+    const std::string renamed = fs::path(w / "src/arm-ros2").lexically_normal();
     fs::rename(w / "install/share/arm_description", renamed);
     test::write_file(renamed + "/package.xml",
                      "<package format=\"3\"><name>arm_description</name></package>");

@@ -297,8 +297,11 @@ TEST_SUITE("unit") {
     CHECK(robot.hash() == require_parsed(kArm).hash());
     REQUIRE(robot.warnings().size() == 1);
     CHECK(robot.warnings()[0] ==
-          "arm.urdf: tolerated 6 faults (an error if strict): unknown element <weightless> in "
-          "<link> (line 4); text 'oops' in <link> (line 4); unknown element <axle> in <joint> "
+          "arm.urdf: tolerated 6 faults (an error if strict): unknown element <sim:group> in "
+          "<robot> (2 times, first in line 18); unknown element <drake:loop> in <robot> (line 19); "
+          "unknown element <weightless> in <link> (line 4); text 'oops' in <link> (line 4); "
+          "unknown element <axle> in <joint> (line 15)");
+    text 'oops' in<link>(line 4); unknown element <axle> in <joint> "
           "(line 15); unknown element <sim:group> in <robot> (2 times, first in line 18); unknown "
           "element <drake:loop> in <robot> (line 19)");
   }
