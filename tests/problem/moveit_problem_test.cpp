@@ -331,10 +331,10 @@ TEST_SUITE("unit") {
         failure("{link_name: hand, object: {id: cup, " + shape + "}}") ==
         "scene0001.yaml:11: key robot_state.attached_collision_objects[0].object: expected a link "
         "of robot lifter to carry \"cup\", got \"hand\"");
-    CHECK(
-        failure("{link_name: arm, object: {id: arm, " + shape + "}}") ==
-        "scene0001.yaml:11: key robot_state.attached_collision_objects[0].object: expected a name "
-        "of its own, got \"arm\", a link");
+    CHECK(failure("{link_name: arm, object: {id: arm, " + shape + "}}") ==
+          "scene0001.yaml:11: key robot_state.attached_collision_objects[0].object: expected a "
+          "unique "
+          "name, got \"arm\", a link");
     CHECK(
         failure("{link_name: arm, object: {id: cup}}") ==
         "scene0001.yaml:11: key robot_state.attached_collision_objects[0].object: object \"cup\": "
