@@ -18,6 +18,9 @@ namespace {
 
 using internal::as_index;
 
+/// The pairs of links to check grow with the square.
+constexpr std::size_t kMostAttached = 1000;
+
 template <class... Args>
 tl::unexpected<Error> refusal(const AttachedObject& object, fmt::format_string<Args...> what,
                               Args&&... args) {
@@ -84,6 +87,13 @@ Result<Robot> Robot::with_attached(std::vector<ApproximatedObject> objects) cons
   Model model = *bare_model();
   model.attached = model_->attached;
   std::ranges::move(objects, std::back_inserter(model.attached));
+  if (model.attached.size() > kMostAttached) {
+    return fail(
+        ErrorCode::unsupported,
+        "robot '{}' would carry {} attached objects, expected at most {}; an object may have "
+        "many shapes",
+        name(), model.attached.size(), kMostAttached);
+  }
   const int first = static_cast<int>(model.links.size());
   LinkIndices indices;
   for (int i = 0; i < first; ++i) indices.emplace(model.links[as_index(i)].name, i);
