@@ -105,11 +105,9 @@ class RobotTablesBuilder {
     add_links();
     find_bare_links();
     const std::size_t bare_pairs = robot_.without_attached().self_pairs().size();
-    for (std::size_t i = robot_.links().size() - robot_.attached().size();
-         i < robot_.links().size(); ++i) {
-      const int link = static_cast<int>(i);
-      add_body({placements_[i].frame, {}, {link}});
-      if (placements_[i].frame > 0) move_last_body_to_front();
+    for (const Body& body : attached_bodies(as_index(kMaxBodies) - bare.bodies.size())) {
+      add_body(body);
+      if (body.frame > 0) move_last_body_to_front();
     }
     // Finding out which groups never meet would take longer than all the rest.
     add_pairs(robot_.self_pairs().subspan(bare_pairs),
@@ -138,6 +136,24 @@ class RobotTablesBuilder {
     for (std::size_t i = 0; i < robot_.links().size(); ++i) {
       if (robot_.links()[i].parent_joint >= 0) place(static_cast<int>(i));
     }
+  }
+
+  /// A body per attached object, or per frame that carries some if there would be more than `most`.
+  [[nodiscard]] std::vector<Body> attached_bodies(std::size_t most) const {
+    const std::size_t count = robot_.attached().size();
+    std::map<int, Body> by_frame;
+    std::vector<Body> bodies;
+    for (std::size_t i = robot_.links().size() - count; i < robot_.links().size(); ++i) {
+      const int frame = placements_[i].frame, link = static_cast<int>(i);
+      if (count <= most) {
+        bodies.push_back({frame, {}, {link}});
+      } else {
+        by_frame[frame].frame = frame;
+        by_frame[frame].links.push_back(link);
+      }
+    }
+    for (auto& [frame, body] : by_frame) bodies.push_back(std::move(body));
+    return bodies;
   }
 
   /// Reads the groups and bodies of links from the tables.
@@ -439,8 +455,9 @@ Result<RobotTables> make_robot_tables(const Robot& robot) {
 }
 
 Result<RobotTables> add_attached(const Robot& robot, const RobotTables& bare) {
-  const bool fits = bare.bodies.size() + robot.attached().size() <= as_index(kMaxBodies);
-  if (!fits) return make_robot_tables(robot);
+  // At the worst there is an attached body per frame.
+  const std::size_t most = std::min(robot.attached().size(), bare.frames.size() + 1);
+  if (bare.bodies.size() + most > as_index(kMaxBodies)) return make_robot_tables(robot);
   return RobotTablesBuilder(robot).build_on(bare);
 }
 

@@ -189,6 +189,40 @@ TEST_SUITE("unit") {
 }
 
 TEST_SUITE("oracle") {
+  TEST_CASE("hundreds of attached objects share the bodies of their frames") {
+    Rng rng(505);
+    int free = 0, in_contact = 0;
+    for (int i = 0; i < 4; ++i) {
+      const Robot bare = random_robot(rng);
+      std::vector<AttachedObject> objects;
+      for (int k = 0; k < 200; ++k) {
+        const auto link = rng.index(static_cast<std::uint32_t>(bare.links().size()));
+        AttachedObject object{"o" + std::to_string(k), bare.links()[link].name, {}};
+        object.shapes.push_back(Sphere{random_pose(rng, 0.3).translation, 0.002});
+        if (k % 3 == 0) object.may_touch.push_back(bare.links()[0].name);
+        objects.push_back(std::move(object));
+      }
+      const Robot robot = carrying(bare, std::move(objects));
+      const auto checked = internal::share_checked_robot(robot);
+      REQUIRE(checked.has_value());
+      const auto& tables = (*checked)->tables;
+      CHECK(tables.bodies.size() <= bare.links().size() + tables.frames.size() + 1);
+      const CollisionChecker checker =
+          require_checker(robot, random_scene(robot, 2, rng, small_shape));
+      const auto rows = random_states(robot, 50, rng);
+      const auto is_valid = check_all(checker, rows);
+      INFO("seed 505, robot " << i);
+      for (std::size_t k = 0; k < is_valid.size(); ++k) {
+        const auto q = row(rows, k, robot);
+        const bool has_contact = !checker.contacts(Configuration{q.begin(), q.end()}).empty();
+        CHECK(is_valid[k] != has_contact);
+        ++(has_contact ? in_contact : free);
+      }
+    }
+    CHECK(free + in_contact == 200);
+    CHECK(in_contact > 10);
+  }
+
   TEST_CASE("allowed contacts are left aside by every instruction set, others are not") {
     Rng rng(501);
     for (const bool carries : {false, true}) {
