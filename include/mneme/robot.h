@@ -59,8 +59,9 @@ using Solid = std::variant<Box, Cylinder, MeshFile>;
 /// The exact geometry that some spheres of a link or attached object approximate.
 struct SphereApproximation {
   Mesh surface;  ///< Surface of the solids in the link's frame; the spheres contain its inside.
-  int sphere_count = 0;  ///< The last `sphere_count` spheres are the approximation.
-  double excess = 0;     ///< Largest protrusion of the spheres in metres, by samples.
+  int sphere_count = 0;   ///< The last `sphere_count` spheres are the approximation.
+  int capsule_count = 0;  ///< So are the last `capsule_count` capsules.
+  double excess = 0;      ///< Largest protrusion of the spheres in metres, by samples.
 };
 
 struct Link {

@@ -14,6 +14,7 @@ namespace mneme::internal {
 
 ExactLink::ExactLink(const Link& link) : shapes_(shapes_of(link)) {
   if (!link.approximation) return;
+  shapes_.erase(shapes_.end() - link.approximation->capsule_count, shapes_.end());
   const auto spheres_end = shapes_.begin() + std::ssize(link.spheres);
   shapes_.erase(spheres_end - link.approximation->sphere_count, spheres_end);
   surfaces_.push_back(link.approximation->surface);
