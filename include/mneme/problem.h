@@ -109,7 +109,7 @@ struct ProblemOptions {
   /// For callers that load many problems: file and robot are read once. For one thread.
   std::shared_ptr<ProblemCache> cache = nullptr;
   /// Passed to approximate_robot().
-  SphereProgress on_approximated = nullptr;
+  SphereProgress on_approximated = terminal_progress();
 };
 
 /// Reads a problem. `where` is one of

@@ -49,9 +49,11 @@ void visit_settings(Settings& s, Visitor&& visit) {
 struct LinkSpheres {
   std::string link;
   std::vector<Sphere> spheres;  ///< in the link's frame
-  double uncovered = 0;         ///< fraction of the surface outside all spheres; 0 is promised
-  double mean_excess = 0;       ///< mean over the surface of the spheres' union, metres
-  double max_excess = 0;        ///< largest distance that a sphere sticks out, metres
+  std::vector<Capsule>
+      capsules;            ///< in the link's frame; one instead of spheres, if it fits as well
+  double uncovered = 0;    ///< fraction of the surface outside all spheres; 0 is promised
+  double mean_excess = 0;  ///< mean over the surface of the spheres' union, metres
+  double max_excess = 0;   ///< largest distance that a sphere sticks out, metres
 };
 
 /// Computes spheres that contain the surface of a link's solids and all that it encloses. Gaps of
@@ -62,8 +64,12 @@ struct LinkSpheres {
 [[nodiscard]] Result<LinkSpheres> approximate_link(const Link& link,
                                                    const SphereSettings& settings = {});
 
-/// Called each time when the spheres of a link are ready.
+/// Called each time when the spheres of a link are ready. Links of equal geometry count once.
 using SphereProgress = std::function<void(int done, int total, const std::string& link)>;
+
+/// Returns a callback that shows progress in a line of standard error, once it takes longer than
+/// half a second; an empty one if that is no terminal.
+[[nodiscard]] SphereProgress terminal_progress();
 
 /// A robot whose solids were replaced by spheres.
 struct RobotSpheres {
@@ -111,12 +117,13 @@ struct ApproximatedRobot {
   std::vector<std::string> notes;  ///< for people: one sentence each
 };
 
-/// Loads a robot with any collision geometry: as load_robot(), and solids become spheres. Without
+/// Loads a robot with any collision geometry: as load_robot(), and solids become spheres, at a cost
+/// of CPU seconds per arm, with progress on a terminal. The cache makes that milliseconds. Without
 /// an SRDF, pairs that are adjacent or always in contact are allowed. Pairs that an SRDF checks
 /// although they are in contact in every sample are allowed, too, with a warning.
 [[nodiscard]] Result<ApproximatedRobot> load_approximated_robot(
     const std::string& path, const RobotOptions& options = {}, const SphereSettings& settings = {},
-    const SphereProgress& on_approximated = {});
+    const SphereProgress& on_approximated = terminal_progress());
 
 /// Default settings for attached objects.
 inline constexpr SphereSettings kObjectSpheres{.excess = 0.015, .max_spheres = 64};

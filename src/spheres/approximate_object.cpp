@@ -24,11 +24,14 @@ namespace {
 constexpr double kCoarser = 1.2;
 
 /// Adds spheres that contain the box around the origin: one around each cell of a grid. If all axes
-/// have at least three cells, the inner ones are replaced by coarser ones.
-void add_cell_spheres(const Vec3& half_extents, double excess, std::vector<Sphere>& spheres) {
+/// have at least three cells, the inner ones are replaced by coarser ones. Ends with more than
+/// `most` spheres.
+void add_cell_spheres(const Vec3& half_extents, double excess, std::ptrdiff_t most,
+                      std::vector<Sphere>& spheres) {
   std::array<int, 3> counts = {1, 1, 1};
   Vec3 cell = half_extents;
-  while (cell.norm() - cell.minCoeff() > excess) {
+  // The outer layer alone has more cells than its longest row.
+  while (cell.norm() - cell.minCoeff() > excess && std::ranges::max(counts) <= most) {
     Eigen::Index widest = 0;
     cell.maxCoeff(&widest);
     const int count = ++counts[static_cast<std::size_t>(widest)];
@@ -43,14 +46,17 @@ void add_cell_spheres(const Vec3& half_extents, double excess, std::vector<Spher
       for (int z = 0; z < counts[2]; ++z) {
         if (is_inside(x, 0) && is_inside(y, 1) && is_inside(z, 2)) {
           is_hollow = true;
+          z = counts[2] - 2;  // the last inner one
           continue;
         }
+        if (std::ssize(spheres) > most) return;
         const Vec3 steps(2 * x + 1, 2 * y + 1, 2 * z + 1);
         spheres.push_back({steps.cwiseProduct(cell) - half_extents, cell.norm()});
       }
     }
   }
-  if (is_hollow) add_cell_spheres(half_extents - 2 * cell, excess + 2 * cell.minCoeff(), spheres);
+  if (!is_hollow) return;
+  add_cell_spheres(half_extents - 2 * cell, excess + 2 * cell.minCoeff(), most, spheres);
 }
 
 /// Adds spheres that contain the upright cylinder around the origin: rings of cells in layers.
@@ -105,7 +111,7 @@ class ObjectSpheres {
   void operator()(const Box& box) {
     add(box, box.half_extents.maxCoeff(), [&](double excess) {
       std::vector<Sphere> spheres;
-      add_cell_spheres(box.half_extents, excess, spheres);
+      add_cell_spheres(box.half_extents, excess, settings_.max_spheres, spheres);
       return spheres;
     });
   }
@@ -127,15 +133,21 @@ class ObjectSpheres {
     surface_.insert(surface_.end(), exact.begin(), exact.end());
     excess_ = std::max(excess_, excess);
   }
+  void add_capsules(std::span<const Capsule> capsules) {
+    capsules_.insert(capsules_.end(), capsules.begin(), capsules.end());
+  }
 
-  /// The spheres of the approximation come last.
+  /// The spheres and capsules of the approximation come last.
   [[nodiscard]] ApproximatedObject finish(AttachedObject object) {
     result_.object = std::move(object);
-    if (spheres_.empty()) return std::move(result_);
+    if (surface_.empty()) return std::move(result_);
     result_.spheres.insert(result_.spheres.end(), spheres_.begin(), spheres_.end());
+    result_.capsules.insert(result_.capsules.end(), capsules_.begin(), capsules_.end());
     auto surface = std::make_shared<const Parts<Triangle>>(std::move(surface_));
-    result_.approximation = {
-        {{}, std::move(surface), 0}, static_cast<int>(spheres_.size()), excess_};
+    result_.approximation = {{{}, std::move(surface), 0},
+                             static_cast<int>(spheres_.size()),
+                             static_cast<int>(capsules_.size()),
+                             excess_};
     return std::move(result_);
   }
 
@@ -157,6 +169,7 @@ class ObjectSpheres {
   const SphereSettings& settings_;
   ApproximatedObject result_;
   std::vector<Sphere> spheres_;
+  std::vector<Capsule> capsules_;
   internal::TriangleMesh surface_;
   double excess_ = 0;  ///< metres that the spheres stick out at most
 };
@@ -193,6 +206,7 @@ Result<ApproximatedObject> approximate_object(AttachedObject object,
     const internal::SphereCache cache(internal::cache_directory());
     const LinkSpheres made = internal::approximate_surface(*surface, settings, cache).spheres;
     spheres.add(made.spheres, *surface, made.max_excess);
+    spheres.add_capsules(made.capsules);
   }
   return spheres.finish(std::move(object));
 }

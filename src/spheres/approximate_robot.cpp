@@ -17,13 +17,18 @@
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
 
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <map>
 #include <mutex>
 #include <thread>
 
@@ -42,7 +47,12 @@ Json to_json(const LinkSpheres& link) {
   for (const Sphere& s : link.spheres) {
     spheres.push_back({s.center.x(), s.center.y(), s.center.z(), s.radius});
   }
+  Json capsules = Json::array();
+  for (const Capsule& c : link.capsules) {
+    capsules.push_back({c.a.x(), c.a.y(), c.a.z(), c.b.x(), c.b.y(), c.b.z(), c.radius});
+  }
   return {{"spheres", spheres},
+          {"capsules", capsules},
           {"uncovered", link.uncovered},
           {"mean_excess", link.mean_excess},
           {"max_excess", link.max_excess}};
@@ -53,6 +63,9 @@ LinkSpheres from_json(const Json& json) {
   for (const auto& [x, y, z, radius] :
        json.at("spheres").get<std::vector<std::array<double, 4>>>()) {
     link.spheres.push_back({Vec3(x, y, z), radius});
+  }
+  for (const auto& c : json.at("capsules").get<std::vector<std::array<double, 7>>>()) {
+    link.capsules.push_back({Vec3(c[0], c[1], c[2]), Vec3(c[3], c[4], c[5]), c[6]});
   }
   json.at("uncovered").get_to(link.uncovered);
   json.at("mean_excess").get_to(link.mean_excess);
@@ -107,31 +120,28 @@ bool SphereCache::store(const std::string& key, const LinkSpheres& spheres) cons
   if (directory_.empty() || error) return false;
   const std::string text = to_json(spheres).dump();
   auto file = NewFile::create(path_of(key));
-  return file && file->write(fmt::format("{}\n{}\n", text, hash_of(key + text))) && file->finish();
+  // Another program may be writing the same entry.
+  if (!file) return std::filesystem::exists(path_of(key) + ".unfinished", error);
+  return file->write(fmt::format("{}\n{}\n", text, hash_of(key + text))) && file->finish();
 }
 
 namespace {
 
+/// The approximation of a surface that one or more links have.
 struct Attempt {
-  CachedSurface made;
+  std::string key;
+  SphereSettings settings;
   TriangleMesh surface;
+  std::vector<Link*> links;
+  CachedSurface made;
 };
 
-Result<Attempt> attempt(const Link& link, const SphereSettings& settings,
-                        const SphereCache& cache) {
-  TriangleMesh surface = MNEME_TRY(link_surface(link));
-  CachedSurface made = approximate_surface(surface, settings, cache);
-  made.spheres.link = link.name;
-  return Attempt{std::move(made), std::move(surface)};
-}
-
-void replace_solids(Link& link, Attempt made) {
-  const std::vector<Sphere>& spheres = made.made.spheres.spheres;
+void replace_solids(Link& link, const LinkSpheres& made, const Mesh& surface) {
   link.solids.clear();
-  link.spheres.insert(link.spheres.end(), spheres.begin(), spheres.end());
-  link.approximation = {{{}, std::make_shared<Parts<Triangle>>(std::move(made.surface)), 0},
-                        static_cast<int>(spheres.size()),
-                        made.made.spheres.max_excess};
+  link.spheres.insert(link.spheres.end(), made.spheres.begin(), made.spheres.end());
+  link.capsules.insert(link.capsules.end(), made.capsules.begin(), made.capsules.end());
+  link.approximation = {surface, static_cast<int>(made.spheres.size()),
+                        static_cast<int>(made.capsules.size()), made.max_excess};
 }
 
 /// Calls `work(i)` for each i < count, in any order, from a thread per core.
@@ -180,33 +190,63 @@ std::vector<bool> find_arm_ends(const Robot::Parts& parts) {
   return are_ends;
 }
 
+namespace {
+
+/// The distinct surfaces of all links with solids, the most expensive first.
+Result<std::vector<Attempt>> find_surfaces(Robot::Parts& parts, const SphereSettings& settings) {
+  const std::vector<bool> are_ends = find_arm_ends(parts);
+  std::vector<Attempt> attempts;
+  for (std::size_t i = 0; i < parts.links.size(); ++i) {
+    Link& link = parts.links[i];
+    if (link.solids.empty()) continue;
+    Attempt attempt{{}, settings, MNEME_TRY(link_surface(link)), {&link}, {}};
+    if (are_ends[i]) attempt.settings.excess = std::min(settings.excess, settings.tip_excess);
+    attempt.key = sphere_key(attempt.surface, attempt.settings);
+    const auto same = std::ranges::find(attempts, attempt.key, &Attempt::key);
+    if (same == attempts.end()) {
+      attempts.push_back(std::move(attempt));
+    } else {
+      same->links.push_back(&link);
+    }
+  }
+  std::ranges::stable_sort(attempts, std::greater(), [](const Attempt& attempt) {
+    return surface_area(attempt.surface) / std::pow(attempt.settings.excess, 2);
+  });
+  return attempts;
+}
+
+}  // namespace
+
 Result<CachedSpheres> approximate_robot(Robot::Parts parts, const SphereSettings& settings,
                                         const SphereCache& cache,
                                         const SphereProgress& on_approximated) {
-  const std::vector<bool> are_ends = find_arm_ends(parts);
-  std::vector<Link*> links;
-  std::vector<SphereSettings> each;
-  for (std::size_t i = 0; i < parts.links.size(); ++i) {
-    if (parts.links[i].solids.empty()) continue;
-    links.push_back(&parts.links[i]);
-    each.push_back(settings);
-    if (are_ends[i]) each.back().excess = std::min(settings.excess, settings.tip_excess);
-  }
-  std::vector<Result<Attempt>> attempts(links.size());
+  std::vector<Attempt> attempts = MNEME_TRY(find_surfaces(parts, settings));
   std::mutex mutex;
   int done = 0;
-  run_parallel(links.size(), [&](std::size_t i) {
-    attempts[i] = attempt(*links[i], each[i], cache);
+  run_parallel(attempts.size(), [&](std::size_t i) {
+    Attempt& attempt = attempts[i];
+    attempt.made = approximate_surface(attempt.surface, attempt.settings, cache);
     const std::scoped_lock locked(mutex);
-    if (on_approximated) on_approximated(++done, static_cast<int>(links.size()), links[i]->name);
+    if (!on_approximated) return;
+    on_approximated(++done, static_cast<int>(attempts.size()), attempt.links.front()->name);
   });
+  std::map<const Link*, LinkSpheres> made;
   CachedSpheres result;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    Attempt made = MNEME_TRY(std::move(attempts[i]));
-    result.robot.links.push_back(made.made.spheres);
-    result.found += made.made.is_found ? 1 : 0;
-    result.stored += made.made.is_stored ? 1 : 0;
-    replace_solids(*links[i], std::move(made));
+  for (Attempt& attempt : attempts) {
+    const Mesh surface{{}, std::make_shared<Parts<Triangle>>(std::move(attempt.surface)), 0};
+    const int count = static_cast<int>(attempt.links.size());
+    if (attempt.made.is_found) result.found += count;
+    if (attempt.made.is_stored) result.stored += count;
+    for (Link* link : attempt.links) {
+      replace_solids(*link, attempt.made.spheres, surface);
+      made[link] = attempt.made.spheres;
+      made[link].link = link->name;
+    }
+  }
+  for (const Link& link : parts.links) {
+    if (const auto found = made.find(&link); found != made.end()) {
+      result.robot.links.push_back(std::move(found->second));
+    }
   }
   result.robot.parts = std::move(parts);
   return result;
@@ -221,13 +261,13 @@ std::string describe(const internal::CachedSpheres& made, const internal::Sphere
   std::size_t spheres = 0;
   double worst = 0;
   for (const LinkSpheres& link : made.robot.links) {
-    spheres += link.spheres.size();
+    spheres += link.spheres.size() + link.capsules.size();
     worst = std::max(worst, link.max_excess);
   }
   const auto links = made.robot.links.size();
   std::string text = fmt::format(
       "approximated the geometry of {} {} by {} {} that stick out by up to {:.3f} m", links,
-      links == 1 ? "link" : "links", spheres, spheres == 1 ? "sphere" : "spheres", worst);
+      links == 1 ? "link" : "links", spheres, spheres == 1 ? "shape" : "shapes", worst);
   const auto known = static_cast<std::size_t>(made.found + made.stored);
   if (made.found > 0) text += fmt::format("; {} from the cache {}", made.found, cache.directory());
   if (known < links) text += fmt::format("; the cache '{}' cannot be written", cache.directory());
@@ -235,6 +275,16 @@ std::string describe(const internal::CachedSpheres& made, const internal::Sphere
 }
 
 }  // namespace
+
+SphereProgress terminal_progress() {
+  constexpr double kSilence_s = 0.5;
+  if (::isatty(STDERR_FILENO) == 0) return {};
+  return [stopwatch = Stopwatch()](int done, int total, const std::string&) {
+    if (stopwatch.elapsed_s() < kSilence_s) return;
+    std::fprintf(stderr, "\rmneme: approximated %d of %d links%s", done, total,
+                 done == total ? "\n" : "");
+  };
+}
 
 Result<RobotSpheres> approximate_robot(Robot::Parts parts, const SphereSettings& settings,
                                        const SphereProgress& on_approximated) {

@@ -7,6 +7,7 @@
 
 #include "base/check_ranges.h"
 #include "geometry/axis_box.h"
+#include "spheres/fit_capsule.h"
 #include "spheres/sphere_search.h"
 #include "spheres/solid_model.h"
 #include "spheres/triangle_mesh.h"
@@ -88,7 +89,7 @@ Excess measure_excess(std::span<const Sphere> spheres, const SolidModel& solid) 
       const bool is_hidden =
           is_covered(point, spheres.first(s)) || is_covered(point, spheres.subspan(s + 1));
       if (is_hidden) continue;
-      const double outside = std::max(0.0, -solid.depth(point));
+      const double outside = solid.excess(point);
       area += share;
       excess.mean += share * outside;
       excess.max = std::max(excess.max, outside);
@@ -107,7 +108,7 @@ constexpr double kFewestPieces = 800;
 constexpr double kMostPieces = 20000;
 constexpr double kFewestAlong = 100;
 constexpr std::int64_t kProbeEffort = 10'000'000;
-constexpr std::int64_t kFinalEffort = 100'000'000;
+constexpr std::int64_t kFinalEffort = 40'000'000;
 constexpr int kHalvings = 4;
 constexpr int kSurfaceSamples = 20000;
 constexpr double kStepsPerMetre = 1e5;
@@ -192,6 +193,12 @@ LinkSpheres approximate_solid(const TriangleMesh& mesh, const SphereSettings& se
   const auto most = static_cast<std::size_t>(settings.max_spheres);
   const double wanted = excess_for(mesh, settings.excess);
   LinkSpheres result;
+  if (const auto fitted = fit_capsule(mesh, fitter.solid(), wanted)) {
+    result.capsules = {fitted->capsule};
+    result.mean_excess = fitted->excess.mean;
+    result.max_excess = fitted->excess.max;
+    return result;
+  }
   result.spheres = fitter.fit(wanted, kFinalEffort);
   if (result.spheres.size() > most) {
     result.spheres = fitter.fit(fitter.find_excess(wanted, most), kFinalEffort);

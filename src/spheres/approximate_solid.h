@@ -32,10 +32,11 @@ struct Excess {
 [[nodiscard]] Excess measure_excess(std::span<const Sphere> spheres, const SolidModel& solid);
 
 /// Raise it whenever the same surface and settings give other spheres: it is part of cache keys.
-inline constexpr int kSphereVersion = 2;
+inline constexpr int kSphereVersion = 3;
 
-/// Computes spheres that contain `mesh`, which has an area, and what it encloses. Number and excess
-/// obey the settings; if both are impossible, the number. Coordinates are multiples of 10 um.
+/// Computes a capsule, or spheres, that contain `mesh`, which has an area, and what it encloses.
+/// Number and excess obey the settings; if both are impossible, the number. Coordinates of spheres
+/// are multiples of 10 um.
 [[nodiscard]] LinkSpheres approximate_solid(const TriangleMesh& mesh,
                                             const SphereSettings& settings);
 

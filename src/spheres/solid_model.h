@@ -4,10 +4,11 @@
 /// The inside of a link: points that its surface encloses, and their depth.
 #pragma once
 
+#include "spheres/surface_distance.h"
 #include "spheres/triangle_mesh.h"
 
-#include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace mneme::internal {
@@ -21,8 +22,12 @@ class SolidModel {
   explicit SolidModel(const TriangleMesh& mesh);
 
   [[nodiscard]] bool contains(const Vec3& point) const;
-  /// Returns the distance to the outer surface, positive inside. Inner walls do not count.
-  [[nodiscard]] double depth(const Vec3& point) const;
+  /// Returns the distance to the outer surface, or `limit` if that is not less: positive inside,
+  /// negative outside. Inner walls do not count.
+  [[nodiscard]] double depth(const Vec3& point,
+                             double limit = std::numeric_limits<double>::infinity()) const;
+  /// Returns -depth() outside and 0 inside.
+  [[nodiscard]] double excess(const Vec3& point) const;
 
   /// Edge length of the grid's voxels, metres.
   [[nodiscard]] double voxel_size() const { return voxel_size_; }
@@ -38,9 +43,9 @@ class SolidModel {
 
  private:
   enum class Kind : std::uint8_t { unknown, outside, surface, inside };
-  using Index = std::array<int, 3>;
+  using Index = Eigen::Array3i;
 
-  void mark_surface();
+  void mark_surface(const TriangleMesh& mesh);
   void flood();
   void fill_open(bool has_rim);
   void collect_inner_voxels();
@@ -51,10 +56,11 @@ class SolidModel {
   [[nodiscard]] std::size_t slot(const Index& index) const;
   [[nodiscard]] Index index_at(std::size_t slot) const;
 
-  Mesh surface_, outer_;
+  Parts<Triangle> surface_;
+  SurfaceDistance outer_{{}};
   Vec3 origin_;
   double voxel_size_ = 0;
-  Index counts_{};
+  Index counts_ = Index::Zero();
   std::vector<Kind> kinds_;
   std::vector<Voxel> inner_voxels_;
 };

@@ -132,14 +132,18 @@ class SphereSearch {
   /// A piece that no proposal contains becomes a proposal.
   void find_holders(std::span<const Element> elements) {
     const auto count = static_cast<Eigen::Index>(proposals_.size());
-    Eigen::Array<double, Eigen::Dynamic, 4> rows(count, 4);
+    // In single precision, rounded up: is_within() decides.
+    constexpr float kRoundingUp = 1e-4f;
+    Eigen::Array<float, Eigen::Dynamic, 4> rows(count, 4);
     for (Eigen::Index p = 0; p < count; ++p) {
       const Sphere& sphere = proposals_[static_cast<std::size_t>(p)];
-      rows.row(p) << sphere.center.transpose().array(), sphere.radius * sphere.radius;
+      rows.row(p).head<3>() = sphere.center.transpose().array().cast<float>();
+      const auto radius = static_cast<float>(sphere.radius) + kRoundingUp;
+      rows(p, 3) = radius * radius;
     }
-    Eigen::ArrayXd room(count);
+    Eigen::ArrayXf room(count);
     for (std::size_t e = 0; e < elements.size(); ++e) {
-      const Vec3& center = elements[e].bound.center;
+      const Eigen::Vector3f center = elements[e].bound.center.cast<float>();
       room = rows.col(3) - (rows.col(0) - center.x()).square() -
              (rows.col(1) - center.y()).square() - (rows.col(2) - center.z()).square();
       for (int p = 0; p < static_cast<int>(count); ++p) {
@@ -295,6 +299,7 @@ namespace {
 constexpr int kRounds = 5;
 constexpr double kFirstStep = 0.02;
 constexpr double kLastStep = 0.0005;
+constexpr double kRounding = 1e-9;
 
 using Pieces = std::vector<const Element*>;
 
@@ -329,19 +334,20 @@ std::vector<Pieces> share_out(std::span<const Sphere> spheres, std::span<const E
 
 /// Minimizes how far the sphere sticks out: descends along the axes with shrinking steps.
 Sphere fit(const Vec3& start, const Pieces& pieces, const SolidModel& solid) {
-  const auto rate = [&](const Vec3& center) {
-    return reach_from(center, pieces) - solid.depth(center);
-  };
   Vec3 center = start;
-  double least = rate(center);
+  double depth = solid.depth(center), least = reach_from(center, pieces) - depth;
   for (double step = kFirstStep; step >= kLastStep; step *= 0.5) {
     for (bool has_moved = true; has_moved;) {
       has_moved = false;
       for (int i = 0; i < 6; ++i) {
         const Vec3 next = center + (i % 2 == 0 ? step : -step) * Vec3::Unit(i / 2);
-        const double stick_out = rate(next);
-        if (stick_out >= least - 0.01 * step) continue;
-        least = stick_out;
+        const double reach = reach_from(next, pieces), goal = least - 0.01 * step;
+        // The depth changes by no more than the step.
+        if (reach - depth - step >= goal) continue;
+        const double next_depth = solid.depth(next, std::abs(depth) + step + kRounding);
+        if (reach - next_depth >= goal) continue;
+        depth = next_depth;
+        least = reach - depth;
         center = next;
         has_moved = true;
       }

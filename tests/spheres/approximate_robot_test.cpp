@@ -20,7 +20,12 @@ using internal::SphereCache;
 const std::string kKey = "0123456789abcdef0123456789abcdef";
 
 LinkSpheres make_spheres() {
-  return {"arm", {{{0.1, -0.2, 1e-5}, 0.3}, {{0, 0, 0}, 1.0 / 3}}, 0, 0.01, 0.02};
+  return {"arm",
+          {{{0.1, -0.2, 1e-5}, 0.3}, {{0, 0, 0}, 1.0 / 3}},
+          {{{0, 0, 0.1}, {0, 1.0 / 3, 0}, 0.05}},
+          0,
+          0.01,
+          0.02};
 }
 
 std::vector<std::string> files_in(const std::string& directory) {
@@ -42,6 +47,7 @@ TEST_SUITE("unit") {
     REQUIRE(found->spheres.size() == 2);
     CHECK(found->spheres[0].center == Vec3(0.1, -0.2, 1e-5));
     CHECK(found->spheres[1].radius == 1.0 / 3);
+    CHECK(found->capsules == make_spheres().capsules);
     CHECK(found->mean_excess == 0.01);
     CHECK(found->max_excess == 0.02);
     CHECK(files_in(files / "a/b").size() == 1);
@@ -137,6 +143,24 @@ TEST_SUITE("unit") {
     CHECK(links[0].approximation->surface.parts->list().size() == 12);
   }
 
+  TEST_CASE("links of equal geometry are approximated once") {
+    Robot::Parts parts = make_parts();
+    parts.links[1].solids = parts.links[0].solids;
+    int calls = 0;
+    const auto made = internal::approximate_robot(parts, {}, SphereCache(""),
+                                                  [&](int done, int total, const std::string&) {
+                                                    CHECK(done == ++calls);
+                                                    CHECK(total == 2);
+                                                  });
+    REQUIRE(made.has_value());
+    CHECK(calls == 2);
+    REQUIRE(made->robot.links.size() == 3);
+    CHECK(made->robot.links[1].link == "l1");
+    const auto& links = made->robot.parts.links;
+    CHECK(links[1].spheres.size() == links[0].spheres.size());
+    CHECK(links[1].approximation->surface == links[0].approximation->surface);
+  }
+
   TEST_CASE("links are approximated by one thread where others are refused") {
     const NoThreads none;
     const auto made = approximate_robot(make_parts());
@@ -165,7 +189,8 @@ TEST_SUITE("unit") {
     CHECK(second->found == 2);
     CHECK(second->stored == 0);
     CHECK(second->robot.links[1].link == "l2");
-    CHECK(second->robot.links[1].spheres[0].radius == first->robot.links[1].spheres[0].radius);
+    REQUIRE(first->robot.links[1].capsules.size() == 1);
+    CHECK(second->robot.links[1].capsules == first->robot.links[1].capsules);
     write_file(files / ("cache/spheres-" + key_of(2, coarse) + ".json"), "rubbish");
     const auto third = internal::approximate_robot(parts, coarse, cache);
     REQUIRE(third.has_value());
