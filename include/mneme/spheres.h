@@ -105,12 +105,33 @@ struct PairSettings {
   int samples = 10000;         ///< random configurations of all joints; > 0
   bool allow_at_rest = false;  ///< also allow pairs in contact where all joints are zero
   std::uint64_t seed = 1;
+  bool is_exact = false;  ///< judge contact by the exact geometry behind spheres
 };
 
 /// Finds the pairs of links with shapes that need no check, by sampling: each pair once, in the
 /// order of the links. `parts` has no solids. Errors: those of make_robot(); no joint to sample.
 [[nodiscard]] Result<std::vector<AllowedPair>> derive_allowed_pairs(
     const Robot::Parts& parts, const PairSettings& settings = {});
+
+/// Replaces the allowed pairs of `parts` by derive_allowed_pairs() and then its former ones.
+/// Returns the reasons for to_srdf(): to_string(AllowedReason), or "User" for former ones. Errors:
+/// those of derive_allowed_pairs().
+[[nodiscard]] Result<std::vector<std::string>> allow_derived_pairs(
+    Robot::Parts& parts, const PairSettings& settings = {});
+
+struct DerivedSrdf {
+  std::string text;
+  std::vector<std::string> reasons;  ///< of the allowed pairs, in their order
+  std::vector<std::string> notes;    ///< for people: one sentence each
+};
+/// Writes an SRDF for the URDF at `path`: groups, states and allowed pairs of the SRDF in use, if
+/// there is one, and the pairs that need no check. Default: by exact geometry, also pairs in
+/// contact at rest, as in MoveIt's Setup Assistant. Errors: those of read_robot(),
+/// approximate_robot() and derive_allowed_pairs(). Cost: seconds.
+[[nodiscard]] Result<DerivedSrdf> derive_srdf(
+    const std::string& path, const RobotOptions& options = {},
+    const PairSettings& settings = {.allow_at_rest = true, .is_exact = true},
+    const SphereProgress& on_approximated = terminal_progress());
 
 struct ApproximatedRobot {
   Robot robot;

@@ -85,8 +85,8 @@ std::vector<Pair> pairs_with_shapes(const Robot& robot) {
   return pairs;
 }
 
-bool touch(const LinkDistances& links, const PosedLinks& posed, const Pair& pair) {
-  return links.between_spheres(posed, pair.first, pair.second, 0) <= 0;
+bool touch(const LinkDistances& links, const PosedLinks& posed, const Pair& pair, bool is_exact) {
+  return links.between(posed, {pair.first, pair.second, is_exact}, 0) <= 0;
 }
 
 /// Checks each pair at random configurations until its record `is_settled`.
@@ -103,7 +103,8 @@ void sample(const Robot& robot, const LinkDistances& links, const PairSettings& 
     }
     const PosedLinks posed = links.posed(robot.link_poses(q));
     for (Record* record : open) {
-      (touch(links, posed, record->links) ? record->has_touched : record->has_been_apart) = true;
+      (touch(links, posed, record->links, settings.is_exact) ? record->has_touched
+                                                             : record->has_been_apart) = true;
     }
     std::erase_if(open, [&](const Record* record) { return is_settled(*record); });
   }
@@ -148,7 +149,9 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
   const LinkDistances links(robot);
   const Configuration rest = robot.normalized(Configuration(as_index(robot.joint_count()), 0.0));
   const PosedLinks at_rest = links.posed(robot.link_poses(rest));
-  for (Record& record : records) record.touches_at_rest = touch(links, at_rest, record.links);
+  for (Record& record : records) {
+    record.touches_at_rest = touch(links, at_rest, record.links, settings.is_exact);
+  }
   sample(robot, links, settings, records,
          [](const Record& record) { return record.has_touched && record.has_been_apart; });
 

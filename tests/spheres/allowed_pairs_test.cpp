@@ -71,6 +71,22 @@ TEST_SUITE("unit") {
     CHECK(reasons_of(parts) == Reasons{{"l0 l2", AllowedReason::adjacent}});
   }
 
+  TEST_CASE("by exact geometry, spheres that stick out into each other are no contact") {
+    // Two plates of 2 cm, the second 5 cm above the first, each in a sphere of 40 cm.
+    Robot::Parts parts = make_bare_chain(2);
+    parts.joints[1].origin.translation = Vec3(0, 0, 0.05);
+    parts.joints[0].origin.translation = Vec3::Zero();
+    for (const std::size_t link : {0, 2}) {
+      parts.links[link].solids = {make_box({0.5, 0.5, 0.02})};
+    }
+    parts.links[1].spheres = {{{0, 0, 3}, 0.1}};
+    const auto made = approximate_robot(parts, {0.3, 1, 0.3});
+    REQUIRE(made.has_value());
+    CHECK(reasons_of(made->parts).at("l0 l2") != AllowedReason::never);
+    CHECK(reasons_of(made->parts, {.samples = 200, .is_exact = true}).at("l0 l2") ==
+          AllowedReason::never);
+  }
+
   TEST_CASE("reasons have the words of an SRDF") {
     CHECK(to_string(AllowedReason::adjacent) == "Adjacent");
     CHECK(to_string(AllowedReason::always) == "Always");

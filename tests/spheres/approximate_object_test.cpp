@@ -131,7 +131,7 @@ TEST_SUITE("unit") {
   TEST_CASE("triangles are approximated as a mesh file of them") {
     const test::TemporaryDirectory directory;
     const std::string path = directory / "cube.stl";
-    const internal::TriangleMesh triangles = internal::triangulate(make_box(Vec3::Constant(0.1)));
+    const internal::TriangleMesh triangles = internal::triangulate(make_box(Vec3::Constant(0.125)));
     write_file(path, to_text_stl(triangles));
     const Transform pose{Eigen::Matrix3d::Identity(), {0, 0, 0.3}};
     Mesh mesh{pose, std::make_shared<Parts<Triangle>>(triangles), 0};
