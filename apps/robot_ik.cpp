@@ -74,7 +74,7 @@ Result<ExitCode> run_ik(const IkOptions& options) {
   const auto checker = MNEME_TRY(CollisionChecker::make(placed.robot, placed.scene));
   auto source = MNEME_TRY(
       PoseGoalSource::make(checker, options.poses, near, options.settings, kVerificationMargin));
-  const std::vector<Configuration> solutions = source.more();
+  const std::vector<Configuration> solutions = source.find_all();
   const std::string failure = solutions.empty() ? source.describe_failure() : "";
   if (options.is_json) {
     print_json({{"solutions", to_json(placed.robot, near, solutions)},

@@ -224,7 +224,7 @@ py::object solve_ik(const Robot& robot, const OneOrMore& given, const py::object
   auto found = run_interruptible(cancel, [&] {
     return PoseGoalSource::make(checker, goals, from, settings, kVerificationMargin)
         .map([](PoseGoalSource source) {
-          FoundConfigurations all{source.more(), {}};
+          FoundConfigurations all{source.find_all(), {}};
           if (all.rows.empty()) all.message = source.describe_failure();
           return all;
         });

@@ -98,26 +98,35 @@ class PoseGoalSource final : public GoalSource {
                                                    Configuration near, const IkSettings& settings,
                                                    double clearance);
 
-  /// The first call searches all regions with all the settings' seeds and returns the nearest
-  /// solutions first. Each later call tries a few seeds for the next region.
+  /// Searches all regions with all the settings' seeds. Returns the nearest solutions first.
+  [[nodiscard]] std::vector<Configuration> find_all();
+  /// The first call is find_all() for up to IkSettings::solutions regions. For more regions it
+  /// tries a few seeds each and returns the first few solutions, so that planning can begin; only
+  /// while there are none it tries more seeds. Each later call tries a few seeds for the next
+  /// regions.
   [[nodiscard]] std::vector<Configuration> more() override;
-  /// Explains for each region why no call found a configuration: out of reach by a distance, not
-  /// with this rotation, only in contact, or no solution from a number of seeds. Tries some more
-  /// seeds for this, unless the search has ended.
+  /// Explains for the first regions why no call found a configuration: out of reach by a distance,
+  /// not with this rotation, only in contact, or no solution from a number of seeds. Tries some
+  /// more seeds for this, unless the search has ended.
   [[nodiscard]] std::string describe_failure() const;
-  /// Returns a sentence for each region without a configuration in the first call.
+  /// Returns a sentence for each region that find_all() did not reach, or a sentence about the
+  /// number of regions that the first call of more() has tried.
   [[nodiscard]] std::vector<std::string> describe_unreached() const;
 
  private:
   struct Region {
     PoseGoal goal;
     InverseKinematics kinematics;
-    IkResult first;  ///< result of the first call
+    IkResult first;  ///< result of find_all() or the first call of more()
   };
   PoseGoalSource(const CollisionChecker& checker, Configuration near, const IkSettings& settings,
                  double clearance)
       : checker_(checker), near_(std::move(near)), settings_(settings), clearance_(clearance) {}
-  [[nodiscard]] std::vector<Configuration> search(const Region& region);
+  [[nodiscard]] bool is_over() const { return settings_.is_over && settings_.is_over(); }
+  [[nodiscard]] bool has_many_regions() const;
+  [[nodiscard]] std::vector<Configuration> find_first();
+  [[nodiscard]] std::vector<Configuration> sweep(int seeds);
+  [[nodiscard]] std::vector<Configuration> search_next();
   void keep_new(std::vector<Configuration>& found);
   [[nodiscard]] std::string describe_failure(const Region& region) const;
   [[nodiscard]] std::string describe_blocked(const Region& region) const;
@@ -129,6 +138,7 @@ class PoseGoalSource final : public GoalSource {
   std::vector<Region> regions_;
   std::vector<Configuration> known_;
   std::uint64_t calls_ = 0;
+  std::size_t next_ = 0;  ///< region of the next call
 };
 
 }  // namespace mneme

@@ -17,8 +17,17 @@ namespace {
 
 using internal::as_index;
 
-/// Seeds per call for further goals: one batch of the kernel.
-constexpr int kFurtherSeeds = 16;
+/// Seeds for a region in a later call, and at first if there are many regions: one batch of the
+/// kernel.
+constexpr int kFewSeeds = 16;
+/// Factor on the seeds per region while no region of many has a solution.
+constexpr int kSeedGrowth = 4;
+/// Number of regions, of many, after which the first solution is enough.
+constexpr std::size_t kManyTries = 32;
+/// Number of regions, of many, that a later call tries.
+constexpr std::size_t kFurtherTries = 8;
+/// Number of regions that describe_failure() explains.
+constexpr std::size_t kMostExplained = 8;
 /// Seeds of a search that tells a pose out of reach from an impossible rotation.
 constexpr int kSeedsToExplain = 1024;
 
@@ -35,33 +44,81 @@ Result<PoseGoalSource> PoseGoalSource::make(const CollisionChecker& checker,
                                             const IkSettings& settings, double clearance) {
   PoseGoalSource source(checker, std::move(near), settings, clearance);
   for (const PoseGoal& goal : goals) {
+    const auto same = std::ranges::find_if(
+        source.regions_, [&](const Region& region) { return region.goal.link == goal.link; });
+    if (same != source.regions_.end()) {
+      source.regions_.push_back({goal, same->kinematics, {}});
+      continue;
+    }
     auto kinematics = MNEME_TRY(InverseKinematics::make(checker.robot(), goal.link, checker.isa()));
     source.regions_.push_back({goal, std::move(kinematics), {}});
   }
   return source;
 }
 
-std::vector<Configuration> PoseGoalSource::more() {
-  if (regions_.empty()) return {};
+bool PoseGoalSource::has_many_regions() const {
+  return regions_.size() > as_index(settings_.solutions);
+}
+
+std::vector<Configuration> PoseGoalSource::find_all() {
   std::vector<Configuration> found;
-  if (calls_++ == 0) {
-    for (Region& region : regions_) {
-      region.first = region.kinematics.solve(region.goal, near_, settings_, &checker_, clearance_);
-      std::ranges::copy(region.first.solutions, std::back_inserter(found));
-    }
-    sort_by_distance(checker_.robot(), near_, found);
-  } else {
-    found = search(regions_[calls_ % regions_.size()]);
+  for (Region& region : regions_) {
+    region.first = region.kinematics.solve(region.goal, near_, settings_, &checker_, clearance_);
+    std::ranges::copy(region.first.solutions, std::back_inserter(found));
   }
+  sort_by_distance(checker_.robot(), near_, found);
   keep_new(found);
   return found;
 }
 
-std::vector<Configuration> PoseGoalSource::search(const Region& region) {
+std::vector<Configuration> PoseGoalSource::more() {
+  if (regions_.empty()) return {};
+  if (calls_++ > 0) return search_next();
+  if (has_many_regions()) return find_first();
+  next_ = 2;
+  return find_all();
+}
+
+std::vector<Configuration> PoseGoalSource::find_first() {
+  std::vector<Configuration> found;
+  for (int seeds = kFewSeeds; found.empty() && !is_over(); seeds *= kSeedGrowth) {
+    found = sweep(std::min(seeds, settings_.seeds));
+    if (seeds >= settings_.seeds) break;
+  }
+  return found;
+}
+
+std::vector<Configuration> PoseGoalSource::sweep(int seeds) {
   IkSettings settings = settings_;
-  settings.seeds = kFurtherSeeds;
+  settings.seeds = seeds;
+  settings.solutions = 1;
+  std::vector<Configuration> found;
+  for (next_ = 0; next_ < regions_.size() && !is_over(); ++next_) {
+    const bool has_first = !found.empty() && next_ >= kManyTries;
+    if (has_first || std::ssize(found) >= settings_.solutions) break;
+    Region& region = regions_[next_];
+    region.first = region.kinematics.solve(region.goal, near_, settings, &checker_, clearance_);
+    std::vector<Configuration> fresh = region.first.solutions;
+    keep_new(fresh);
+    std::ranges::move(fresh, std::back_inserter(found));
+  }
+  sort_by_distance(checker_.robot(), near_, found);
+  return found;
+}
+
+std::vector<Configuration> PoseGoalSource::search_next() {
+  IkSettings settings = settings_;
+  settings.seeds = kFewSeeds;
   settings.seed = derive_seed(settings_.seed, calls_);
-  return region.kinematics.solve(region.goal, near_, settings, &checker_, clearance_).solutions;
+  std::vector<Configuration> found;
+  for (std::size_t tries = has_many_regions() ? kFurtherTries : 1; tries > 0; --tries) {
+    const Region& region = regions_[next_++ % regions_.size()];
+    std::ranges::move(
+        region.kinematics.solve(region.goal, near_, settings, &checker_, clearance_).solutions,
+        std::back_inserter(found));
+  }
+  keep_new(found);
+  return found;
 }
 
 void PoseGoalSource::keep_new(std::vector<Configuration>& found) {
@@ -139,15 +196,25 @@ std::string PoseGoalSource::describe_blocked(const Region& region) const {
 
 std::string PoseGoalSource::describe_failure() const {
   std::string text;
-  for (std::size_t i = 0; i < regions_.size(); ++i) {
+  const std::size_t count = std::min(regions_.size(), kMostExplained);
+  for (std::size_t i = 0; i < count; ++i) {
     text += i == 0 ? "" : "; ";
     text += regions_.size() == 1 ? "goal pose: " : fmt::format("goal pose {}: ", i);
     text += describe_failure(regions_[i]);
+  }
+  if (count < regions_.size()) {
+    text += fmt::format("; no configuration for {} more goal poses", regions_.size() - count);
   }
   return text;
 }
 
 std::vector<std::string> PoseGoalSource::describe_unreached() const {
+  if (has_many_regions()) {
+    const auto reached = std::ranges::count_if(
+        regions_, [](const Region& region) { return !region.first.solutions.empty(); });
+    return {fmt::format("planning began with configurations for {} of {} goal poses; {} were tried",
+                        reached, regions_.size(), next_)};
+  }
   std::vector<std::string> sentences;
   for (std::size_t i = 0; i < regions_.size(); ++i) {
     const Region& region = regions_[i];

@@ -191,7 +191,7 @@ Answer Endpoints::inverse_kinematics(const Call& call) {
                                      kVerificationMargin);
   if (!source) return refusal(source.error());
   Json solutions = Json::array();
-  for (const Configuration& q : source->more()) {
+  for (const Configuration& q : source->find_all()) {
     solutions.push_back({{"q", q}, {"distance", problem.robot.distance(problem.start, q)}});
   }
   if (call.is_cancelled) return no_turn(true);

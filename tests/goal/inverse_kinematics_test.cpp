@@ -235,9 +235,10 @@ TEST_SUITE("unit") {
     CHECK(message(robot, "nose") == "expected a link of robot odd, got \"nose\"");
     CHECK(message(robot, "base") ==
           "0 joints of the group of robot odd move link \"base\"; inverse kinematics handles "
-          "for 1 to 32");
+          "1 to 32");
     const Robot long_arm = planar_arm(std::vector<double>(33, 0.1), 0.01);
-    CHECK(message(long_arm, long_arm.links().back().name).starts_with("33 joints of robot"));
+    CHECK(message(long_arm, long_arm.links().back().name)
+              .starts_with("33 joints of the group of robot"));
   }
 
   TEST_CASE("tips are what the last joints carry") {

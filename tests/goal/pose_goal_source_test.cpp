@@ -20,6 +20,17 @@ PoseGoalSource require_source(const CollisionChecker& checker, const std::vector
   return *std::move(source);
 }
 
+/// Where a random configuration has the hand, with any rotation.
+PoseGoal random_place(const Robot& robot, Rng& rng) {
+  Configuration q;
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    q.push_back(rng.uniform(robot.group_joint(i).lower, robot.group_joint(i).upper));
+  }
+  PoseGoal goal = pose_at(robot, kHand, q);
+  goal.cone = goal.turn = kPi;
+  return goal;
+}
+
 /// Why `goal` cannot be reached in `scene`; it must not be reached.
 std::string failure_of(const Scene& scene, const PoseGoal& goal) {
   const Robot robot = shipped_robot("panda");
@@ -139,6 +150,56 @@ TEST_SUITE("unit") {
     CHECK(asked == 256);
     CHECK(source.describe_failure().find("out of reach") != std::string::npos);
     CHECK(asked <= 256 + 64);
+  }
+
+  TEST_CASE("of many goals the first solutions come at once, and the others meanwhile") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = checker_among(robot, {});
+    Rng rng(4);
+    std::vector<PoseGoal> goals;
+    for (int i = 0; i < 500; ++i) goals.push_back(random_place(robot, rng));
+    IkSettings settings;
+    int batches = 0;
+    settings.is_over = [&] { return ++batches < 0; };
+    PoseGoalSource source = require_source(checker, goals, settings);
+    std::vector<Configuration> found = source.more();
+    CHECK(std::ssize(found) == settings.solutions);
+    CHECK(batches < 100);
+    REQUIRE(source.describe_unreached().size() == 1);
+    CHECK(source.describe_unreached()[0].starts_with(
+        "planning began with configurations for 8 of 500 goal poses; "));
+    for (int i = 0; i < 20; ++i) {
+      const int before = batches;
+      for (Configuration& q : source.more()) found.push_back(std::move(q));
+      CHECK(batches - before < 40);
+    }
+    std::size_t reached = 0;
+    for (const PoseGoal& goal : goals) {
+      reached += std::ranges::any_of(found, [&](const Configuration& q) {
+        return pose_error(robot, goal, q).position < 1e-4;
+      });
+    }
+    CHECK(reached > 80);
+  }
+
+  TEST_CASE("the only goals of many that can be reached are found, and the clock is looked at") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = checker_among(robot, {});
+    PoseGoal unreachable = pose_at(robot, kHand, kReady);
+    unreachable.pose.translation = Vec3(1.5, 0, 0.3);
+    std::vector<PoseGoal> goals(300, unreachable);
+    goals.push_back(pose_at(robot, kHand, {0.3, 0.2, 0.1, -1.8, 0, 2, 0.5}));
+    IkSettings settings;
+    int batches = 0, most = 1'000'000;
+    settings.is_over = [&] { return ++batches > most; };
+    CHECK(require_source(checker, goals, settings).more().size() == 1);
+    CHECK(batches < 3000);
+    batches = 0;
+    most = 100;
+    PoseGoalSource ended = require_source(checker, goals, settings);
+    CHECK(ended.more().empty());
+    CHECK(batches < 110);
+    CHECK(ended.describe_failure().ends_with("; no configuration for 293 more goal poses"));
   }
 
   TEST_CASE("an unknown link is an error") {
