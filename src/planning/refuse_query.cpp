@@ -80,6 +80,27 @@ bool can_be_finer(const Robot& robot, const Contact& contact) {
   });
 }
 
+/// The way out for two links of the robot that also touch where all joints are zero, if there are
+/// any: people often have no SRDF yet.
+std::string advise_at_rest(const CollisionChecker& checker, const std::vector<Contact>& contacts) {
+  const Robot& robot = checker.robot();
+  const Configuration zeros(internal::as_index(robot.joint_count()), 0.0);
+  const std::vector<Contact> at_rest = checker.contacts(robot.normalized(zeros));
+  for (const Contact& contact : contacts) {
+    if (!contact.is_self || is_near(contact) || !can_be_finer(robot, contact)) continue;
+    const bool is_same = std::ranges::any_of(at_rest, [&](const Contact& other) {
+      return other.is_self && other.link == contact.link && other.other == contact.other;
+    });
+    if (!is_same) continue;
+    return fmt::format(
+        ". Links '{0}' and '{1}' touch at rest, too: if they may, put `allow: [[{0}, {1}]]` into "
+        "the "
+        "problem, or `disable_collisions` into an SRDF (`mneme robot srdf` writes one)",
+        contact.link, contact.other);
+  }
+  return {};
+}
+
 /// Names contacts first, then pairs within the margin.
 Refusal describe_contacts(const CollisionChecker& checker, const Configuration& q,
                           std::vector<Contact> contacts) {
@@ -100,7 +121,7 @@ Refusal describe_contacts(const CollisionChecker& checker, const Configuration& 
   }
   if (contacts.size() > kMostNamed)
     text += fmt::format(" and {} more", contacts.size() - kMostNamed);
-  return {std::move(text), advise(room)};
+  return {std::move(text), advise(room) + advise_at_rest(checker, contacts)};
 }
 
 /// Describes the contacts of `q`, a valid configuration, if any.
