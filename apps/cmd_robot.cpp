@@ -260,9 +260,9 @@ void add_planar(CLI::App& group, Action& action) {
 }  // namespace
 
 void add_robot(CLI::App& program, Action& action) {
-  CLI::App& group =
-      add_group(program, "robot", "Show and check robots, solve inverse kinematics, make spheres",
-                "robot info planar8");
+  CLI::App& group = add_group(
+      program, "robot", "Show and check robots, solve inverse kinematics, make spheres and SRDFs",
+      "robot info planar8");
   const auto options = std::make_shared<RobotCommandOptions>();
   CLI::App& info = add_command(group, action, "info", "Show joints, limits, links and hash",
                                "robot info planar8", options, run_info);
@@ -279,6 +279,7 @@ void add_robot(CLI::App& program, Action& action) {
   add_planar(group, action);
   add_robot_ik(group, action);
   add_robot_spheres(group, action);
+  add_robot_srdf(group, action);
 }
 
 }  // namespace mneme::app

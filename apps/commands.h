@@ -70,6 +70,7 @@ void add_bench_report(CLI::App& bench, Action& action);
 void add_db_upkeep(CLI::App& group, Action& action);
 void add_robot_ik(CLI::App& group, Action& action);
 void add_robot_spheres(CLI::App& group, Action& action);
+void add_robot_srdf(CLI::App& group, Action& action);
 void add_scene_enclosed(CLI::App& group, Action& action);
 void add_scene_threaded(CLI::App& group, Action& action);
 void add_scene_repeat(CLI::App& group, Action& action);

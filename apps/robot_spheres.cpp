@@ -16,13 +16,11 @@
 #include <array>
 #include <iterator>
 #include <memory>
-#include <set>
 
 namespace mneme::app {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Pairs = std::vector<std::pair<std::string, std::string>>;
 
 struct SpheresOptions {
   std::string robot;
@@ -39,29 +37,6 @@ struct Made {
   RobotSpheres robot;
   std::vector<std::string> reasons;  ///< of the allowed pairs
 };
-
-constexpr std::string_view kOwnReason = "User";
-
-/// Replaces the allowed pairs of `parts` by those that sampling allows and then those that it had
-/// from its SRDF. Returns the reasons.
-Result<std::vector<std::string>> allow_pairs(Robot::Parts& parts, const PairSettings& settings) {
-  return derive_allowed_pairs(parts, settings).map([&](const std::vector<AllowedPair>& derived) {
-    Pairs pairs;
-    std::vector<std::string> reasons;
-    std::set<Pairs::value_type> known;
-    const auto add = [&](const std::string& first, const std::string& second,
-                         std::string_view reason) {
-      if (!known.insert(std::minmax(first, second)).second) return;
-      pairs.emplace_back(first, second);
-      reasons.emplace_back(reason);
-    };
-    for (const AllowedPair& pair : derived) add(pair.first, pair.second, to_string(pair.reason));
-    const auto own = parts.allowed_pairs.value_or(Pairs());
-    for (const auto& [first, second] : own) add(first, second, kOwnReason);
-    parts.allowed_pairs = std::move(pairs);
-    return reasons;
-  });
-}
 
 /// The link and excess of `text`, LINK=METRES. Errors: no such link, or nothing to approximate.
 Result<std::pair<Link*, double>> parse_link_excess(const std::string& text, Robot::Parts& parts) {
@@ -95,6 +70,7 @@ Result<std::vector<LinkSpheres>> approximate_named(const SpheresOptions& options
     auto made = MNEME_TRY(approximate_link(*link, settings));
     link->solids.clear();
     link->spheres.insert(link->spheres.end(), made.spheres.begin(), made.spheres.end());
+    link->capsules.insert(link->capsules.end(), made.capsules.begin(), made.capsules.end());
     result.push_back(std::move(made));
   }
   return result;
@@ -113,7 +89,7 @@ Result<Made> make(const std::string& path, const SpheresOptions& options) {
   std::ranges::move(*named, std::back_inserter(robot->links));
   Made made{std::move(*robot), {}};
   if (options.srdf_output.empty()) return made;
-  auto reasons = MNEME_TRY(allow_pairs(made.robot.parts, options.pairs));
+  auto reasons = MNEME_TRY(allow_derived_pairs(made.robot.parts, options.pairs));
   made.reasons = std::move(reasons);
   return made;
 }
@@ -145,6 +121,15 @@ std::vector<std::pair<std::string, std::size_t>> count_reasons(
   return counts;
 }
 
+/// As "3 Adjacent, 1 Never".
+std::string describe_reasons(const std::vector<std::string>& reasons) {
+  std::string text;
+  for (const auto& [reason, count] : count_reasons(reasons)) {
+    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, reason);
+  }
+  return text;
+}
+
 void print_table(const Made& made, const SpheresOptions& options) {
   fmt::print("{:<28} {:>7} {:>9} {:>13} {:>12}\n", "link", "spheres", "uncovered", "mean excess m",
              "max excess m");
@@ -156,12 +141,9 @@ void print_table(const Made& made, const SpheresOptions& options) {
              counted(count_spheres(made.robot.parts), "sphere", "spheres"), made.robot.links.size(),
              counted(made.robot.parts.links.size(), "link", "links"));
   if (options.srdf_output.empty()) return;
-  std::string text;
-  for (const auto& [reason, count] : count_reasons(made.reasons)) {
-    if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, reason);
-  }
   fmt::print("wrote {}: {} ({})\n", options.srdf_output,
-             counted(made.reasons.size(), "allowed pair", "allowed pairs"), text);
+             counted(made.reasons.size(), "allowed pair", "allowed pairs"),
+             describe_reasons(made.reasons));
 }
 
 Json to_json(const Made& made, const SpheresOptions& options) {
@@ -233,6 +215,60 @@ void add_robot_spheres(CLI::App& group, Action& action) {
   command.add_flag("--allow-rest", options->pairs.allow_at_rest,
                    "also allow pairs that touch where all joints are zero");
   add_json(command, options->is_json);
+}
+
+namespace {
+
+struct SrdfOptions {
+  std::string robot;
+  std::string output = "-";
+  RobotOptions reading;
+  PairSettings pairs{.allow_at_rest = true, .is_exact = true};
+  bool checks_rest = false;
+};
+
+Result<ExitCode> run_srdf(const SrdfOptions& options) {
+  const std::string path = MNEME_TRY(robot_file(options.robot));
+  if (options.output != "-") {
+    const std::array outputs = {options.output};
+    MNEME_TRY(check_files_to_write(outputs, robot_files(path, options.reading.srdf_path)));
+  }
+  PairSettings pairs = options.pairs;
+  pairs.allow_at_rest = !options.checks_rest;
+  const auto made = MNEME_TRY(derive_srdf(path, options.reading, pairs, show_sphere_progress()));
+  for (const std::string& note : made.notes) print_note(note);
+  print_note(fmt::format("{} ({})", counted(made.reasons.size(), "allowed pair", "allowed pairs"),
+                         describe_reasons(made.reasons)));
+  if (options.output == "-") {
+    fmt::print("{}", made.text);
+    return ExitCode::done;
+  }
+  MNEME_TRY(write_file(options.output, made.text));
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_robot_srdf(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<SrdfOptions>();
+  CLI::App& command =
+      add_command(group, action, "srdf", "Find the pairs of links that need no check, as an SRDF",
+                  "robot srdf arm.urdf -o arm.srdf", options, run_srdf);
+  command.add_option("ROBOT", options->robot, "URDF file or name of a robot")->required();
+  command.add_option("-o,--output", options->output,
+                     "SRDF file to write (default: standard output)");
+  command.add_option("--srdf", options->reading.srdf_path,
+                     "SRDF with groups, states and pairs to keep (default: next to ROBOT)");
+  command
+      .add_option("--package-path", options->reading.package_paths,
+                  "directory of package:// meshes; repeatable")
+      ->type_name("DIR");
+  command.add_flag("--strict", options->reading.strict,
+                   "refuse unknown elements and attributes in URDF and SRDF");
+  add_number(command, "--samples", options->pairs.samples, 1, 100'000'000,
+             "random configurations that decide which pairs need no check");
+  command.add_flag("--check-rest", options->checks_rest,
+                   "check pairs that touch where all joints are zero");
 }
 
 }  // namespace mneme::app

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/robot.h"
+
+#include "apps/run_program.h"
+
+namespace mneme::test {
+namespace {
+
+/// A ball on a stem that touches the base at rest only.
+const std::string kNodding =
+    "<robot name='nod'><link name='base'><collision><origin xyz='0.5 0 0'/><geometry>"
+    "<sphere radius='0.1'/></geometry></collision></link>"
+    "<link name='neck'><collision><origin xyz='0 0 1'/><geometry><sphere radius='0.05'/></geometry>"
+    "</collision></link>"
+    "<link name='head'><collision><origin xyz='0.5 0 0'/><geometry><sphere "
+    "radius='0.1'/></geometry>"
+    "</collision></link>"
+    "<joint name='pan' type='revolute'><parent link='base'/><child link='neck'/><axis xyz='0 0 1'/>"
+    "<limit lower='-3' upper='3' effort='1' velocity='1'/></joint>"
+    "<joint name='nod' type='revolute'><parent link='neck'/><child link='head'/><axis xyz='0 1 0'/>"
+    "<limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>";
+
+TEST_SUITE("flow") {
+  TEST_CASE("a robot in contact at rest is refused with the ways out, and an SRDF is one") {
+    const TemporaryDirectory files;
+    write_file(files / "nod.urdf", kNodding);
+    write_file(files / "p.yaml",
+               "robot: nod.urdf\nscene: {obstacles: []}\nstart: [0, 0]\ngoal: [1, 0]\n");
+    const ProgramRun refused = run_program({"plan", files / "p.yaml"});
+    CHECK(refused.exit_code != 0);
+    CHECK(has_text(refused.err, "`allow: [[base, head]]`"));
+    CHECK(has_text(refused.err, "`mneme robot srdf`"));
+    const ProgramRun run = run_program(
+        {"robot", "srdf", files / "nod.urdf", "--samples", "300", "-o", files / "nod.srdf"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(has_text(run.err, "3 allowed pairs (2 Adjacent, 1 Default)"));
+    const ProgramRun planned = run_program({"plan", files / "p.yaml"});
+    CHECK_MESSAGE(planned.exit_code == 0, planned.err);
+  }
+
+  TEST_CASE("contact elsewhere gets no such advice, and rest can be checked") {
+    const TemporaryDirectory files;
+    write_file(files / "nod.urdf", kNodding);
+    const ProgramRun run =
+        run_program({"robot", "srdf", files / "nod.urdf", "--samples", "300", "--check-rest"});
+    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    CHECK(has_text(run.out, "reason=\"Adjacent\""));
+    CHECK_FALSE(has_text(run.out, "Default"));
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
