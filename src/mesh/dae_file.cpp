@@ -26,7 +26,7 @@ using tinyxml2::XMLElement;
 
 constexpr int kMostDepth = 100;
 /// Elements that are visited when all instances are expanded.
-constexpr std::size_t kMostSteps = 1'000'000;
+constexpr std::size_t kMostSteps = 200'000;
 /// Elements and attributes: tinyxml2 takes some 100 bytes for each.
 constexpr std::size_t kMostXmlParts = 2'000'000;
 /// tinyxml2 takes quadratic time for the attributes of one element.
