@@ -195,7 +195,7 @@ TEST_SUITE("unit") {
     Rng rng(1);
     const auto result = vary(nominal(), whole, rng);
     REQUIRE(!result.has_value());
-    CHECK(result.error().message.find("whole scene has a size") != std::string::npos);
+    CHECK(result.error().message.find("whole scene: it has a 'size'") != std::string::npos);
     const auto twice = vary(nominal(), {{}, {of("can_*"), of("can_1")}}, rng);
     REQUIRE(!twice.has_value());
     CHECK(twice.error().message.find("'can_1'") != std::string::npos);

@@ -95,7 +95,9 @@ TEST_SUITE("unit") {
     const std::atomic<bool> cancel = true;
     ManySettings settings = uniform_settings();
     settings.solve.plan.cancel = &cancel;
-    for (const auto& solution : plan_many(problems, nullptr, settings).value()) {
+    const auto solutions = plan_many(problems, nullptr, settings);
+    REQUIRE(solutions.has_value());
+    for (const auto& solution : *solutions) {
       CHECK(solution.value().result.plan.status == PlanStatus::cancelled);
     }
   }
