@@ -38,15 +38,15 @@ CloudHeader read_ply_cloud_header(LineReader& text) {
   const PlyHeader ply = read_ply_header(text);
   const PlyElement& vertices = ply.elements.front();
   if (vertices.name != "vertex") {
-    text.fail(ErrorCode::unsupported, "expected vertices as the first element");
+    text.fail_file(ErrorCode::unsupported, "expected vertices as the first element");
   }
   if (vertices.count > kMaxCloudPoints) {
-    text.fail(ErrorCode::unsupported, "expected at most {} points, got {}", kMaxCloudPoints,
-              vertices.count);
+    text.fail_file(ErrorCode::unsupported, "expected at most {} points, got {}", kMaxCloudPoints,
+                   vertices.count);
   }
   CloudHeader header{{}, vertices.count, ply.data, ply.elements.size() > 1};
   for (const PlyProperty& property : vertices.properties) {
-    if (property.is_list) text.fail(ErrorCode::parse, "expected vertices without lists");
+    if (property.is_list) text.fail_file(ErrorCode::parse, "expected vertices without lists");
     header.fields.push_back({property.name, property.type});
   }
   return header;
