@@ -26,9 +26,9 @@ TEST_SUITE("flow") {
     const ProgramRun run =
         run_program({"bench", "report", csv, files / "more.csv", "-o", page, "--title", "A & B"});
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
-    CHECK(has_text(run.out, "360 runs with 4 figures"));
+    CHECK(has_text(run.out, "360 runs with 2 figures"));
     CHECK(has_text(read_file(page), "<h1>A &amp; B</h1>"));
-    for (const char* name : {"1_scenario_times", "1_scenario_solved", "2_other_times"}) {
+    for (const char* name : {"1_scenario_solved", "2_other_solved"}) {
       CAPTURE(name);
       CHECK(has_text(read_file(files / ("deep/report_" + std::string(name) + ".svg")), "<svg"));
     }
