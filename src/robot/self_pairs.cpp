@@ -51,13 +51,20 @@ LinkPairs derive_self_pairs(std::span<const Link> links, std::span<const Joint> 
   const std::vector<int> bodies = weld(links, joints, find_moving(joints, group));
   std::set<std::pair<int, int>> may_touch;
   for (const auto& [a, b] : allowed) may_touch.insert(std::minmax({a, b}));
+  // The link after a run of links of one body, such as many attached objects.
+  std::vector<std::size_t> after(links.size());
+  for (std::size_t i = links.size(); i-- > 0;) {
+    after[i] = i + 1 < links.size() && bodies[i + 1] == bodies[i] ? after[i + 1] : i + 1;
+  }
   LinkPairs pairs;
   for (std::size_t a = 0; a < links.size(); ++a) {
     if (!has_shapes(links[a])) continue;
-    for (std::size_t b = std::max(a + 1, as_index(first_second)); b < links.size(); ++b) {
-      if (!has_shapes(links[b]) || bodies[a] == bodies[b]) continue;
+    std::size_t b = std::max(a + 1, as_index(first_second));
+    while (b < links.size()) {
       const std::pair pair(static_cast<int>(a), static_cast<int>(b));
-      if (!may_touch.contains(pair)) pairs.push_back(pair);
+      const bool is_one_body = bodies[a] == bodies[b];
+      if (!is_one_body && has_shapes(links[b]) && !may_touch.contains(pair)) pairs.push_back(pair);
+      b = is_one_body ? after[b] : b + 1;
     }
   }
   return pairs;

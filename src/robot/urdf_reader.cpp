@@ -24,6 +24,9 @@ namespace {
 /// Metres that stand for a size of 0, so that a plate without thickness is still checked.
 constexpr double kThin = 1e-4;
 
+/// Radians or metres beyond which a limit counts as infinite.
+constexpr double kFarthestLimit = 1e4;
+
 /// Sizes of a solid. Returns false if all are 0: there is no shape.
 bool has_size(XmlReader& xml, const XmlElement& shape, std::initializer_list<double*> sizes,
               const std::string& fault) {
@@ -319,15 +322,21 @@ void UrdfReader::read_limits(const XmlElement& element, Joint& joint) {
   const bool is_revolute = joint.type == JointType::revolute;
   const XmlElement* limit = element.FirstChildElement("limit");
   if (limit == nullptr) {
-    return xml_.tolerate(element, "no limits, so that the joint stays at 0",
+    const bool is_follower = element.FirstChildElement("mimic") != nullptr;
+    return xml_.tolerate(element,
+                         is_follower ? "no limits" : "no limits, so that the joint stays at 0",
                          "the element <limit> is missing");
   }
   // Values that a joint is assumed to stay within if a limit is infinite.
   const double farthest = is_revolute ? 4 * std::numbers::pi : 100;
   joint.lower = read_limit(*limit, "lower", farthest);
   joint.upper = read_limit(*limit, "upper", farthest);
-  const bool is_endless = is_revolute && joint.lower == -farthest && joint.upper == farthest;
-  if (is_endless && !std::isfinite(xml_.number_or_infinity(*limit, "lower"))) {
+  const auto is_endless = [&](const char* attribute) {
+    return limit->Attribute(attribute) &&
+           std::abs(xml_.number_or_infinity(*limit, attribute)) > kFarthestLimit;
+  };
+  if (is_revolute && !xml_.is_strict() && joint.lower < 0 && joint.upper > 0 &&
+      is_endless("lower") && is_endless("upper")) {
     joint.type = JointType::continuous;
   }
 }
@@ -339,9 +348,10 @@ double UrdfReader::read_limit(const XmlElement& limit, const char* attribute, do
     return 0;
   }
   const double value = xml_.number_or_infinity(limit, attribute);
-  if (std::isfinite(value)) return value;
+  const bool is_wanted = xml_.is_strict() && std::isfinite(value);
+  if (std::abs(value) <= kFarthestLimit || is_wanted) return value;
   const double taken = std::copysign(farthest, value);
-  xml_.tolerate(limit, fmt::format("{} is infinite and taken for {:.4g}", attribute, taken),
+  xml_.tolerate(limit, fmt::format("{} is {:.4g} and taken for {:.4g}", attribute, value, taken),
                 fmt::format("{} is '{}', expected a finite number", attribute, value));
   return taken;
 }

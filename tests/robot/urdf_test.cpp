@@ -319,7 +319,7 @@ TEST_SUITE("unit") {
         {"lower=\"-1\"", "", "joint 'turn': <limit>: lower is missing and taken for 0"},
         {"velocity=\"1\"", "velocity=\"inf\"", "<limit>: velocity is inf and counts as none"},
         {"velocity=\"1\"", "velocity=\"-1\"", "<limit>: velocity is -1 and counts as none"},
-        {"upper=\"1.5\"", "upper=\"inf\"", "<limit>: upper is infinite and taken for 12.57"},
+        {"upper=\"1.5\"", "upper=\"inf\"", "<limit>: upper is inf and taken for 12.57"},
         {"<limit lower=\"-1\" upper=\"1.5\" effort=\"1\" velocity=\"1\"/>", "",
          "joint 'turn': <joint>: no limits, so that the joint stays at 0"},
         {"</robot>",
@@ -351,6 +351,7 @@ TEST_SUITE("unit") {
     CHECK(joint_of("upper=\"1.5\" velocity=\"-1\"").velocity == 1);
     CHECK(joint_of("velocity=\"2\"").upper == 0);
     CHECK(joint_of("lower=\"-inf\" upper=\"inf\"").type == JointType::continuous);
+    CHECK(joint_of("lower=\"-1e16\" upper=\"3.4e38\"").type == JointType::continuous);
     CHECK(joint_of("lower=\"-inf\" upper=\"1\"").type == JointType::revolute);
     CHECK(joint_of("lower=\"-inf\" upper=\"1\"").lower == -4 * kPi);
     CHECK(joint_of("lower=\"0\" upper=\"1\" drake:acceleration=\"3\"").acceleration == 3);
