@@ -200,6 +200,29 @@ bool same_value(const InputValue& a, const InputValue& b) {
   return true;
 }
 
+std::string random_inline(Rng& rng) {
+  static const std::vector<std::string> kValues = {
+      "a", "-1.5e3", "\"q: r\"", "'s'", "[]", "[1, [x, {k: v}]]", "{a: 1, \"b\": [2]}", "x/y.z"};
+  return kValues[rng.index(static_cast<std::uint32_t>(kValues.size()))] +
+         (rng.index(4) == 0 ? "  # remark\n" : "\n");
+}
+
+/// A map or list of YAML in blocks, with values of all kinds.
+std::string random_block(Rng& rng, int depth, std::size_t indent) {
+  const bool is_map = rng.index(2) == 0;
+  std::string text;
+  for (std::uint32_t i = 0, count = 1 + rng.index(3); i < count; ++i) {
+    text += std::string(indent, ' ') + (is_map ? "k" + std::to_string(i) + ":" : "-");
+    const std::uint32_t kind = depth > 3 ? 0 : rng.index(3);
+    if (kind == 0) text += " " + random_inline(rng);
+    if (kind == 1) text += "\n" + random_block(rng, depth + 1, indent + 1 + rng.index(3));
+    if (kind == 2 && is_map) text += "\n\n" + random_block(rng, depth + 1, indent + 2);
+    if (kind == 2 && !is_map)
+      text += " " + random_block(rng, depth + 1, indent + 2).substr(indent + 2);
+  }
+  return text;
+}
+
 std::string yaml_failure(const std::string& yaml) {
   const auto result =
       internal::without_throwing([&] { return internal::parse_yaml(yaml, "f.yaml"); });
@@ -268,6 +291,17 @@ TEST_SUITE("unit") {
           "? a",       "a: [1, # c\n2]", "a: b:",       "\xc3\xa4: 1"}) {
       CAPTURE(text);
       CHECK_FALSE(internal::parse_simple_yaml(text, "f", 1000).has_value());
+    }
+  }
+
+  TEST_CASE("random blocks are parsed as the whole of YAML is") {
+    Rng rng(11);
+    for (int repetition = 0; repetition < 500; ++repetition) {
+      const std::string text = random_block(rng, 0, 0);
+      CAPTURE(text);
+      const auto simple = internal::parse_simple_yaml(text, "f", 100'000);
+      REQUIRE(simple.has_value());
+      REQUIRE(same_value(*simple, internal::parse_yaml(text + "...\n", "f")));
     }
   }
 
