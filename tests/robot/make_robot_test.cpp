@@ -55,7 +55,7 @@ TEST_SUITE("unit") {
   TEST_CASE("options that do not fit the robot are refused by name") {
     CHECK(contains(refusal(make_chain(2), plan_for({"elbow"})),
                    "'elbow'; the movable joints are: j1, j2"));
-    CHECK(contains(refusal(make_chain(2), plan_for({"j1", "j1"})), "'j1' stands twice"));
+    CHECK(contains(refusal(make_chain(2), plan_for({"j1", "j1"})), "'j1' appears twice"));
     CHECK(contains(refusal(make_chain(2), plan_for({"j1"}, {{"j9", 0}})), "'j9'"));
     CHECK(
         contains(refusal(make_chain(2), plan_for({"j1"}, {{"j1", 0}})), "'j1' has a fixed value"));
@@ -82,7 +82,7 @@ TEST_SUITE("unit") {
     const auto robot = make_robot(parts);
     REQUIRE_FALSE(robot.has_value());
     CHECK(robot.error().code == ErrorCode::unsupported);
-    CHECK(contains(robot.error().message, "robot 'chain': link 'l1' has collision geometry"));
+    CHECK(contains(robot.error().message, "robot 'chain': link 'l1' has boxes, cylinders or meshes"));
     CHECK(contains(robot.error().message, "`mneme robot spheres`"));
   }
 

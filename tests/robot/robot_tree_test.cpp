@@ -315,7 +315,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("groups that cannot be planned for are errors") {
     const Robot::Parts parts = two_arms({{"none", {}}, {"hand", {"j4"}, true}});
-    CHECK(contains(refusal(parts), "no group of the SRDF (none, hand) can move"));
+    CHECK(contains(refusal(parts), "no group of the SRDF (none, hand) is movable"));
     CHECK(contains(refusal(parts, group_named("none")), "group 'none' has no joint"));
     CHECK(contains(refusal(parts, group_named("arm")),
                    "there is no group 'arm'; expected none, hand or the two links of a chain"));
