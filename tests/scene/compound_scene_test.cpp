@@ -107,7 +107,7 @@ TEST_SUITE("unit") {
                    "expected either file or cubes, got both"));
     CHECK(
         contains(files.message_of("name: o, type: octree, unknown: occupied, cubes: [0, 0, 0, 1]"),
-                 "unknown: expected a file beside it, got cubes"));
+                 "unknown: expected the key file with it, got cubes"));
   }
 
   TEST_CASE("points, triangles and cubes as lists are read back from text to the same") {
