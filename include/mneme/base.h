@@ -54,12 +54,16 @@ enum class ErrorCode {
 
 /// An error: `message` names the file, line or object and says what was expected.
 struct Error {
+  Error() = default;
+  /// Escapes bytes of `text` that are not UTF-8, such as those of a damaged file: "\\xff".
+  Error(ErrorCode kind, std::string text);
+
   ErrorCode code = ErrorCode::invalid;
   std::string message;
 };
 
-/// A value or an error. The only exception that the library lets out is std::bad_alloc; the caller
-/// receives it also when memory runs out in one of the library's threads.
+/// A value or an error. The only exceptions that the library lets out are std::bad_alloc, also when
+/// memory runs out in one of the library's threads, and Interrupted within an InterruptScope.
 template <class T>
 using Result = tl::expected<T, Error>;
 
@@ -88,6 +92,28 @@ T take_value(Result<T>&& result) {
 /// Returns "; did you mean 'x'?" if one of `names` is close to `word`, otherwise "". Case and
 /// underscores do not count.
 [[nodiscard]] std::string did_you_mean(std::string_view word, std::span<const std::string> names);
+
+/// Thrown by long work in an InterruptScope that is over.
+struct Interrupted {};
+
+/// Ends long work without a cancel flag, such as reading, attaching and preparing: while this
+/// object lives, such work of its thread throws Interrupted within about 50 ms once `is_over`
+/// returns true. `is_over` is called from threads of the library, too. Scopes may be nested.
+class InterruptScope {
+ public:
+  explicit InterruptScope(std::function<bool()> is_over);
+  InterruptScope(const InterruptScope&) = delete;
+  InterruptScope& operator=(const InterruptScope&) = delete;
+  ~InterruptScope();
+
+  [[nodiscard]] bool is_over() const {
+    return is_over_() || (outer_ != nullptr && outer_->is_over());
+  }
+
+ private:
+  std::function<bool()> is_over_;
+  const InterruptScope* outer_;
+};
 
 /// Receives one line of log text without a line break, in the thread that does the work.
 using LogCallback = std::function<void(std::string_view line)>;

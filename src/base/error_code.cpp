@@ -2,7 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/base.h"
 
+#include "base/text.h"
+
 namespace mneme {
+
+Error::Error(ErrorCode kind, std::string text)
+    : code(kind),
+      message(internal::decode_utf8(text) ? std::move(text) : internal::escape_bytes(text)) {}
 
 std::string_view to_string(ErrorCode code) {
   switch (code) {

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
 
+#include <fmt/format.h>
 #include <utf8.h>
+
+#include <algorithm>
 
 namespace mneme::internal {
 
@@ -21,12 +24,16 @@ std::optional<std::u32string> decode_utf8(std::string_view text) {
   return utf8::utf8to32(text);
 }
 
-std::string storable_text(std::string_view text) {
+std::string escape_bytes(std::string_view text) {
   std::string result;
   while (!text.empty()) {
     const std::size_t size = first_code_point(text).size;
-    result += size == 0 ? std::string_view("?") : text.substr(0, size);
-    text.remove_prefix(size == 0 ? 1 : size);
+    if (size == 0) {
+      result += fmt::format("\\x{:02x}", static_cast<unsigned char>(text.front()));
+    } else {
+      result += text.substr(0, size);
+    }
+    text.remove_prefix(std::max<std::size_t>(size, 1));
   }
   return result;
 }

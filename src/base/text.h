@@ -21,8 +21,8 @@ struct CodePoint {
 [[nodiscard]] CodePoint first_code_point(std::string_view text);
 /// Returns the code points of `text`, or nothing if it is not UTF-8 or contains NUL.
 [[nodiscard]] std::optional<std::u32string> decode_utf8(std::string_view text);
-/// Returns `text` with a question mark for each NUL and each byte that is not UTF-8.
-[[nodiscard]] std::string storable_text(std::string_view text);
+/// Returns `text` with each NUL and each byte that is not UTF-8 written as in "\\xff".
+[[nodiscard]] std::string escape_bytes(std::string_view text);
 
 /// Returns a field of a CSV file (RFC 4180), quoted if necessary.
 [[nodiscard]] std::string escape_csv(std::string_view text);

@@ -7,6 +7,27 @@
 #include <system_error>
 #include <utility>
 
+namespace mneme {
+namespace {
+
+thread_local const InterruptScope* innermost = nullptr;
+
+}  // namespace
+
+InterruptScope::InterruptScope(std::function<bool()> is_over)
+    : is_over_(std::move(is_over)), outer_(std::exchange(innermost, this)) {}
+
+InterruptScope::~InterruptScope() { innermost = outer_; }
+
+namespace internal {
+
+void poll_interrupt() {
+  if (innermost != nullptr && innermost->is_over()) throw Interrupted();
+}
+
+}  // namespace internal
+}  // namespace mneme
+
 namespace mneme::internal {
 
 struct Threads::Shared {
@@ -19,7 +40,8 @@ Threads::Threads(std::size_t count, std::function<void()> work)
     : shared_(std::make_shared<Shared>()) {
   shared_->work = std::move(work);
   threads_.reserve(count);
-  const auto run = [shared = shared_] {
+  const auto run = [shared = shared_, scope = innermost] {
+    innermost = scope;
     try {
       shared->work();
     } catch (...) {

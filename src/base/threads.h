@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Worker threads, and flags that cancel long work.
+/// Worker threads, and what cancels long work.
 #pragma once
 
 #include <atomic>
@@ -13,8 +13,12 @@
 
 namespace mneme::internal {
 
-/// Up to `count` threads that each call `work`; fewer or none if the system refuses more. The
-/// destructor joins them.
+/// Throws Interrupted if an InterruptScope of this thread is over. Call it every few milliseconds
+/// in long work without a cancel flag. Costs a nanosecond without a scope.
+void poll_interrupt();
+
+/// Up to `count` threads that each call `work`; fewer or none if the system refuses more. They
+/// share the InterruptScope of the thread that makes them. The destructor joins them.
 class Threads {
  public:
   Threads() = default;

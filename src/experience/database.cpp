@@ -408,7 +408,7 @@ Result<std::int64_t> Database::refresh() {
 }
 
 RobotSignature make_signature(const Robot& robot) {
-  return {internal::storable_text(robot.name()), robot.kinematics_hash(), robot.hash(),
+  return {internal::escape_bytes(robot.name()), robot.kinematics_hash(), robot.hash(),
           robot.joint_count()};
 }
 

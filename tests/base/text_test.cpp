@@ -4,6 +4,8 @@
 #include "base/text.h"
 #include "support/support.h"
 
+#include <fmt/format.h>
+
 #include <sys/stat.h>
 
 namespace mneme::test {
@@ -62,19 +64,20 @@ TEST_SUITE("unit") {
     const std::string text = "a\u007f\u0080\u07ff\u0800\uffff\U00010000\U0010ffffz";
     CHECK(decode_utf8(text) == U"a\u007f\u0080\u07ff\u0800\uffff\U00010000\U0010ffffz");
     CHECK(decode_utf8("") == U"");
-    CHECK(internal::storable_text(text) == text);
+    CHECK(internal::escape_bytes(text) == text);
   }
 
-  TEST_CASE("what is not UTF-8 or holds a NUL is refused, and can be made storable") {
+  TEST_CASE("what is not UTF-8 or holds a NUL is refused, and can be escaped") {
     for (const std::string& bad :
          {std::string("\0", 1), std::string("\x80"), std::string("\xc0\x80"), std::string("\xc3"),
           std::string("\xed\xa0\x80"), std::string("\xf4\x90\x80\x80"), std::string("\xff"),
           std::string("\xe0\x80\x80"), std::string("\xe2\x82")}) {
       CHECK(!decode_utf8("a" + bad).has_value());
-      const std::string storable = internal::storable_text("a" + bad + "b");
-      CHECK(storable.starts_with("a?"));
-      CHECK(storable.ends_with("b"));
-      CHECK(decode_utf8(storable).has_value());
+      const std::string escaped = internal::escape_bytes("a" + bad + "b");
+      CHECK(escaped.starts_with(fmt::format("a\\x{:02x}", static_cast<unsigned char>(bad[0]))));
+      CHECK(escaped.ends_with("b"));
+      CHECK(decode_utf8(escaped).has_value());
+      CHECK(fail(ErrorCode::io, "a" + bad + "b").value().message == escaped);
     }
   }
 }

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <new>
+#include <thread>
 
 namespace mneme::test {
 
@@ -39,6 +40,22 @@ TEST_SUITE("unit") {
     CHECK_THROWS_AS(threads.join(), std::bad_alloc);
     CHECK(calls == 3);
     CHECK_NOTHROW(threads.join());
+  }
+
+  TEST_CASE("work in a scope that is over is interrupted, also in other threads") {
+    std::atomic<bool> is_over = false;
+    CHECK_NOTHROW(internal::poll_interrupt());
+    {
+      const InterruptScope scope([&] { return is_over.load(); });
+      CHECK_NOTHROW(internal::poll_interrupt());
+      const InterruptScope inner([] { return false; });
+      is_over = true;
+      CHECK_THROWS_AS(internal::poll_interrupt(), Interrupted);
+      internal::Threads threads(2, [] { internal::poll_interrupt(); });
+      CHECK_THROWS_AS(threads.join(), Interrupted);
+      std::thread([] { CHECK_NOTHROW(internal::poll_interrupt()); }).join();
+    }
+    CHECK_NOTHROW(internal::poll_interrupt());
   }
 
   TEST_CASE("threads that are not joined keep what ended them") {
