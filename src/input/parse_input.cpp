@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/threads.h"
 #include "input/input.h"
 #include "input/tree_builder.h"
 
@@ -67,10 +68,12 @@ const InputValue& TreeBuilder::close() {
 }
 
 void TreeBuilder::count(int line, int values) {
+  constexpr int kPollInterval = 4096;
   if (values > max_values_ - values_) {
     refuse(line, fmt::format("expected at most {} values", max_values_));
   }
   values_ += values;
+  if (values_ % kPollInterval == 0) poll_interrupt();
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #include "scene/scene_input.h"
 
 #include "base/text.h"
+#include "base/threads.h"
 
 #include <fmt/format.h>
 
@@ -19,10 +20,11 @@ Scene moved(const Transform& X_AB, Scene scene) {
 
 std::optional<std::string> SceneBuilder::add(const std::string& name, const std::string& body,
                                              const Shape& shape) {
+  poll_interrupt();
   if (name.empty() && body.empty()) return "expected a name";
   if (!decode_utf8(name) || !decode_utf8(body)) {
     return fmt::format("expected a name that is UTF-8 text without NUL, got \"{}\"",
-                       storable_text(name + body));
+                       name + body);
   }
   const Sphere bound = bounding_sphere(shape);
   // NaN fails, too.
