@@ -3,6 +3,7 @@
 #include "mneme/check.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 #include "check/link_distances.h"
 
 #include <Eigen/Geometry>
@@ -52,6 +53,7 @@ bool is_path_free(const Robot& robot, const Scene& scene, const std::vector<Conf
   const auto obstacles = internal::obstacle_shapes(robot, scene);
   const auto pairs = internal::link_pairs(robot, scene);
   return visit_states(robot, path, resolution, [&](const Configuration& q) {
+    internal::poll_interrupt();
     return internal::is_free(links, links.posed(robot.link_poses(q)), obstacles, pairs);
   });
 }

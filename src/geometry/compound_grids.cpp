@@ -3,6 +3,7 @@
 #include "geometry/compound_grids.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 #include "geometry/part_distance.h"
 #include "geometry/parts.h"
 
@@ -200,7 +201,10 @@ class Marker {
 template <class Part>
 PartTree make_part_tree(const std::vector<Part>& list, const Region& region, const Middle& middle) {
   PartTree tree{make_voxel_grid(region, middle), region, {}, {}, {}};
-  for (const Part& part : list) Marker<Part>(part, tree.voxels).mark();
+  for (const Part& part : list) {
+    poll_interrupt();
+    Marker<Part>(part, tree.voxels).mark();
+  }
   find_clearances(tree.voxels);
   add_nodes(list, tree);
   return tree;

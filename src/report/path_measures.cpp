@@ -4,6 +4,7 @@
 #include "mneme/report.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 #include "check/link_distances.h"
 #include "report/picture.h"
 
@@ -45,6 +46,7 @@ class ClearanceSearch {
  private:
   /// Measures a state of a motion. Returns true if it is the nearest so far.
   bool measure(const Configuration& from, const Configuration& to, double fraction) {
+    internal::poll_interrupt();
     const Configuration q = internal::along(robot_, from, to, fraction);
     const auto found = internal::find_clearance(links_, links_.posed(robot_.link_poses(q)),
                                                 obstacles_, nearest_.distance);

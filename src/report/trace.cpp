@@ -6,6 +6,7 @@
 #include "mneme/report.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 #include "check/link_distances.h"
 #include "mesh/mesh_file.h"
 #include "report/picture.h"
@@ -240,6 +241,7 @@ class Tracer {
   }
 
   PlanTrace::Waypoint& add_waypoint(const Configuration& q, double travelled, bool is_vertex) {
+    poll_interrupt();
     if (is_vertex) trace_.vertices.push_back(static_cast<int>(trace_.waypoints.size()));
     const std::vector<Transform> poses = robot_.link_poses(q);
     const Clearance clearance = find_clearance(links_, links_.posed(poses), obstacles_);

@@ -4,6 +4,7 @@
 
 #include "base/check_ranges.h"
 #include "base/files.h"
+#include "base/threads.h"
 #include "spheres/approximate_robot.h"
 #include "spheres/triangle_mesh.h"
 #include "geometry/solids.h"
@@ -214,6 +215,7 @@ Result<ApproximatedObject> approximate_object(AttachedObject object,
 Result<Robot> attach(const Robot& robot, std::vector<AttachedObject> objects) {
   std::vector<ApproximatedObject> approximated;
   for (AttachedObject& object : objects) {
+    internal::poll_interrupt();
     ApproximatedObject made = MNEME_TRY(approximate_object(std::move(object)));
     approximated.push_back(std::move(made));
   }

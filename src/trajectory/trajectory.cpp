@@ -3,6 +3,7 @@
 #include "mneme/trajectory.h"
 
 #include "base/check_ranges.h"
+#include "base/threads.h"
 #include "trajectory/rounded_path.h"
 #include "trajectory/speed_profile.h"
 
@@ -110,7 +111,11 @@ Result<std::vector<Trajectory::Point>> Trajectory::sample(double dt) const {
   }
   std::vector<Point> points;
   const int steps = static_cast<int>(std::ceil(duration_s() / dt - kLeastStep));
-  for (int i = 0; i < steps; ++i) points.push_back(at(i * dt));
+  for (int i = 0; i < steps; ++i) {
+    constexpr int kPollInterval = 1024;
+    if (i % kPollInterval == 0) internal::poll_interrupt();
+    points.push_back(at(i * dt));
+  }
   points.push_back(at(duration_s()));
   return points;
 }
