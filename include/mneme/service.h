@@ -36,6 +36,7 @@ struct ServiceSettings {
   std::size_t body_bytes = std::size_t{16} << 20;  ///< largest body of a request
   int obstacles = 10000;
   int points = 1000000;
+  int attached = 256;
   int scenes = 100;
   int traces = 32;
   std::uint64_t nodes = 1000000;
@@ -62,6 +63,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("idle-timeout", s.idle_timeout_s, 1e-3, 1e6, "seconds until an idle connection is closed");
   visit("most-obstacles", s.obstacles, 0, 10000000, "obstacles of a scene");
   visit("most-points", s.points, 0, 1000000000, "points, triangles and cubes of a scene");
+  visit("most-attached", s.attached, 0, 100000, "shapes of the attached objects of a request");
   visit("most-scenes", s.scenes, 0, 1000000, "uploaded scenes that are kept");
   visit("traces", s.traces, 1, 100000, "traces of the last plans that are kept");
   visit("most-nodes", s.nodes, std::uint64_t{1}, std::numeric_limits<std::uint64_t>::max(),
@@ -91,7 +93,7 @@ class Service {
   /// Returns the address for clients: "http://127.0.0.1:7890" or "unix:/run/mneme.sock".
   [[nodiscard]] const std::string& address() const;
   /// Accepts no more requests, cancels running ones after half a second and returns when all are
-  /// answered, mostly within a second. Clearances and traces in progress are finished first.
+  /// answered, mostly within a second.
   void stop();
 
  private:

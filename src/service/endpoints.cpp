@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/endpoints.h"
 
+#include "base/threads.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -38,10 +40,6 @@ Answer no_turn(bool is_cancelled) {
   Answer busy = refusal(503, "busy", "too many requests are waiting: try again soon");
   busy.may_retry = true;
   return busy;
-}
-
-Answer refuse_check(const std::string& reason) {
-  return refusal(400, "invalid", reason + ": send fewer configurations per request");
 }
 
 Json scene_json(const std::string& id, const Scene& scene) {
@@ -127,6 +125,54 @@ Result<Endpoints::Outcome> Endpoints::solve_remembering(const PlanRequest& reque
   });
 }
 
+/// A request that has its turn. Interrupts work that takes longer than a plan may, or whose client
+/// is gone.
+class Endpoints::Work {
+ public:
+  Work(const Call& call, PlanQueue& queue, double longest_s)
+      : call_(call),
+        queue_(queue),
+        scope_(
+            [this, longest_s] { return call_.is_cancelled || stopwatch_.elapsed_s() > longest_s; }),
+        turn_(queue.wait_for_turn(call.is_cancelled)) {
+    stopwatch_ = {};
+  }
+
+  [[nodiscard]] bool has_turn() const { return turn_.has_value(); }
+  /// Waits for a turn of so many threads instead.
+  void wait_again(int threads, bool is_alone) {
+    turn_.reset();
+    if (auto turn = queue_.wait_for_turn(call_.is_cancelled, threads, is_alone)) {
+      turn_.emplace(*std::move(turn));
+    }
+    stopwatch_ = {};
+  }
+  /// Begins another part of the work, which may take as long again.
+  void go_on() { stopwatch_ = {}; }
+  void end_turn() { turn_.reset(); }
+
+ private:
+  const Call& call_;
+  PlanQueue& queue_;
+  Stopwatch stopwatch_;
+  InterruptScope scope_;
+  std::optional<PlanQueue::Turn> turn_;
+};
+
+Answer Endpoints::in_turn(const Call& call, const std::function<Answer(Work&)>& work) {
+  Work granted(call, queue_, settings_.longest_plan_s);
+  if (!granted.has_turn()) return no_turn(call.is_cancelled);
+  try {
+    return work(granted);
+  } catch (const Interrupted&) {
+    if (call.is_cancelled) return no_turn(true);
+    return refusal(400, "invalid",
+                   fmt::format("the request takes more than {} s, the limit of this service "
+                               "(--longest-plan)",
+                               settings_.longest_plan_s));
+  }
+}
+
 std::string Endpoints::keep_trace(TracedPlan plan) {
   auto kept = std::make_shared<const TracedPlan>(std::move(plan));
   const std::lock_guard lock(mutex_);
@@ -138,26 +184,33 @@ std::string Endpoints::keep_trace(TracedPlan plan) {
 }
 
 Answer Endpoints::plan(const Call& call) {
+  return in_turn(call, [&](Work& work) { return plan_in_turn(call, work); });
+}
+
+Answer Endpoints::plan_in_turn(const Call& call, Work& work) {
   Result<PlanRequest> request = read_plan_request(call.body, context());
   if (!request) return refusal(request.error());
   const auto planner = find_planner(request->settings.planner);
   const bool is_alone = planner && (*planner)->is_exclusive;
-  std::optional<PlanQueue::Turn> turn =
-      queue_.wait_for_turn(call.is_cancelled, request->settings.threads, is_alone);
-  if (!turn) return no_turn(call.is_cancelled);
+  if (request->settings.threads > 1 || is_alone) {
+    work.wait_again(request->settings.threads, is_alone);
+    if (!work.has_turn()) return no_turn(call.is_cancelled);
+  }
 
   request->settings.plan.cancel = &call.is_cancelled;
   if (request->may_remember) request->settings.remember_after = settings_.remember_after;
   PlanRecorder recorder;
   if (request->wants_trace) request->settings.plan.observer = &recorder;
+  work.go_on();
   const Result<Outcome> outcome = solve_remembering(*request);
   if (!outcome) return refusal(outcome.error());
   const SolveResult& result = outcome->result;
+  work.go_on();
   std::optional<PathMeasures> measures;
   if (request->wants_clearance)
     measures = measure_path(request->problem.robot, checked_scene(request->problem, result),
                             result.plan.path);
-  turn.reset();
+  work.end_turn();
 
   metrics_.add_plan(to_string(result.plan.status), result.gl.retrieved_count(),
                     result.remembered.rows);
@@ -175,10 +228,12 @@ Answer Endpoints::plan(const Call& call) {
 }
 
 Answer Endpoints::inverse_kinematics(const Call& call) {
+  return in_turn(call, [&](Work&) { return inverse_kinematics_in_turn(call); });
+}
+
+Answer Endpoints::inverse_kinematics_in_turn(const Call& call) {
   Result<IkRequest> request = read_ik_request(call.body, context());
   if (!request) return refusal(request.error());
-  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(call.is_cancelled);
-  if (!turn) return no_turn(call.is_cancelled);
   const Problem& problem = request->problem;
   const auto checker =
       CollisionChecker::make(problem.robot, problem.scene, {std::nullopt, request->margin});
@@ -201,42 +256,47 @@ Answer Endpoints::inverse_kinematics(const Call& call) {
 }
 
 Answer Endpoints::check(const Call& call) {
+  return in_turn(call, [&](Work&) { return check_in_turn(call); });
+}
+
+Answer Endpoints::check_in_turn(const Call& call) {
   const Result<CheckRequest> request = read_check_request(call.body, context());
   if (!request) return refusal(request.error());
-  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(call.is_cancelled);
-  if (!turn) return no_turn(call.is_cancelled);
   const auto checker =
       CollisionChecker::make(robot_, request->scene, {std::nullopt, request->margin});
   if (!checker) return refusal(checker.error());
-  const Stopwatch stopwatch;
   Json states = Json::array();
   std::size_t contacts = 0;
   for (const Configuration& q : request->configurations) {
-    if (call.is_cancelled) return no_turn(true);
-    if (stopwatch.elapsed_s() > settings_.longest_plan_s) {
-      return refuse_check(fmt::format("the check takes more than {} s", settings_.longest_plan_s));
-    }
+    poll_interrupt();
     states.push_back(state_json(*checker, q));
     contacts += states.back()["contacts"].size();
     if (contacts > kMostContacts) {
-      return refuse_check(fmt::format("there are more than {} contacts", kMostContacts));
+      return refusal(400, "invalid",
+                     fmt::format("there are more than {} contacts: send fewer configurations per "
+                                 "request",
+                                 kMostContacts));
     }
   }
   return answer({{"states", states}});
 }
 
 Answer Endpoints::put_scene(const Call& call) {
-  Result<Scene> scene = read_scene_request(call.body, call.id, context());
-  if (!scene) return refusal(scene.error());
-  const auto kept = scenes_.put(call.id, *std::move(scene));
-  return kept ? answer(scene_json(call.id, **kept)) : refusal(kept.error());
+  return in_turn(call, [&](Work&) {
+    Result<Scene> scene = read_scene_request(call.body, call.id, context());
+    if (!scene) return refusal(scene.error());
+    const auto kept = scenes_.put(call.id, *std::move(scene));
+    return kept ? answer(scene_json(call.id, **kept)) : refusal(kept.error());
+  });
 }
 
 Answer Endpoints::patch_scene(const Call& call) {
-  const auto kept = scenes_.change(
-      call.id, [&](const Scene& scene) { return edit_scene(call.body, scene, context()); });
-  if (!kept) return refusal(kept.error());
-  return *kept == nullptr ? no_scene(call.id) : answer(scene_json(call.id, **kept));
+  return in_turn(call, [&](Work&) {
+    const auto kept = scenes_.change(
+        call.id, [&](const Scene& scene) { return edit_scene(call.body, scene, context()); });
+    if (!kept) return refusal(kept.error());
+    return *kept == nullptr ? no_scene(call.id) : answer(scene_json(call.id, **kept));
+  });
 }
 
 Answer Endpoints::delete_scene(const Call& call) {
@@ -264,10 +324,10 @@ Answer Endpoints::trace(const Call& call) {
                    fmt::format("there is no trace {}: only the last {} traces are kept", call.id,
                                settings_.traces));
   }
-  const std::optional<PlanQueue::Turn> turn = queue_.wait_for_turn(call.is_cancelled);
-  if (!turn) return no_turn(call.is_cancelled);
-  const auto trace = make_trace(plan->problem, plan->result, &plan->recorder, 0);
-  return trace ? Answer{200, to_json(*trace)} : refusal(trace.error());
+  return in_turn(call, [&](Work&) {
+    const auto trace = make_trace(plan->problem, plan->result, &plan->recorder, 0);
+    return trace ? Answer{200, to_json(*trace)} : refusal(trace.error());
+  });
 }
 
 Answer Endpoints::health(const Call& call) {

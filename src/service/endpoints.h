@@ -14,6 +14,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -79,6 +80,12 @@ class Endpoints {
     SolveResult result;
     std::string memory_failure;  ///< the reason why it planned without memory, or empty
   };
+  class Work;
+  /// Answers by `work` in a turn of one thread. `work` and all that it calls may throw Interrupted.
+  [[nodiscard]] Answer in_turn(const Call& call, const std::function<Answer(Work&)>& work);
+  [[nodiscard]] Answer plan_in_turn(const Call& call, Work& work);
+  [[nodiscard]] Answer inverse_kinematics_in_turn(const Call& call);
+  [[nodiscard]] Answer check_in_turn(const Call& call);
   [[nodiscard]] RequestContext context() const;
   [[nodiscard]] Result<Outcome> solve_remembering(const PlanRequest& request);
   [[nodiscard]] std::string keep_trace(TracedPlan plan);

@@ -49,20 +49,18 @@ void check_robot(const Input& input, const Robot& robot) {
   }
 }
 
-/// Counts the points, triangles or cubes of a shape.
-struct CountParts {
-  template <class Part>
-  std::size_t operator()(const CompoundShape<Part>& compound) const {
-    return compound.parts->list().size();
-  }
-  std::size_t operator()(const auto&) const { return 0; }
-};
-
 void check_count(const Input& input, const Scene& scene, const RequestContext& context) {
   std::size_t shapes = 0, parts = 0;
   for (const Obstacle& obstacle : scene.obstacles) {
     shapes += obstacle.shapes.size();
-    for (const Shape& shape : obstacle.shapes) parts += std::visit(CountParts(), shape);
+    for (const Shape& shape : obstacle.shapes) {
+      parts += std::visit(
+          [](const auto& solid) -> std::size_t {
+            if constexpr (requires { solid.parts; }) return solid.parts->list().size();
+            return 0;
+          },
+          shape);
+    }
   }
   if (shapes > static_cast<std::size_t>(context.limits.obstacles)) {
     input.fail(ErrorCode::invalid, "expected at most {} obstacles, got {}",
@@ -199,14 +197,26 @@ SolveSettings read_settings(const Input& request, const RequestContext& context)
   return settings;
 }
 
+/// Every attached shape has many spheres, each of which is checked against all others.
+void check_attached(const Input& input, const ServiceSettings& limits) {
+  const auto attached = input.find("attached");
+  if (!attached) return;
+  std::size_t count = 0;
+  for (const Input& object : attached->items()) {
+    const auto shapes = object.find("shapes");
+    count += shapes ? shapes->items().size() : 1;
+  }
+  if (count <= static_cast<std::size_t>(limits.attached)) return;
+  attached->fail(ErrorCode::invalid,
+                 "expected at most {} shapes, the limit of this service (--most-attached), got {}",
+                 limits.attached, count);
+}
+
 /// Reads a problem of the service's robot from the keys of compact files.
 Problem read_problem_of_request(const Input& input, const ProblemOptions& options,
                                 const RequestContext& context) {
   check_robot(input, context.robot);
-  const auto attached = input.find("attached");
-  if (attached && std::ssize(attached->items()) > context.limits.obstacles) {
-    attached->fail(ErrorCode::invalid, "expected at most {} objects", context.limits.obstacles);
-  }
+  check_attached(input, context.limits);
   const auto named = input.find("name");
   const std::string name = named ? named->text() : kSource;
   return read_problem_of(

@@ -58,7 +58,7 @@ TEST_SUITE("flow") {
     settings.longest_plan_s = 0.001;
     zeros.resize(100000, Configuration(8, 0.0));
     CHECK(refusal(settings, {{"configurations", zeros}}) ==
-          "the check takes more than 0.001 s: send fewer configurations per request");
+          "the request takes more than 0.001 s, the limit of this service (--longest-plan)");
   }
 
   TEST_CASE("inverse kinematics has an end, too") {
