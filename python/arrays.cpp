@@ -53,12 +53,15 @@ std::vector<double> to_vector(const py::handle& value, int count, const std::str
   return {array.data(), array.data() + array.size()};
 }
 
+Array to_matrix(const py::handle& value, int columns, const std::string& what) {
+  Array array = to_numbers(value, what);
+  if (array.ndim() == 2 && array.shape(1) == columns) return array;
+  raise_invalid(fmt::format("{}: expected an array of shape (n, {}), got shape {}", what, columns,
+                            shape_of(array)));
+}
+
 Path to_rows(const py::handle& value, int columns, const std::string& what) {
-  const Array array = to_numbers(value, what);
-  if (array.ndim() != 2 || array.shape(1) != columns) {
-    raise_invalid(fmt::format("{}: expected an array of shape (n, {}), got shape {}", what, columns,
-                              shape_of(array)));
-  }
+  const Array array = to_matrix(value, columns, what);
   Path rows;
   for (py::ssize_t i = 0; i < array.shape(0); ++i) {
     rows.emplace_back(array.data(i, 0), array.data(i, 0) + columns);

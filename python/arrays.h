@@ -28,6 +28,8 @@ using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 [[nodiscard]] std::vector<double> to_vector(const py::handle& value, int count,
                                             const std::string& what);
 /// Converts a 2-D array with `columns` columns.
+[[nodiscard]] Array to_matrix(const py::handle& value, int columns, const std::string& what);
+/// The same as one vector per row.
 [[nodiscard]] Path to_rows(const py::handle& value, int columns, const std::string& what);
 /// Converts x, y, z in metres.
 [[nodiscard]] Vec3 to_point(const py::handle& value, const std::string& what);

@@ -6,6 +6,7 @@
 
 #include "bindings.h"
 #include "errors.h"
+#include "interruptible.h"
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -20,7 +21,7 @@ Robot attach_objects(const Robot& robot, const std::string& link, const Scene& o
     attached.push_back({object.name, link, object.shapes, {}, touch});
   }
   if (attached.empty()) raise_invalid("objects: expected at least one, got an empty scene");
-  return unwrap(attach(robot, std::move(attached)));
+  return unwrap(run_interruptible([&] { return attach(robot, std::move(attached)); }));
 }
 
 }  // namespace

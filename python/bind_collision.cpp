@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "interruptible.h"
 #include "pickling.h"
 
 #include <pybind11/numpy.h>
@@ -14,11 +15,14 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <optional>
 
 namespace mneme::python {
 namespace {
+
+constexpr std::size_t kBatch = 4096;  // configurations between looks at the cancel flag
 
 CollisionChecker make(const Robot& robot, const Scene& scene, std::optional<double> resolution,
                       double margin, const std::string& isa) {
@@ -26,7 +30,10 @@ CollisionChecker make(const Robot& robot, const Scene& scene, std::optional<doub
     raise_invalid("resolution: expected 1e-4 to 10 radians, or None for the robot's default");
   }
   if (!(margin >= 0 && margin <= 10)) raise_invalid("margin: expected 0 to 10 metres");
-  return unwrap(CollisionChecker::make(robot, scene, {resolution, margin, unwrap(parse_isa(isa))}));
+  const CheckerSettings settings{resolution, margin, unwrap(parse_isa(isa))};
+  // A copy, because other threads may edit the scene meanwhile.
+  return unwrap(run_interruptible(
+      [&, copy = scene] { return CollisionChecker::make(robot, copy, settings); }));
 }
 
 py::object is_valid(const CollisionChecker& checker, const py::object& q) {
@@ -35,15 +42,21 @@ py::object is_valid(const CollisionChecker& checker, const py::object& q) {
   if (array.ndim() == 1) {
     return py::bool_(checker.is_valid(std::span<const double>(to_vector(array, joint_count, "q"))));
   }
-  std::vector<float> rows;
-  for (const Configuration& row : to_rows(array, joint_count, "q")) {
-    rows.insert(rows.end(), row.begin(), row.end());
-  }
-  std::vector<std::uint8_t> answers(rows.size() / static_cast<std::size_t>(joint_count));
-  {
-    const py::gil_scoped_release released;
-    checker.check_states(rows, answers);
-  }
+  const Array rows = to_matrix(array, joint_count, "q");
+  const double* const values = rows.data();
+  const auto count = static_cast<std::size_t>(rows.shape(0));
+  const auto joints = static_cast<std::size_t>(joint_count);
+  std::vector<std::uint8_t> answers(count);
+  std::atomic<bool> cancel = false;
+  run_interruptible(cancel, [&] {
+    std::vector<float> batch;
+    for (std::size_t first = 0; first < count && !cancel; first += kBatch) {
+      const std::size_t size = std::min(kBatch, count - first);
+      batch.assign(values + first * joints, values + (first + size) * joints);
+      checker.check_states(batch, std::span(answers).subspan(first, size));
+    }
+    return true;
+  });
   py::array_t<bool> result(static_cast<py::ssize_t>(answers.size()));
   std::copy(answers.begin(), answers.end(), result.mutable_data());
   return result;
@@ -82,8 +95,8 @@ bool path_is_free(const CollisionChecker& checker, const py::object& path,
   }
   const Path rows = to_rows(path, checker.robot().joint_count(), "path");
   const double step = resolution.value_or(checker.resolution() / kVerificationRefinement);
-  const py::gil_scoped_release released;
-  return is_path_free(checker.robot(), checker.scene(), rows, step);
+  return run_interruptible(
+      [&] { return is_path_free(checker.robot(), checker.scene(), rows, step); });
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "interruptible.h"
 #include "memory.h"
 #include "origins.h"
 #include "pickling.h"
@@ -39,10 +40,10 @@ Memory open(const std::filesystem::path& path, const std::optional<Robot>& robot
   }
   if (memory_mib < 0 || memory_mib > 1'000'000) raise_invalid("memory_mib: expected 0 to 1000000");
   const DatabaseSettings kept{memory_mib << 20};
-  const py::gil_scoped_release released;
-  Memory memory(unwrap(robot
-                           ? Database::open(path.string(), make_signature(*robot), open_mode, kept)
-                           : Database::inspect(path.string(), kept)));
+  Memory memory(unwrap(run_interruptible([&] {
+    return robot ? Database::open(path.string(), make_signature(*robot), open_mode, kept)
+                 : Database::inspect(path.string(), kept);
+  })));
   set_origin(memory.get(), {{"the memory", path.string()}});
   return memory;
 }
@@ -117,6 +118,7 @@ py::dict to_arrays(const Memory& memory) {
   Column<float> means, factors;
   Column<int> factor_rows, sources;
   unwrap(database->for_each([&](const std::shared_ptr<const Experience>& row) {
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     ids.push_back(row->id);
     seeds.push_back(row->provenance.seed);
     kinds.append(row->kind);
@@ -203,7 +205,8 @@ py::dict info(const Memory& memory) {
 
 py::list verify(const std::filesystem::path& path) {
   py::list rows;
-  for (const Damage& damage : unwrap(verify_database(path.string()))) {
+  for (const Damage& damage :
+       unwrap(run_interruptible([&] { return verify_database(path.string()); }))) {
     rows.append(py::make_tuple(damage.id, damage.what));
   }
   return rows;

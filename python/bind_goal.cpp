@@ -217,8 +217,9 @@ py::object solve_ik(const Robot& robot, const OneOrMore& given, const py::object
       near.is_none() ? robot.normalized(zero) : to_vector(near, robot.joint_count(), "near");
   if (const auto violation = robot.describe_violation(from, "near")) raise_invalid(*violation);
   place_goals(goals, robot, from, "goals");
-  const CollisionChecker checker =
-      unwrap(CollisionChecker::make(robot, scene, {std::nullopt, 0, unwrap(parse_isa(isa))}));
+  const CheckerSettings checking{std::nullopt, 0, unwrap(parse_isa(isa))};
+  const CollisionChecker checker = unwrap(run_interruptible(
+      [&, copy = scene] { return CollisionChecker::make(robot, copy, checking); }));
   std::atomic<bool> cancel = false;
   settings.is_over = [&] { return cancel.load(); };
   auto found = run_interruptible(cancel, [&] {

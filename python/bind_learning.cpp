@@ -188,8 +188,9 @@ std::int64_t learn_paths(const Robot& robot, const Memory& memory, const Scene& 
   for (const py::handle path : paths) rows.push_back(to_rows(path, robot.joint_count(), "paths"));
   const std::shared_ptr<Database> database = memory.get();
   wanted = memory.to_learn(wanted);
-  const py::gil_scoped_release released;
-  auto learned = unwrap(learn_from_paths({robot, scene}, rows, wanted, reach));
+  auto learned = unwrap(run_interruptible([&, copy = scene] {
+    return learn_from_paths({robot, copy}, rows, wanted, reach);
+  }));
   for (Experience& row : learned) {
     row.provenance = {fmt::format("mneme {}", version()), "paths from Python", seed, {}};
   }

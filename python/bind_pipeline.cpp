@@ -120,10 +120,11 @@ TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& li
     const std::string text = to_text(warning);
     if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
   }
-  const py::gil_scoped_release released;
-  const Trajectory timed =
-      unwrap(make_trajectory(plan.problem, plan.settings, plan.result.plan.path, rates, timing));
-  return {robot, unwrap(timed.sample(timing.dt))};
+  auto points = run_interruptible([&] {
+    return make_trajectory(plan.problem, plan.settings, plan.result.plan.path, rates, timing)
+        .and_then([&](const Trajectory& timed) { return timed.sample(timing.dt); });
+  });
+  return {robot, unwrap(std::move(points))};
 }
 
 py::array_t<double> times_of(const TimedPlan& timed) {
@@ -137,8 +138,10 @@ std::string svg_of(const Plan& plan) {
 }
 
 std::string trace_of(const Plan& plan) {
-  const py::gil_scoped_release released;
-  return to_json(unwrap(make_trace(plan.problem, plan.result, plan.recorder.get(), 0)));
+  return unwrap(run_interruptible([&] {
+    return make_trace(plan.problem, plan.result, plan.recorder.get(), 0)
+        .map([](const PlanTrace& trace) { return to_json(trace); });
+  }));
 }
 
 std::string page_of(const Plan& plan) { return unwrap(to_page(trace_of(plan), plan.problem.name)); }
@@ -147,10 +150,12 @@ BenchmarkRow row_of(const Plan& plan, const std::string& set) {
   CheckerSettings checking;
   checking.resolution = plan.settings.resolution;
   checking.constraints = plan.problem.constraints;
-  const py::gil_scoped_release released;
-  const CollisionChecker checker =
-      unwrap(CollisionChecker::make(plan.problem.robot, plan.problem.scene, checking));
-  BenchmarkRow row = make_row(plan.problem, plan.settings, plan.result, checker);
+  BenchmarkRow row = unwrap(run_interruptible([&] {
+    return CollisionChecker::make(plan.problem.robot, plan.problem.scene, checking)
+        .map([&](const CollisionChecker& checker) {
+          return make_row(plan.problem, plan.settings, plan.result, checker);
+        });
+  }));
   row.set = set;
   return row;
 }
@@ -298,9 +303,10 @@ void bind_pipeline(py::module_& module) {
       .def(
           "to_json",
           [](const Plan& self) {
-            const PathMeasures measures =
-                measure_path(self.problem.robot, checked_scene(self.problem, self.result),
-                             self.result.plan.path);
+            const PathMeasures measures = run_interruptible([&] {
+              return measure_path(self.problem.robot, checked_scene(self.problem, self.result),
+                                  self.result.plan.path);
+            });
             return to_json(self.problem, self.result, 0, &measures);
           },
           "Returns the JSON that `mneme plan --json` prints.")

@@ -6,6 +6,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "interruptible.h"
 #include "origins.h"
 #include "pickling.h"
 #include "prepare.h"
@@ -95,10 +96,12 @@ SharedProblem load(const ProblemArguments& arguments) {
   options.pose_goals = arguments.pose_goals;
   options.constraints = arguments.constraints;
   options.self_filter = arguments.self_filter;
-  const py::gil_scoped_release released;
-  Problem problem = unwrap(load_problem(arguments.where, options));
-  prepare(problem.robot);
-  SharedProblem shared(std::move(problem));
+  SharedProblem shared(unwrap(run_interruptible([&] {
+    return load_problem(arguments.where, options).map([](Problem problem) {
+      prepare(problem.robot);
+      return problem;
+    });
+  })));
   std::vector<ReadFile> files;
   const Problem& rest = shared.rest();
   add_files("a file of the problem", rest.files, files);

@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "interruptible.h"
 #include "keywords.h"
 #include "origins.h"
 #include "pickling.h"
@@ -29,11 +30,14 @@ Robot load(const std::string& robot, const RobotOptions& options, const py::kwar
   Keywords keywords("Robot.load", settings);
   keywords.apply(spheres);
   keywords.finish();
-  const py::gil_scoped_release released;
   const std::string path = unwrap(robot_file(robot));
-  const Robot loaded = unwrap(load_approximated_robot(path, options, spheres)).robot;
+  const Robot loaded = unwrap(run_interruptible([&] {
+    return load_approximated_robot(path, options, spheres).map([](ApproximatedRobot made) {
+      prepare(made.robot);
+      return std::move(made.robot);
+    });
+  }));
   set_origin(loaded.identity(), robot_files(path, options.srdf_path));
-  prepare(loaded);
   return loaded;
 }
 

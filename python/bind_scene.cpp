@@ -7,6 +7,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
+#include "interruptible.h"
 #include "origins.h"
 
 #include <fmt/format.h>
@@ -64,20 +65,12 @@ Obstacle& find(Scene& scene, const std::string& name) {
   raise_invalid(fmt::format("scene '{}': there is no obstacle '{}'", scene.name, name));
 }
 
-/// A 2-D array with three columns.
-Array to_triples(const py::object& value, const std::string& what) {
-  Array array = to_numbers(value, what);
-  if (array.ndim() == 2 && array.shape(1) == 3) return array;
-  const std::string shape = py::str(array.attr("shape"));
-  raise_invalid(fmt::format("{}: expected an array of shape (n, 3), got {}", what, shape));
-}
-
 std::size_t add_points(Scene& scene, const std::string& name, const py::object& points,
                        double radius, const py::object& position, const py::object& quat_xyzw) {
   check_size("radius", radius);
   const py::array raw = to_real_array(points, "points");
   if (raw.ndim() > 0) unwrap(check_point_count(name, static_cast<std::size_t>(raw.shape(0))));
-  const Array array = to_triples(raw, "points");
+  const Array array = to_matrix(raw, 3, "points");
   const auto rows = array.unchecked<2>();
   std::vector<CloudPoint> finite;
   finite.reserve(static_cast<std::size_t>(rows.shape(0)));
@@ -98,7 +91,8 @@ std::size_t add_points(Scene& scene, const std::string& name, const py::object& 
 void add_mesh(Scene& scene, const std::string& name, const py::object& vertices,
               const py::object& triangles, const py::object& position,
               const py::object& quat_xyzw) {
-  const Array points = to_triples(vertices, "vertices"), faces = to_triples(triangles, "triangles");
+  const Array points = to_matrix(vertices, 3, "vertices"),
+              faces = to_matrix(triangles, 3, "triangles");
   const auto corners = points.unchecked<2>(), indices = faces.unchecked<2>();
   const auto corner = [&](py::ssize_t face, py::ssize_t k) {
     const double index = indices(face, k);
@@ -125,7 +119,7 @@ void add_mesh(Scene& scene, const std::string& name, const py::object& vertices,
 void replace_points(Scene& scene, const std::string& name, py::ssize_t first,
                     const py::object& points) {
   if (first < 0) raise_invalid(fmt::format("first: expected 0 or more, got {}", first));
-  const Array array = to_triples(points, "points");
+  const Array array = to_matrix(points, 3, "points");
   const auto rows = array.unchecked<2>();
   std::vector<CloudPoint> list(static_cast<std::size_t>(rows.shape(0)));
   for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
@@ -242,7 +236,8 @@ void bind_shapes(SceneClass& scene) {
 }
 
 std::shared_ptr<Scene> load_file(const std::filesystem::path& path) {
-  auto scene = std::make_shared<Scene>(unwrap(load_scene(path.string())));
+  auto scene =
+      std::make_shared<Scene>(unwrap(run_interruptible([&] { return load_scene(path.string()); })));
   set_origin(scene, {{"a file of the scene", path.string()}});
   return scene;
 }
@@ -277,7 +272,7 @@ void bind_scene(py::module_& module) {
   scene.def_static(
       "parse",
       [](const std::string& yaml, const std::string& source) {
-        return unwrap(parse_scene(yaml, source));
+        return unwrap(run_interruptible([&] { return parse_scene(yaml, source); }));
       },
       py::arg("yaml"), py::arg("source") = "scene", "Reads YAML text. source names it in errors.");
   scene.def_static(

@@ -47,7 +47,11 @@ void Worker::serve() {
     changed_.wait(lock, [&] { return is_ending_ || work_ != nullptr; });
     if (is_ending_) return;
     lock.unlock();
-    (*work_)();
+    try {
+      (*work_)();
+    } catch (...) {
+      thrown_ = std::current_exception();
+    }
     lock.lock();
     work_ = nullptr;
     changed_.notify_all();
@@ -63,6 +67,7 @@ void Worker::run(const std::function<void()>& work, const std::function<void()>&
     on_wait();
     lock.lock();
   }
+  if (thrown_) std::rethrow_exception(std::exchange(thrown_, nullptr));
 }
 
 void run_elsewhere(const std::function<void()>& work, const std::function<void()>& on_wait) {
@@ -73,7 +78,12 @@ void run_elsewhere(const std::function<void()>& work, const std::function<void()
   own.process = ::getpid();
   if (own.worker == nullptr) own.worker = std::make_unique<Worker>();
   own.is_busy = true;
-  own.worker->run(work, on_wait);
+  try {
+    own.worker->run(work, on_wait);
+  } catch (...) {
+    own.is_busy = false;
+    throw;
+  }
   own.is_busy = false;
 }
 
