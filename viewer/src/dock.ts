@@ -30,7 +30,7 @@ export class Dock {
     id: "scrubber", role: "slider", tabindex: "0", "aria-label": "Position along the path", "aria-valuemin": "0",
     "aria-valuemax": "100",
   });
-  private readonly speedButton = el("button", { class: "speed", id: "speed", title: "How fast it plays" });
+  private readonly speedButton = el("button", { class: "speed", id: "speed", title: "Speed" });
   private speed = 0;
   private last = 0;
   private isRemoved = false;

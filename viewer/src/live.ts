@@ -82,7 +82,7 @@ async function reach(path: string, options: RequestInit & { signal: AbortSignal 
     return await fetch(path, options);
   } catch (error) {
     if (options.signal.aborted) throw error;
-    throw new Error("the service does not answer: start it again, and reload the page");
+    throw new Error("the service does not answer: restart it, then reload the page");
   }
 }
 
@@ -94,7 +94,7 @@ export class LivePage {
   private seed = 1;
   private selected: Selected = "goal";
   private hasBeside: boolean;
-  private isAskedAtOnce = false;
+  private isUsedAtOnce = false;
   private readonly hand = new Group();
   private readonly handle = new Object3D();
   private readonly gizmo: TransformControls;
@@ -161,7 +161,7 @@ export class LivePage {
     const goal: Record<string, unknown> = { link: this.live.tips[this.tip]!.link, position: pose.slice(0, 3) };
     if (!this.first.is_planar) goal.quat_xyzw = pose.slice(3);
     const settings = {
-      seed: this.seed, timeout: TIMEOUT, ...(sampler ? { sampler } : {}), ...(this.isAskedAtOnce && !sampler ? { "retrieve-after": 0 } : {}),
+      seed: this.seed, timeout: TIMEOUT, ...(sampler ? { sampler } : {}), ...(this.isUsedAtOnce && !sampler ? { "retrieve-after": 0 } : {}),
     };
     const obstacles = this.obstacles().flatMap(({ name, shapes }) => shapes.map((shape, i) =>
       (shapes.length > 1 ? { body: name, ...requested(`${name} ${i + 1}`, shape) } : requested(name, shape))));
@@ -440,28 +440,28 @@ export class LivePage {
       return made;
     };
     if (this.live.tips.length > 1) {
-      const choice = el("select", { id: "tip", title: "The link that the goal is for" },
+      const choice = el("select", { id: "tip", title: "The link that must reach the goal" },
         ...this.live.tips.map(({ link }, i) => el("option", { value: String(i) }, link)));
       choice.addEventListener("change", () => this.chooseTip(Number(choice.value)));
       this.bar.append(choice);
     }
     for (const [name, make] of MAKERS) {
       if (this.first.is_planar && name !== "Ball") continue;
-      this.bar.append(button(`+ ${name}`, `Put a ${name.toLowerCase()} into the scene`, `add-${name.toLowerCase()}`, () => this.add(name, make)));
+      this.bar.append(button(`+ ${name}`, `Add a ${name.toLowerCase()} to the scene`, `add-${name.toLowerCase()}`, () => this.add(name, make)));
     }
     this.bar.append(
       button("\u2212", "Make the obstacle smaller", "smaller", () => this.resize(1 / 1.15), "obstacle"),
       button("\u002b", "Make the obstacle larger", "larger", () => this.resize(1.15), "obstacle"),
-      button("Remove", "Take the obstacle away (delete)", "remove", () => this.removeSelected(), "obstacle"),
+      button("Remove", "Remove the obstacle (delete)", "remove", () => this.removeSelected(), "obstacle"),
       button("Turn", "Move or turn with the handles (g)", "turn", () => this.toggleMode()),
-      button("Start here", "The goal that was reached becomes the start", "restart", () => this.restart()),
+      button("Start here", "Start from the reached goal", "restart", () => this.restart()),
       button("New seed", "Plan again with another seed", "seed", () => {
         ++this.seed;
         void this.plan();
       }));
     if (this.live.has_memory) {
-      this.addSwitch("with-uniform", "uniform beside", this.hasBeside, (isOn) => (this.hasBeside = isOn));
-      this.addSwitch("at-once", "memory at once", this.isAskedAtOnce, (isOn) => (this.isAskedAtOnce = isOn));
+      this.addSwitch("with-uniform", "compare with uniform", this.hasBeside, (isOn) => (this.hasBeside = isOn));
+      this.addSwitch("at-once", "memory at once", this.isUsedAtOnce, (isOn) => (this.isUsedAtOnce = isOn));
     }
     this.bar.append(this.note);
   }

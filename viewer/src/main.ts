@@ -45,7 +45,7 @@ function start(): void {
     performance.mark("first-picture");
     document.body.classList.add("ready");
   }));
-  // What moves by itself must move smoothly: otherwise a still picture of robot, start and goal.
+  // Without a graphics card, motion is not smooth: show a still picture of robot, start and goal.
   const isCalm = page.stage.isSlow || window.matchMedia("(prefers-reduced-motion: reduce)").matches;
   if (live) return;
   if (isCalm) page.dock.seek(STILL_FRACTION);
@@ -55,6 +55,6 @@ function start(): void {
 try {
   start();
 } catch (error) {
-  document.body.append(el("p", { class: "failure" }, `This page cannot be shown: ${(error as Error).message}`));
+  document.body.append(el("p", { class: "failure" }, `Cannot show this page: ${(error as Error).message}`));
   throw error;
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Facts beside the picture: the plan, where the time went, what memory knew, what is shown. */
+/** Facts beside the picture: plan, times, memory and layers. */
 import { counted, el, metres, seconds } from "./elements";
 import { nearestDistance } from "./memory_view";
 import { originColor } from "./theme";
@@ -21,7 +21,7 @@ interface Part {
   kind: string;
 }
 
-/** What the whole time is made of; the rest of planning is the search itself. */
+/** Splits the total time; the rest of planning is the search. */
 export function timeParts(times: Record<string, number>): Part[] {
   const value = (name: string) => times[name] ?? 0;
   const memory = value("retrieval_time_s");
@@ -45,9 +45,9 @@ function fact(name: string, value: string): Node[] {
   return [el("dt", {}, name), el("dd", {}, value)];
 }
 
-/** Easy problems do not pay for memory. */
-function notAsked(): HTMLElement {
-  return section("Memory", el("p", { class: "soft" }, "Not asked: it was over before."));
+/** Easy problems are solved before memory is queried. */
+function notUsed(): HTMLElement {
+  return section("Memory", el("p", { class: "soft" }, "Not used: solved before --retrieve-after."));
 }
 
 export class Panel {
@@ -56,17 +56,17 @@ export class Panel {
   private chosen: number | null = null;
 
   /** `joints` are the plots of the motion, if there is one. */
-  constructor(root: HTMLElement, private readonly trace: Trace, shown: Record<Layer, boolean>, hasLooks: boolean,
+  constructor(root: HTMLElement, private readonly trace: Trace, shown: Record<Layer, boolean>,
               joints: HTMLElement | null, private readonly events: PanelEvents) {
     root.replaceChildren();
     if (trace.touches?.length) root.append(this.touches(trace.touches));
     if (trace.beside) root.append(this.comparison(trace.beside));
     if (trace.plan.planner) root.append(this.plan());
-    root.append(this.layers(shown, hasLooks));
+    root.append(this.layers(shown));
     if (joints) root.append(section("Joints", joints));
     if (timeParts(trace.times).length > 0) root.append(this.times());
     if (trace.primitives.length > 0) root.append(this.memory());
-    else if (trace.plan.solved && sourceName(trace) === "memory" && !trace.times.retrieval_time_s) root.append(notAsked());
+    else if (trace.plan.solved && sourceName(trace) === "memory" && !trace.times.retrieval_time_s) root.append(notUsed());
     if (trace.samples.shown.length > 0) root.append(this.origins());
     root.append(this.keys());
   }
@@ -115,7 +115,7 @@ export class Panel {
     return section("In contact", list);
   }
 
-  /** What both plans took, the shorter bar being the better one. */
+  /** Compares two plans; shorter bars are better. */
   private comparison(beside: Trace): HTMLElement {
     const sides: [Trace, string][] = [[this.trace, "mine"], [beside, "other"]];
     const rows: [string, (trace: Trace) => number, (value: number) => string][] = [
@@ -139,7 +139,7 @@ export class Panel {
       const status = trace.plan.solved ? "" : `: ${trace.plan.status.replaceAll("_", " ")}`;
       return el("span", { class: side }, `${sourceName(trace)}${status}`);
     });
-    return section("Beside each other", el("p", { class: "legend" }, ...names), list);
+    return section("Comparison", el("p", { class: "legend" }, ...names), list);
   }
 
   private times(): HTMLElement {
@@ -151,16 +151,16 @@ export class Panel {
       bar.append(el("i", { class: part.kind, style: `flex-grow:${part.value / total}`, title: `${part.name} ${seconds(part.value)}` }));
       list.append(el("li", { class: part.kind }, el("span", {}, part.name), el("b", {}, seconds(part.value))));
     }
-    return section("Where the time went", bar, list);
+    return section("Time", bar, list);
   }
 
-  private layers(shown: Record<Layer, boolean>, hasLooks: boolean): HTMLElement {
+  private layers(shown: Record<Layer, boolean>): HTMLElement {
     const { trace } = this;
     const entries: [Layer, string, number | null][] = [
       ["ends", "Start and goal", null],
-      ["tip", "Way of the end effector", trace.waypoints.length > 1 ? null : 0],
-      ["covers", "What is checked", hasLooks ? null : 0],
-      ["beside", `Beside: ${trace.beside ? sourceName(trace.beside) : ""}`, trace.beside ? null : 0],
+      ["tip", "End-effector path", trace.waypoints.length > 1 ? null : 0],
+      ["covers", "Checked spheres", trace.is_planar ? 0 : null],
+      ["beside", `Second plan: ${trace.beside ? sourceName(trace.beside) : ""}`, trace.beside ? null : 0],
       ["memory", "Primitives", trace.primitives.length],
       ["components", "Remembered arms", trace.components.count],
       ["samples", "Samples", trace.plan.iterations && trace.samples.shown.length ? trace.plan.iterations : 0],
@@ -189,7 +189,7 @@ export class Panel {
     for (const index of order) list.append(this.primitiveRow(index));
     const retrieved = this.trace.primitives.filter((p) => p.similarity_errors.length > 0).length;
     const note = `${retrieved} of ${this.trace.primitives.length} primitives have a match. ` +
-      "The distance is that of the nearest key; click one to see it alone.";
+      "The number is the distance to the nearest key. Click a primitive to show it alone.";
     return section("Memory", el("p", { class: "soft" }, note), list);
   }
 
@@ -225,12 +225,12 @@ export class Panel {
       const bar = el("i", { "data-origin": String(origin), style: `width:${Math.max(1.5, (100 * draws) / most)}%` });
       list.append(el("li", {}, el("span", {}, name), el("b", {}, counted(draws)), el("div", { class: "draws" }, bar)));
     }
-    return section("Samples by origin", list);
+    return section("Samples by source", list);
   }
 
   private keys(): HTMLElement {
     const rows: [string, string][] = [
-      ["space", "play, pause"], ["\u2190 \u2192", "step (with shift: to the path\u2019s own configurations)"],
+      ["space", "play, pause"], ["\u2190 \u2192", "step (with shift: next waypoint of the path)"],
       ["home end", "start, goal"], ["1 \u2026 8", "layers"], ["r", "reset the view"], ["t", "light, dark"], ["p", "panel"],
     ];
     return section("Keys", el("dl", { class: "keys" }, ...rows.flatMap(([key, what]) =>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** What the planner drew and kept, what memory gave it, and the way of the end effector. */
+/** Samples and trees of the planner, components of memory, and the end-effector path. */
 import { Color, Group, Object3D } from "three";
 import { dots, hairLines, repeated, Strokes } from "./materials";
 import { originColor, palette, pathColor } from "./theme";
@@ -56,7 +56,7 @@ export function makeSamples(trace: Trace, chosen: number | null): Object3D {
   return dots(positions, colors, 5, 0.6, 6);
 }
 
-/** The way of the end effector, blue to red. */
+/** The end-effector path, from blue to red. */
 export function makeTipTrace(trace: Trace): Object3D {
   const group = new Group();
   if (trace.waypoints.length < 2) return group;

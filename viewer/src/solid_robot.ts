@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** Robots as they look, or as the spheres and capsules that are checked. */
+/** Robots with their visual shapes, or with the spheres and capsules that are checked. */
 import {
   BufferGeometry, CylinderGeometry, DoubleSide, Float32BufferAttribute, Group, Material, Matrix4, Mesh, Quaternion,
   SphereGeometry, Vector3,
 } from "three";
 import { clay, flat } from "./materials";
 import { geometryOf, isSamePose, poseMatrix } from "./shapes";
+import { smoothGeometry, type Solid } from "./smooth";
 import type { Link, Pose } from "./trace";
 
 const UP = new Vector3(0, 1, 0);
@@ -29,13 +30,6 @@ const FINE = makeUnits(16, 10);
 /** Ghosts are seen through, and drawn twice. */
 const COARSE = makeUnits(11, 7);
 const SHADOW = makeUnits(8, 5);
-
-/** All points within `radius` of the line from `a` to `b`, which are the same for a ball. */
-interface Solid {
-  a: Vector3;
-  b: Vector3;
-  radius: number;
-}
 
 function solidsOf(link: Link): Solid[] {
   const balls = link.spheres.map((s) => ({ a: new Vector3().fromArray(s), b: new Vector3().fromArray(s), radius: s[3]! }));
@@ -131,31 +125,41 @@ export interface Piece {
 
 export type Skin = "looks" | "covers";
 
+type Detail = "fine" | "coarse" | "shadow";
+const UNITS: Record<Detail, Units> = { fine: FINE, coarse: COARSE, shadow: SHADOW };
+
+/** More spheres and capsules than this without a visual mesh are shown as one smooth surface. */
+const MOST_PLAIN = 2;
+
+/** The visual shapes of a link; a smooth surface in the place of many spheres. */
+function looksOf(link: Link, index: number): Piece[] {
+  const visual = link.visual ?? [];
+  const isPlain = visual.every(({ type }) => type === "sphere" || type === "capsule");
+  const solids = solidsOf(link);
+  if (isPlain && solids.length > MOST_PLAIN) return [{ link: index, geometry: smoothGeometry(solids), color: visual[0]?.color ?? null }];
+  const shapes: NonNullable<Link["visual"]> = visual.length > 0 ? visual : [
+    ...link.spheres.map((sphere) => ({ type: "sphere" as const, sphere })),
+    ...link.capsules.map((capsule) => ({ type: "capsule" as const, capsule })),
+  ];
+  return shapes.flatMap((shape) => {
+    const geometry = geometryOf(shape);
+    return geometry ? [{ link: index, geometry, color: shape.color ?? null }] : [];
+  });
+}
+
 /** The links' geometry, which robots and ghosts share. */
 export class RobotShape {
-  readonly covers: { fine: Piece[]; coarse: Piece[]; shadow: Piece[] };
   private readonly looks: Piece[];
-  /** True if there is more to see than what is checked. */
-  readonly hasLooks: boolean;
+  private readonly covers: Partial<Record<Detail, Piece[]>> = {};
 
   constructor(readonly links: Link[]) {
-    const cover = (units: Units): Piece[] =>
-      links.map((link, i) => ({ link: i, geometry: coverGeometry(link, units), color: null }));
-    this.covers = { fine: cover(FINE), coarse: cover(COARSE), shadow: cover(SHADOW) };
-    this.looks = links.flatMap((link, i) =>
-      (link.visual ?? []).flatMap((shape) => {
-        const geometry = geometryOf(shape);
-        return geometry ? [{ link: i, geometry, color: shape.color ?? null }] : [];
-      }));
-    this.hasLooks = this.looks.length > 0;
+    this.looks = links.flatMap(looksOf);
   }
 
-  /** Links without looks are seen as they are checked. */
-  pieces(skin: Skin, detail: "fine" | "coarse" | "shadow"): Piece[] {
-    const covers = this.covers[detail];
-    if (skin === "covers" || !this.hasLooks) return covers;
-    const seen = new Set(this.looks.map((piece) => piece.link));
-    return [...this.looks, ...covers.filter((piece) => !seen.has(piece.link))];
+  pieces(skin: Skin, detail: Detail): Piece[] {
+    if (skin === "looks") return this.looks;
+    return (this.covers[detail] ??= this.links.map((link, i) =>
+      ({ link: i, geometry: coverGeometry(link, UNITS[detail]), color: null })));
   }
 
   isCarried(link: number): boolean {

@@ -8,6 +8,7 @@ import {
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { gridMaterial, pixelRatio, resolution } from "./materials";
+import { Painter } from "./painter";
 import { palette } from "./theme";
 
 const FIELD_OF_VIEW = 32;
@@ -20,14 +21,30 @@ export interface Insets {
   left: number;
 }
 
-/** A context on a graphics card, or one in software, which is too slow for smooth edges in motion. */
-function makeContext(canvas: HTMLCanvasElement): { context: WebGL2RenderingContext; isSoftware: boolean } {
+interface Drawing {
+  renderer: WebGLRenderer | Painter;
+  /** Null without WebGL 2. */
+  context: WebGL2RenderingContext | null;
+  /** Too slow for smooth edges in motion. */
+  isSoftware: boolean;
+}
+
+/** Draws on a graphics card, in software, or on a plain canvas in browsers without WebGL 2. */
+function makeDrawing(canvas: HTMLCanvasElement): Drawing {
   const isSoftware = isDrawnInSoftware();
   const context = canvas.getContext("webgl2", {
     stencil: true, powerPreference: "high-performance", alpha: false, antialias: !isSoftware,
   });
-  if (!context) throw new Error("this browser has no WebGL 2");
-  return { context, isSoftware };
+  if (context) {
+    const renderer = new WebGLRenderer({ canvas, context });
+    renderer.debug.checkShaderErrors = false;
+    renderer.outputColorSpace = LinearSRGBColorSpace;
+    renderer.setScissorTest(true);
+    return { renderer, context, isSoftware };
+  }
+  const plain = canvas.getContext("2d");
+  if (!plain) throw new Error("this browser draws neither with WebGL 2 nor on a canvas");
+  return { renderer: new Painter(canvas, plain), context: null, isSoftware: true };
 }
 
 /** Asks a context of its own, because smooth edges must be decided on before there is one. */
@@ -56,7 +73,7 @@ export class Stage {
   readonly scenes = [new Scene(), new Scene()];
   /** True without a graphics card. */
   readonly isSlow: boolean;
-  private readonly renderer: WebGLRenderer;
+  private readonly renderer: WebGLRenderer | Painter;
   private readonly ratio = Math.min(2, window.devicePixelRatio);
   private changed = 0;
   private isUntouched = true;
@@ -72,16 +89,14 @@ export class Stage {
   private insets: Insets = { top: 0, right: 0, bottom: 0, left: 0 };
   private readonly afterDraw: ((picture: number) => void)[] = [];
 
-  private readonly context: WebGL2RenderingContext;
+  private readonly context: WebGL2RenderingContext | null;
 
   constructor(readonly canvas: HTMLCanvasElement, readonly isPlanar: boolean) {
-    const { context, isSoftware } = makeContext(canvas);
+    const { renderer, context, isSoftware } = makeDrawing(canvas);
     this.context = context;
     this.isSlow = isSoftware;
-    this.renderer = new WebGLRenderer({ canvas, context });
+    this.renderer = renderer;
     this.renderer.setPixelRatio(this.ratio);
-    this.renderer.debug.checkShaderErrors = false;
-    this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.camera = isPlanar
       ? new OrthographicCamera(-1, 1, 1, -1, 0.1, 1000)
       : new PerspectiveCamera(FIELD_OF_VIEW, 1, 0.05, 200);
@@ -94,6 +109,11 @@ export class Stage {
     if (isPlanar) this.lockToPlane();
     new ResizeObserver(() => this.setInsets(this.insets)).observe(canvas.parentElement!);
     this.renderer.setAnimationLoop((time) => this.draw(time));
+  }
+
+  /** False without WebGL 2: pictures have no shadows and no grid. */
+  get hasGraphics(): boolean {
+    return this.context !== null;
   }
 
   /** What resetView() will show: until then nothing moves under the hands of who drags it. */
@@ -284,15 +304,15 @@ export class Stage {
   }
 
   private renderAll(): void {
-    this.renderer.setScissorTest(true);
     for (let picture = 0; picture < this.count; ++picture) {
       const { left, width, height } = this.part(picture);
       this.aim(picture);
       this.renderer.setViewport(left, 0, width, height);
-      this.renderer.setScissor(left, 0, width, height);
+      if (this.renderer instanceof WebGLRenderer) this.renderer.setScissor(left, 0, width, height);
       resolution.value.set(width, height).multiplyScalar(this.renderer.getPixelRatio());
       this.renderer.render(this.scenes[picture]!, this.camera);
     }
+    if (!this.context) return;
     this.context.deleteSync(this.fence);
     this.fence = this.context.fenceSync(this.context.SYNC_GPU_COMMANDS_COMPLETE, 0);
     this.context.flush();
@@ -304,7 +324,7 @@ export class Stage {
     if (this.isStale) {
       this.drawNow();
       this.changed = time;
-    } else if (this.isSlow && this.changed > 0 && time - this.changed > STILL) {
+    } else if (this.context && this.isSlow && this.changed > 0 && time - this.changed > STILL) {
       this.changed = 0;
       this.setRatio(2 * this.ratio);
       this.renderAll();
@@ -314,6 +334,7 @@ export class Stage {
 
   private isBusy(): boolean {
     const { context, fence } = this;
+    if (!context) return false;
     if (fence && context.clientWaitSync(fence, 0, 0) === context.TIMEOUT_EXPIRED) return true;
     context.deleteSync(fence);
     this.fence = null;

@@ -28,7 +28,7 @@ export interface Link {
   name: string;
   spheres: number[][];
   capsules: number[][];
-  /** What it looks like; without it, it is seen as what is checked. */
+  /** Visual shapes; without them a smooth surface of the checked ones is shown. */
   visual?: (Shape & { color?: string })[];
   /** The link that carries it, of an attached object. */
   carrier?: string;
@@ -146,7 +146,7 @@ export function distanceUnit(primitive: Primitive): string {
 export function readTrace(): Trace {
   const text = document.getElementById("trace")?.textContent ?? "";
   const trace = JSON.parse(text) as Trace;
-  if (!Array.isArray(trace.waypoints)) throw new Error("the page holds no trace");
+  if (!Array.isArray(trace.waypoints)) throw new Error("the page contains no trace");
   const { beside } = trace;
   if (beside?.links.length === 0) beside.links = trace.links;
   if (beside?.obstacles.length === 0) beside.obstacles = trace.obstacles;

@@ -61,7 +61,7 @@ export class Viewer {
     const { motion } = this.panes[0]!;
     this.joints = motion.isEmpty ? null : new JointPlots(trace, motion, (fraction) => this.dock.seek(fraction));
     this.writeHead();
-    this.panel = new Panel(document.getElementById("panel")!, trace, this.shown, this.shape.hasLooks,
+    this.panel = new Panel(document.getElementById("panel")!, trace, this.shown,
       this.joints?.object ?? null, {
         layerChanged: (layer, isShown) => this.changeLayer(layer, isShown),
         primitiveChosen: (index) => {
@@ -126,7 +126,8 @@ export class Viewer {
     const status = el("span", { class: plan.solved ? "status solved" : "status failed" }, plan.status.replaceAll("_", " "));
     document.getElementById("head")!.replaceChildren(
       el("h1", {}, trace.problem || "plan", ...(plan.status ? [status] : [])),
-      el("p", {}, [trace.robot, plan.planner, plan.sampler].filter((name) => name).join(" \u00b7 ")));
+      el("p", {}, [trace.robot, plan.planner, plan.sampler].filter((name) => name).join(" \u00b7 ")),
+      ...(this.stage.hasGraphics ? [] : [el("p", { id: "simplified" }, "Simplified picture: this browser has no WebGL 2.")]));
     const names = trace.beside ? [trace, trace.beside] : [];
     document.getElementById("sides")!.replaceChildren(...names.map((side) => el("p", { class: "side" },
       el("b", {}, sourceName(side)),

@@ -21,12 +21,9 @@ export async function reasonToSkip() {
   return found ? false : "there is no playwright-core: run 'npm ci' in viewer/";
 }
 
-export async function launch() {
+export async function launch(graphics = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]) {
   const { chromium } = await import("playwright-core");
-  return chromium.launch({
-    executablePath: browserFile,
-    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-  });
+  return chromium.launch({ executablePath: browserFile, args: ["--no-sandbox", ...graphics] });
 }
 
 export function mneme(...args) {

@@ -232,10 +232,30 @@ describe("pages", { skip }, () => {
     const seen = await looks(page);
     assert.ok(seen.share > 0.15);
     await page.locator("[data-layer=covers]").click();
-    assert.ok(difference(seen, await looks(page)) > 20, "the object is seen as its cover");
+    assert.ok(difference(seen, await looks(page)) > 20, "the checked spheres are shown");
     await shoot(page, "crowds");
     assert.deepEqual(complaints, []);
     await close();
+  });
+
+  test("without WebGL the page shows a picture, the figures and the motion", async () => {
+    const file = join(directory, "plain.html");
+    mneme("plan", join(root, "scenes/shelf/thin.yaml"), "--max-iterations", "200000", "--view", file);
+    const plain = await launch(["--disable-3d-apis"]);
+    for (const [shown, least] of [[file, 0.1], [planar, 0.05]]) {
+      const { page, complaints, close } = await open(plain, shown);
+      assert.ok(!(await page.locator(".failure").isVisible()));
+      assert.match(await page.locator("#simplified").textContent(), /no WebGL 2/);
+      assert.match(await page.locator("#panel").textContent(), /planner/);
+      await page.evaluate(() => window.mneme.seek(0.1));
+      const early = await looks(page);
+      assert.ok(early.share > least, `only ${early.share} of the picture is drawn on`);
+      await page.evaluate(() => window.mneme.seek(0.9));
+      assert.ok(difference(early, await looks(page)) > 50);
+      assert.deepEqual(complaints, []);
+      await close();
+    }
+    await plain.close();
   });
 
   test("a plan of Fetch is below 2 MB, and says when its first picture came", async () => {
