@@ -35,6 +35,12 @@ constexpr std::size_t kReadBytes = 16384;
 /// Threads for requests that neither plan nor wait in the queue.
 constexpr int kSpareThreads = 4;
 
+constexpr std::string_view kHeadEnd = "\r\n\r\n";
+/// For answers that are data, and for pages, whose styles and scripts are inline.
+constexpr const char* kDataPolicy = "default-src 'none'; frame-ancestors 'none'";
+constexpr const char* kPagePolicy =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: "
+    "blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
 constexpr std::string_view kTooManyConnections =
     "HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nConnection: close\r\n"
@@ -56,6 +62,18 @@ Answer refuse_unreadable(const error_code& error, const HttpLimits& limits) {
                    fmt::format("expected a head of at most {} bytes", limits.head_bytes));
   }
   return refusal(400, "invalid", fmt::format("the request is not HTTP/1.1: {}", error.message()));
+}
+
+/// Says why a head, or the beginning of one, may be read in two ways; empty if it cannot. A line
+/// ends by CR LF, and a value does not go on in the next line (RFC 9112, 2.2 and 5.2).
+std::string_view find_head_flaw(std::string_view head) {
+  for (std::size_t i = 0; i < head.size(); ++i) {
+    const char c = head[i], before = i == 0 ? ' ' : head[i - 1];
+    if (c == '\0') return "expected a head without NUL";
+    if ((c == '\n') != (before == '\r')) return "expected lines of the head to end by CR LF";
+    if (before == '\n' && (c == ' ' || c == '\t')) return "expected each header on one line";
+  }
+  return {};
 }
 
 bool is_of_client(const error_code& error) {
@@ -120,35 +138,45 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     if (server_.is_stopping_) return;
     is_idle_ = true;
     stream_.expires_after(seconds(server_.limits_.idle_timeout_s));
-    stream_.async_read_some(buffer_.prepare(kReadBytes),
-                            [self = shared_from_this()](error_code error, std::size_t count) {
-                              self->is_idle_ = false;
-                              self->buffer_.commit(count);
-                              if (!error) self->read_head();
-                            });
+    read_more(&Connection::end_idling);
+  }
+
+  void end_idling(error_code error) {
+    is_idle_ = false;
+    if (!error) read_head();
   }
 
   void read_head() {
     stream_.expires_after(seconds(server_.limits_.request_timeout_s));
-    head_bytes_ = 0;
-    read_more_of_head();
+    look_for_head({});
   }
 
-  /// Beast limits the unparsed part of a head, but not the number of its lines.
-  void read_more_of_head() {
-    http::async_read_some(stream_, buffer_, *parser_,
-                          [self = shared_from_this()](error_code error, std::size_t count) {
-                            self->head_bytes_ += count;
-                            const bool is_too_long =
-                                self->head_bytes_ > self->server_.limits_.head_bytes;
-                            if (is_too_long) error = http::error::header_limit;
-                            self->take_head(error);
-                          });
+  /// Waits for the whole head, so that it is checked as it came: Beast joins folded lines.
+  void look_for_head(error_code error) {
+    if (error) return;
+    const auto bytes = buffer_.cdata();
+    const std::string_view text(static_cast<const char*>(bytes.data()), bytes.size());
+    const std::size_t end = text.find(kHeadEnd);
+    const std::size_t size = end == std::string_view::npos ? text.size() : end + kHeadEnd.size();
+    if (size > server_.limits_.head_bytes) return give_up(http::error::header_limit);
+    if (const auto flaw = find_head_flaw(text.substr(0, size)); !flaw.empty()) {
+      return refuse(refusal(400, "invalid", flaw));
+    }
+    if (end == std::string_view::npos) return read_more(&Connection::look_for_head);
+    buffer_.consume(parser_->put(asio::buffer(text.data(), size), error));
+    take_head(error);
+  }
+
+  void read_more(void (Connection::*next)(error_code)) {
+    stream_.async_read_some(buffer_.prepare(kReadBytes),
+                            [self = shared_from_this(), next](error_code error, std::size_t count) {
+                              self->buffer_.commit(count);
+                              (self.get()->*next)(error);
+                            });
   }
 
   void take_head(error_code error) {
     if (error) return give_up(error);
-    if (!parser_->is_header_done()) return read_more_of_head();
     if (auto refused = server_.handlers_.refuse(parser_->get())) {
       return refuse(*std::move(refused));
     }
@@ -205,7 +233,12 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     const bool is_head = parser_->get().method() == http::verb::head;
     response_ = {};
     response_.result(static_cast<unsigned>(answer.status));
+    response_.version(parser_->get().version());
     response_.set(http::field::content_type, answer.type);
+    response_.set("X-Content-Type-Options", "nosniff");
+    response_.set("X-Frame-Options", "DENY");
+    const bool is_page = std::string_view(answer.type).starts_with("text/html");
+    response_.set("Content-Security-Policy", is_page ? kPagePolicy : kDataPolicy);
     if (answer.may_retry) response_.set(http::field::retry_after, "1");
     response_.keep_alive(keeps_alive);
     response_.body() = std::move(answer.body);
@@ -241,7 +274,6 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   beast::basic_stream<asio::generic::stream_protocol, Strand> stream_;
   beast::flat_buffer buffer_;
   std::optional<Parser> parser_;
-  std::size_t head_bytes_ = 0;  ///< parsed so far
   http::response<http::string_body> response_;
   std::optional<http::response_serializer<http::string_body>> serializer_;
   bool is_idle_ = false;

@@ -11,7 +11,9 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <system_error>
 #include <utility>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -26,7 +28,6 @@ using UnixProtocol = asio::local::stream_protocol;
 using boost::system::error_code;
 
 constexpr std::string_view kUnix = "unix:";
-constexpr std::string_view kDigits = "0123456789";
 
 tl::unexpected<Error> cannot_listen(const std::string& where, const std::string& why) {
   return fail(ErrorCode::io, "cannot listen at {}: {}", where, why);
@@ -36,6 +37,13 @@ tl::unexpected<Error> cannot_listen(const std::string& where, const std::string&
 struct Address {
   std::string host = {}, port = {}, path = {};
 };
+
+bool is_port(std::string_view text) {
+  unsigned number = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, number);
+  return text.size() <= 5 && read.ec == std::errc() && read.ptr == end && number <= 65535;
+}
 
 Result<Address> split_address(const std::string& where) {
   if (where.starts_with(kUnix)) {
@@ -48,9 +56,7 @@ Result<Address> split_address(const std::string& where) {
   const std::size_t colon = where.rfind(':');
   std::string host = where.substr(0, colon);
   const std::string port = colon == std::string::npos ? "" : where.substr(colon + 1);
-  const bool is_number =
-      !port.empty() && port.size() <= 5 && port.find_first_not_of(kDigits) == std::string::npos;
-  if (host.empty() || !is_number || std::stoi(port) > 65535) {
+  if (host.empty() || !is_port(port)) {
     return fail(ErrorCode::invalid,
                 "'{}': expected HOST:PORT, such as 127.0.0.1:7890, or unix:PATH", where);
   }
@@ -146,12 +152,9 @@ bool is_own_host(std::string_view host, const std::string& address) {
   const std::size_t end = is_bracketed ? host.find(']') : host.find(':');
   if (is_bracketed && end == std::string_view::npos) return false;
   const std::string name(host.substr(is_bracketed ? 1 : 0, is_bracketed ? end - 1 : end));
-  const std::string_view port =
+  const std::string_view rest =
       end == std::string_view::npos ? "" : host.substr(end + (is_bracketed ? 1 : 0));
-  if (!port.empty() &&
-      (port[0] != ':' || port.find_first_not_of(kDigits, 1) != std::string_view::npos)) {
-    return false;
-  }
+  if (!rest.empty() && (rest[0] != ':' || !is_port(rest.substr(1)))) return false;
   error_code error;
   const auto number = asio::ip::make_address(name, error);
   if (!error) return number.is_loopback() && number.is_v6() == is_bracketed;

@@ -112,8 +112,11 @@ bool is_same_secret(std::string_view a, std::string_view b) {
 }
 
 bool knows(const std::string& token, const HttpRequest& request) {
-  return token.empty() ||
-         is_same_secret(header(request, http::field::authorization), "Bearer " + token);
+  constexpr beast::string_view kScheme = "Bearer ";
+  if (token.empty()) return true;
+  const std::string given = header(request, http::field::authorization);
+  return beast::iequals(given.substr(0, kScheme.size()), kScheme) &&
+         is_same_secret(std::string_view(given).substr(kScheme.size()), token);
 }
 
 bool takes_body(const HttpRequest& request) {
@@ -134,8 +137,9 @@ std::optional<Answer> refuse_framing(const HttpRequest& request) {
   if (length.find(',') != std::string::npos) {
     return refuse("Content-Length: expected a whole number");
   }
-  if (encodings > 0 && !beast::iequals(request[http::field::transfer_encoding], "chunked")) {
-    return refuse("Transfer-Encoding: expected chunked");
+  if (encodings > 0 && (request.version() < 11 ||
+                        !beast::iequals(request[http::field::transfer_encoding], "chunked"))) {
+    return refuse("Transfer-Encoding: expected chunked, of HTTP/1.1");
   }
   const bool has_body = encodings > 0 || (lengths > 0 && length != "0");
   if (has_body && !takes_body(request) && request.method() != http::verb::delete_) {

@@ -54,6 +54,13 @@ TEST_SUITE("flow") {
                                     kPost + "Content-Length: 38, 38\r\n",
                                     kPost + "Transfer-Encoding: %63hunked\r\n",
                                     kPost + "X: a\rb\r\n" + length,
+                                    kPost + "X: a\nY: b\r\n" + length,
+                                    kPost + "X: a\r\n b\r\n" + length,
+                                    kPost + "X: a\r\n\tb\r\n" + length,
+                                    kPost + "X: a" + std::string(1, '\0') + "\r\n" + length,
+                                    "POST /v1/plan HTTP/1.0\r\nHost: localhost\r\n"
+                                    "Content-Type: application/json\r\n" +
+                                        chunked,
                                     kPost + "Transfer-Encoding: gzip, chunked\r\n",
                                     kPost + "Transfer-Encoding: identity\r\n",
                                     kPost}) {
@@ -108,18 +115,61 @@ TEST_SUITE("flow") {
           .substr(9, 3);
     };
     const RunningService running;
-    for (const char* host :
-         {"localhost", "LocalHost:80", "127.0.0.1", "127.1.2.3:7890", "[::1]:80"}) {
+    for (const char* host : {"localhost", "LocalHost:80", "127.0.0.1", "127.1.2.3:7890", "[::1]:80",
+                             "localhost:65535"}) {
       CHECK_MESSAGE(status_of(running, host) == "200", host);
     }
     for (const char* host : {"evil.example", "evil.example:7890", "127.0.0.1.evil.example",
                              "localhost.evil", "10.0.0.1", "[::2]", "[::1", "[", ":", "http", "",
-                             "[::1].evil.example", "127.0.0.1:80.evil", "::1"}) {
+                             "[::1].evil.example", "127.0.0.1:80.evil", "::1", "localhost:",
+                             "localhost:65536", "localhost:99999999", "localhost:+80"}) {
       CHECK_MESSAGE(status_of(running, host) == "403", host);
     }
     ServiceSettings settings;
     settings.token = "secret";
     CHECK(status_of(RunningService(settings), "robots.example") == "200");
+  }
+
+  TEST_CASE("a client of HTTP/1.0 keeps its connection if it wants to") {
+    const RunningService running;
+    const std::string old = "GET /healthz HTTP/1.0\r\nHost: localhost\r\n";
+    const std::string heard =
+        heard_after(running, old + "Connection: keep-alive\r\n\r\n" + old + "\r\n");
+    CHECK(count_answers(heard) == 0);  // of HTTP/1.1
+    CHECK_MESSAGE(heard.starts_with("HTTP/1.0 200"), heard);
+    CHECK(heard.find("Connection: keep-alive") != std::string::npos);
+    CHECK(heard.find("HTTP/1.0 200", 1) != std::string::npos);
+  }
+
+  TEST_CASE("a token is compared as it came") {
+    ServiceSettings settings;
+    settings.token = "a%41b";
+    const RunningService running(settings);
+    const auto status_of = [&](const std::string& authorization) {
+      return heard_after(running,
+                         "GET /metrics HTTP/1.1\r\nHost: x\r\nConnection: close\r\n"
+                         "Authorization: " +
+                             authorization + "\r\n\r\n")
+          .substr(9, 3);
+    };
+    CHECK(status_of("Bearer a%41b") == "200");
+    CHECK(status_of("bearer a%41b") == "200");
+    for (const char* wrong : {"Bearer aAb", "Bearer a%41", "Bearer a%41bb", "Bearer", "a%41b"}) {
+      CHECK_MESSAGE(status_of(wrong) == "401", wrong);
+    }
+  }
+
+  TEST_CASE("browsers are told not to guess types, nor to frame pages") {
+    const RunningService running;
+    for (const char* path : {"/", "/healthz"}) {
+      const auto answer = running.client()->Get(path);
+      REQUIRE(bool(answer));
+      CHECK(answer->get_header_value("X-Content-Type-Options") == "nosniff");
+      CHECK(answer->get_header_value("X-Frame-Options") == "DENY");
+      const std::string policy = answer->get_header_value("Content-Security-Policy");
+      CHECK(policy.find("default-src 'none'") != std::string::npos);
+      CHECK((policy.find("script-src") != std::string::npos) == (std::string(path) == "/"));
+    }
   }
 
   TEST_CASE("JSON is known by the whole name of its type") {
