@@ -17,6 +17,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
 #include <span>
 #include <string>
 #include <string_view>
@@ -148,6 +149,9 @@ int run(int argument_count, char** arguments) {
 int main(int argument_count, char** arguments) {
   try {
     return mneme::app::run(argument_count, arguments);
+  } catch (const std::bad_alloc&) {
+    mneme::app::print_error(
+        "memory ran out; try less --max-nodes, less --threads or less geometry");
   } catch (const std::exception& error) {
     mneme::app::print_error(error.what());
   }

@@ -3,6 +3,8 @@
 
 #include "apps/run_program.h"
 
+#include <fmt/format.h>
+
 #include <sys/stat.h>
 
 namespace mneme::test {
@@ -123,6 +125,27 @@ TEST_SUITE("unit") {
     CHECK(program.wait().exit_code == 130);
     close(writer);
   }
+
+#ifndef __SANITIZE_ADDRESS__
+  TEST_CASE("memory that runs out in a thread that searches is an error") {
+    const TemporaryDirectory files;
+    std::string circles;  // the first link cannot cross this wall along the x axis
+    for (double x = 0.5; x < 12; x += 0.4) {
+      circles += fmt::format("[{}, 0, 0.3], [{}, 0, 0.3], ", x, -x);
+    }
+    write_file(
+        files / "p.yaml",
+        fmt::format("robot: planar8\nscene: {{circles: [{}]}}\n"
+                    "start: [1.57, 0, 0, 0, 0, 0, 0, 0]\ngoal: [-1.57, 0, 0, 0, 0, 0, 0, 0]\n",
+                    circles));
+    constexpr std::size_t kMostBytes = 60'000 << 10;
+    const ProgramRun run = run_program(
+        {"plan", files / "p.yaml", "--threads", "2", "--timeout", "60", "--max-nodes", "100000000"},
+        {{}, false, kMostBytes});
+    CHECK_MESSAGE(run.exit_code == 1, run.err);
+    CHECK_MESSAGE(has_text(run.err, "memory ran out"), run.err);
+  }
+#endif
 
   TEST_CASE("messages carry no colour codes unless a terminal reads them") {
     const ProgramRun run = run_program({"plam"}, {{"TERM=xterm"}, false});

@@ -15,6 +15,7 @@
 #include <linux/capability.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -30,6 +31,7 @@ struct ProgramRun {
 struct ProcessChanges {
   std::vector<std::string> environment;  ///< NAME=VALUE
   bool is_powerless = false;             ///< permissions of files bind it, also as root
+  std::size_t memory_bytes = 0;          ///< most of its address space; 0: no limit
 };
 
 /// Permissions of files bind root, too, in the program that this process becomes. Another user
@@ -90,6 +92,8 @@ class RunningProgram {
       setenv(entry.substr(0, end).c_str(), entry.substr(end + 1).c_str(), 1);
     }
     if (changes.is_powerless && !give_up_power_over_files()) _exit(126);
+    const rlimit memory{changes.memory_bytes, changes.memory_bytes};
+    if (changes.memory_bytes > 0 && setrlimit(RLIMIT_AS, &memory) != 0) _exit(126);
     std::vector<char*> list{const_cast<char*>(MNEME_PROGRAM)};
     for (const std::string& argument : arguments) {
       list.push_back(const_cast<char*>(argument.c_str()));
