@@ -513,6 +513,7 @@ class Client:
         start: Union[npt.ArrayLike, str, dict[str, float], None] = None,
         goals: Union[npt.ArrayLike, PoseGoal, Sequence[Any], None] = None,
         attached: Optional[Sequence[dict[str, Any]]] = None,
+        constraints: Optional[Sequence[OrientationConstraint]] = None,
         trace: bool = False,
         clearance: bool = False,
         remember: bool = True,

@@ -3,8 +3,11 @@
 """The module as a whole: names, stubs, documents."""
 import ast
 import inspect
+import os
 import pathlib
 import re
+
+import pytest
 
 import mneme
 
@@ -72,6 +75,15 @@ def test_everything_public_has_a_docstring():
         value = getattr(mneme, name)
         if callable(value):
             assert inspect.getdoc(value), name
+
+
+def test_bytes_that_are_not_utf8_are_escaped_in_errors(tmp_path):
+    (tmp_path / "bad.yaml").write_bytes(b"circles: {a: [0, 0, \xff]}\n")
+    with pytest.raises(mneme.Error) as raised:
+        mneme.Scene.load(tmp_path / "bad.yaml")
+    assert "bad.yaml" in str(raised.value)
+    with pytest.raises(mneme.Error, match=r"\\xff"):
+        mneme.Robot.load(os.fsdecode(b"robot\xff"))
 
 
 def test_an_error_says_its_code():

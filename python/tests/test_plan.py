@@ -200,6 +200,22 @@ def test_control_c_ends_a_plan(blocked):
     assert time.monotonic() - begin < 20
 
 
+def test_control_c_ends_batches_checks_and_trajectories(robot, problem):
+    checker = mneme.CollisionChecker(robot, problem.scene)
+    many = np.tile(problem.start, (2_000_000, 1))
+    plan = mneme.plan(problem)
+    calls = (lambda: checker.is_valid(many),
+             lambda: checker.is_path_free(plan.path, resolution=1e-5),
+             lambda: plan.trajectory(dt=1e-4, velocity_scale=0.001, acceleration_scale=0.001))
+    for call in calls:
+        timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            for _ in range(1000):
+                call()
+        timer.join()
+
+
 def test_a_plan_is_a_picture_and_a_page(problem, tmp_path):
     plan = mneme.plan(problem, record=True)
     assert "<svg" in plan.to_svg()
