@@ -3,6 +3,7 @@
 #include "spheres/sphere_search.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 
 #include <algorithm>
 #include <array>
@@ -116,6 +117,7 @@ class SphereSearch {
     cover_bare(0);
     drop_needless();
     while (steps_ < effort && chosen_.size() > 1) {
+      poll_interrupt();
       const Indices before = chosen_;
       take_some_away();
       cover_bare(0.3);
@@ -364,6 +366,7 @@ std::vector<Sphere> refine(std::vector<Sphere> spheres, std::span<const Element>
     const std::vector<Pieces> shares = share_out(spheres, elements);
     std::vector<Sphere> next;
     for (std::size_t i = 0; i < spheres.size(); ++i) {
+      poll_interrupt();
       if (!shares[i].empty()) next.push_back(fit(spheres[i].center, shares[i], solid));
     }
     spheres = std::move(next);
