@@ -23,8 +23,7 @@ std::optional<std::string> SceneBuilder::add(const std::string& name, const std:
   poll_interrupt();
   if (name.empty() && body.empty()) return "expected a name";
   if (!decode_utf8(name) || !decode_utf8(body)) {
-    return fmt::format("expected a name that is UTF-8 text without NUL, got \"{}\"",
-                       name + body);
+    return fmt::format("expected a name that is UTF-8 text without NUL, got \"{}\"", name + body);
   }
   const Sphere bound = bounding_sphere(shape);
   // NaN fails, too.
