@@ -95,6 +95,9 @@ namespace {
 
 using Indices = std::vector<int>;
 
+/// Per cent of the effort without a gain after which the search ends: small solids need few steps.
+constexpr std::int64_t kPatience = 30;
+
 /// The state of the search: the chosen proposals, and how many of them contain each piece. The cost
 /// of a step is the number of entries that it changes.
 class SphereSearch {
@@ -116,13 +119,15 @@ class SphereSearch {
   [[nodiscard]] std::vector<Sphere> run(std::int64_t effort) {
     cover_bare(0);
     drop_needless();
-    while (steps_ < effort && chosen_.size() > 1) {
+    std::int64_t last_gain = steps_;
+    while (steps_ < effort && steps_ - last_gain < kPatience * effort / 100 && chosen_.size() > 1) {
       poll_interrupt();
       const Indices before = chosen_;
       take_some_away();
       cover_bare(0.3);
       drop_needless();
       if (chosen_.size() > before.size()) restore(before);
+      if (chosen_.size() < before.size()) last_gain = steps_;
     }
     std::ranges::sort(chosen_);
     std::vector<Sphere> spheres;

@@ -39,7 +39,7 @@ struct Element {
                                                   Rng& rng);
 
 /// Chooses a small subset of `proposals` that contains all `elements`: greedy, then improved by
-/// removing some spheres and covering the rest again, for `effort` steps of about a nanosecond. A
+/// removing some spheres and covering the rest again, for up to `effort` steps of a nanosecond. A
 /// piece that no proposal contains gets its own sphere. Deterministic given `rng`.
 [[nodiscard]] std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals,
                                                  std::span<const Element> elements,
