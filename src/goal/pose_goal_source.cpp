@@ -123,9 +123,11 @@ std::vector<Configuration> PoseGoalSource::search_next() {
 
 void PoseGoalSource::keep_new(std::vector<Configuration>& found) {
   std::erase_if(found, [&](const Configuration& q) {
-    const bool is_known = std::ranges::any_of(known_, [&](const Configuration& other) {
-      return checker_.robot().distance(q, other) < settings_.apart;
-    });
+    // Thousands of regions have so many solutions that even this takes seconds.
+    const bool is_known =
+        !is_over() && std::ranges::any_of(known_, [&](const Configuration& other) {
+          return checker_.robot().distance(q, other) < settings_.apart;
+        });
     if (!is_known) known_.push_back(q);
     return is_known;
   });
