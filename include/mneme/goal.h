@@ -53,7 +53,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
 }
 
 struct IkResult {
-  /// Within the limits and apart from each other; nearest to the start of the search first.
+  /// Within the limits and apart from each other; nearest to the start of the search first, and at
+  /// its turn of continuous joints.
   std::vector<Configuration> solutions;
   /// The first few configurations that reach the goal, but are in contact or within the margin.
   std::vector<Configuration> blocked;
@@ -105,6 +106,8 @@ class PoseGoalSource final : public GoalSource {
   /// while there are none it tries more seeds. Each later call tries a few seeds for the next
   /// regions.
   [[nodiscard]] std::vector<Configuration> more() override;
+  /// Returns a few solutions per region that were found first and are in contact.
+  [[nodiscard]] std::vector<Configuration> blocked() const;
   /// Explains for the first regions why no call found a configuration: out of reach by a distance,
   /// not with this rotation, only in contact, or no solution from a number of seeds. Tries some
   /// more seeds for this, unless the search has ended.

@@ -198,6 +198,9 @@ class Robot {
                                                               std::string_view what) const;
   /// Returns `q` with continuous joints wrapped to [-pi, pi) and others clamped to their limits.
   [[nodiscard]] Configuration normalized(std::span<const double> q) const;
+  /// Returns `q` with continuous joints shifted by whole turns to where they are nearest to `near`.
+  [[nodiscard]] Configuration turned_near(std::span<const double> q,
+                                          std::span<const double> near) const;
   /// Returns the shortest displacement from `a` to `b`: continuous joints take the shorter
   /// direction.
   [[nodiscard]] Configuration difference(std::span<const double> a,

@@ -143,6 +143,7 @@ class IkSearch {
   IkSearch(const Chain& chain, const PoseGoal& goal, std::span<const double> near,
            const IkSettings& settings, const CollisionChecker* checker, double clearance)
       : chain_(chain),
+        given_near_(near.begin(), near.end()),
         near_(chain.robot.normalized(near)),
         settings_(settings),
         checker_(checker),
@@ -165,6 +166,9 @@ class IkSearch {
     });
     // A batch may find more than wanted.
     if (count() > settings_.solutions) result_.solutions.resize(as_index(settings_.solutions));
+    for (auto* found : {&result_.solutions, &result_.blocked}) {
+      for (Configuration& q : *found) q = chain_.robot.turned_near(q, given_near_);
+    }
     return std::move(result_);
   }
 
@@ -245,16 +249,14 @@ class IkSearch {
   static double nearest_turn(const Joint& joint, double value, double near) {
     constexpr double kTurn = 2 * std::numbers::pi;
     if (joint.type != JointType::revolute) return value;
-    double nearest = value;
-    for (const double other : {value - kTurn, value + kTurn}) {
-      const bool is_within = other >= joint.lower && other <= joint.upper;
-      if (is_within && std::abs(other - near) < std::abs(nearest - near)) nearest = other;
-    }
-    return nearest;
+    const double least = std::ceil((joint.lower - value) / kTurn);
+    const double most = std::floor((joint.upper - value) / kTurn);
+    if (least > most) return value;
+    return value + kTurn * std::clamp(std::round((near - value) / kTurn), least, most);
   }
 
   const Chain& chain_;
-  Configuration near_;
+  Configuration given_near_, near_;
   const IkSettings& settings_;
   const CollisionChecker* checker_;
   double clearance_;

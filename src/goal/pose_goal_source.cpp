@@ -121,6 +121,14 @@ std::vector<Configuration> PoseGoalSource::search_next() {
   return found;
 }
 
+std::vector<Configuration> PoseGoalSource::blocked() const {
+  std::vector<Configuration> all;
+  for (const Region& region : regions_) {
+    std::ranges::copy(region.first.blocked, std::back_inserter(all));
+  }
+  return all;
+}
+
 void PoseGoalSource::keep_new(std::vector<Configuration>& found) {
   std::erase_if(found, [&](const Configuration& q) {
     // Thousands of regions have so many solutions that even this takes seconds.

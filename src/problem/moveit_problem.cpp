@@ -188,7 +188,7 @@ class MoveitReader {
   void pose_attached(const Robot& robot, const MoveitFrames& frames,
                      std::vector<AttachedObject>& objects) const {
     const FindLink find_pose = links_at(robot, [&](const Input&) {
-      return robot.normalized(positions_of_group(robot, state_.positions, request_input_, "start"));
+      return positions_of_group(robot, state_.positions, request_input_, "start");
     });
     for (std::size_t i = 0; i < objects.size(); ++i) {
       const MoveitObject& object = shaped(state_.attached[i].object);

@@ -109,6 +109,17 @@ Configuration Robot::normalized(std::span<const double> q) const {
   return result;
 }
 
+Configuration Robot::turned_near(std::span<const double> q, std::span<const double> near) const {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  Configuration result(q.begin(), q.end());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    if (group_joint(static_cast<int>(i)).type != JointType::continuous) continue;
+    const double turns = std::round((near[i] - result[i]) / kTurn);
+    if (turns != 0) result[i] += turns * kTurn;
+  }
+  return result;
+}
+
 Configuration Robot::difference(std::span<const double> a, std::span<const double> b) const {
   assert(a.size() == group().size() && b.size() == group().size());
   Configuration result(a.size());

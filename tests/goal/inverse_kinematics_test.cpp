@@ -67,6 +67,22 @@ TEST_SUITE("law") {
     CHECK(count_reached(odd_arm(), kOddHand, 200, Isa::automatic) >= 199);
   }
 
+  TEST_CASE("solutions are at the turn of the configuration that the search begins at") {
+    const Robot arm = odd_arm();  // its second joint is continuous
+    const InverseKinematics kinematics = require_kinematics(arm, kOddHand, Isa::automatic);
+    Rng rng(3);
+    for (int i = 0; i < 50; ++i) {
+      Configuration near = random_configuration(arm, rng);
+      const PoseGoal goal = pose_at(arm, kOddHand, random_configuration(arm, rng));
+      const IkResult once = kinematics.solve(goal, near);
+      near[1] += 6 * kPi;
+      const IkResult result = kinematics.solve(goal, near);
+      REQUIRE(result.solutions.size() == once.solutions.size());
+      for (const Configuration& q : result.solutions) CHECK(std::abs(q[1] - near[1]) <= kPi + 1e-9);
+      check_solutions(arm, goal, near, result);
+    }
+  }
+
   TEST_CASE("poses of what a link carries are reached") {
     const auto robot = attach(odd_arm(), {{"cup", kOddHand, {Sphere{{0, 0, 0.1}, 0.02}}},
                                           {"lid", kOddHand, {Sphere{{0, 0, 0.2}, 0.02}}}});
