@@ -15,9 +15,13 @@
 #include <vector>
 
 namespace mneme {
-/// Configurations joined by straight motions. Continuous joints lie in [-pi, pi) and take the
-/// shorter direction between neighbours.
+/// Configurations joined by straight motions. Continuous joints take the shorter direction between
+/// neighbours.
 using Path = std::vector<Configuration>;
+
+/// Shifts continuous joints by whole turns, so that `path` begins at the turn of `start` and the
+/// segments between waypoints, as real numbers, are its motions.
+[[nodiscard]] Path unwrapped(const Robot& robot, Path path, const Configuration& start);
 
 /// Returns the sum of L2 joint distances, radians; a metre of a prismatic joint counts as a radian.
 [[nodiscard]] double path_length(const Robot& robot, const Path& path);

@@ -148,8 +148,8 @@ struct PlanQuery {
 
 struct PlanResult {
   PlanStatus status = PlanStatus::timeout;
-  std::string message;  ///< why there is no path, in words; empty if solved
-  Path path;            ///< empty unless solved; starts at the start and ends at the goal reached
+  std::string message;           ///< why there is no path, in words; empty if solved
+  Path path;                     ///< from the start to the goal reached; empty unless solved
   std::uint64_t iterations = 0;  ///< samples, escape walks, and goals that rrt sampled instead
   std::uint64_t states_checked = 0;
   std::uint64_t motions_checked = 0;

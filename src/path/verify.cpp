@@ -75,10 +75,13 @@ bool MotionVerifier::is_curve_free(std::span<const float> states, std::span<cons
 }
 
 int MotionVerifier::find_invalid_motion(const Path& path, CheckCounters& counters) const {
+  // Many turns of a continuous joint would lose digits in single precision.
+  const auto row = [&](std::size_t i) {
+    return internal::to_floats(checker_.robot().normalized(path[i]));
+  };
   for (std::size_t i = 1; i < path.size(); ++i) {
     const MotionEnds ends{i == 1, i + 1 == path.size()};
-    if (!is_free(internal::to_floats(path[i - 1]), internal::to_floats(path[i]), ends, counters))
-      return static_cast<int>(i) - 1;
+    if (!is_free(row(i - 1), row(i), ends, counters)) return static_cast<int>(i) - 1;
   }
   return -1;
 }

@@ -9,6 +9,24 @@
 #include <numbers>
 #include <utility>
 
+namespace mneme {
+
+Path unwrapped(const Robot& robot, Path path, const Configuration& start) {
+  constexpr double kSameTurn = 1e-9;  // radians: rounding of whole turns
+  const Configuration* before = &start;
+  for (Configuration& q : path) {
+    q = robot.turned_near(q, *before);
+    before = &q;
+  }
+  for (std::size_t j = 0; j < start.size() && !path.empty(); ++j) {
+    double& first = path.front()[j];
+    if (std::abs(first - start[j]) < kSameTurn) first = start[j];
+  }
+  return path;
+}
+
+}  // namespace mneme
+
 namespace mneme::internal {
 
 std::vector<float> to_floats(std::span<const double> q) {

@@ -17,6 +17,20 @@ TEST_SUITE("unit") {
     CHECK(internal::to_path(gantry(), {}).empty());
   }
 
+  TEST_CASE("an unwrapped path begins at the turn of the start and is continuous") {
+    const Robot arm = thick_arm({1, 1});  // the first joint is continuous
+    const Path path = unwrapped(arm, {{3, 0}, {-3, 1}, {2.9, 0.5}, {0.1, 2}}, {3 + 4 * kPi, 0});
+    REQUIRE(path.size() == 4);
+    CHECK(path.front() == Configuration{3 + 4 * kPi, 0});
+    CHECK(path[1][0] == doctest::Approx(6 * kPi - 3));
+    CHECK(path[2][0] == doctest::Approx(4 * kPi + 2.9));
+    CHECK(path[3][0] == doctest::Approx(4 * kPi + 0.1));
+    CHECK(path[3][1] == 2);
+    CHECK(unwrapped(arm, {}, {0, 0}).empty());
+    const Path limited = {{1, 2, -2}, {-1, 0, 2}};
+    CHECK(unwrapped(gantry(), limited, {1, 2, -2}) == limited);
+  }
+
   TEST_CASE("what single precision cannot say is brought within the limits") {
     Robot::Parts parts;
     parts.name = "locked";

@@ -235,12 +235,6 @@ inline std::optional<std::string> path_flaw(const CollisionChecker& checker, con
                                             double refinement = 10) {
   for (std::size_t i = 0; i < path.size(); ++i) {
     if (auto flaw = checker.robot().describe_violation(path[i], "waypoint")) return flaw;
-    for (int j = 0; j < checker.robot().joint_count(); ++j) {
-      const bool is_continuous = checker.robot().group_joint(j).type == JointType::continuous;
-      const double value = path[i][static_cast<std::size_t>(j)];
-      if (is_continuous && !(value >= -kPi && value < kPi))
-        return "not wrapped: " + to_text(path[i]);
-    }
     if (i == 0) continue;
     if (auto flaw = motion_flaw(checker, path[i - 1], path[i], refinement)) {
       return "motion " + std::to_string(i - 1) + ": " + *flaw;
