@@ -89,14 +89,18 @@ py::list contacts(const CollisionChecker& checker, const py::object& q) {
 }
 
 bool path_is_free(const CollisionChecker& checker, const py::object& path,
-                  std::optional<double> resolution) {
+                  std::optional<double> resolution, double start_tolerance, double allow_at_ends) {
   if (resolution && !(*resolution >= 1e-5 && *resolution <= 10)) {
     raise_invalid("resolution: expected 1e-5 to 10 radians, or None for a tenth of the checker's");
   }
   const Path rows = to_rows(path, checker.robot().joint_count(), "path");
   const double step = resolution.value_or(checker.resolution() / kVerificationRefinement);
+  SolveSettings settings;
+  settings.start_tolerance = start_tolerance;
+  settings.allow_at_ends = allow_at_ends;
+  const EndTolerances tolerances = end_tolerances(settings);
   return run_interruptible(
-      [&] { return is_path_free(checker.robot(), checker.scene(), rows, step); });
+      [&] { return is_path_free(checker.robot(), checker.scene(), rows, step, tolerances); });
 }
 
 }  // namespace
@@ -126,11 +130,15 @@ void bind_collision(py::module_& module) {
            "Returns all contacts at q: dictionaries with link, other, is_self and distance "
            "(metres,\n"
            "negative in contact).")
-      .def("is_path_free", &path_is_free, py::arg("path"), py::arg("resolution") = py::none(),
-           "Returns True if every state of path, shape (n, joint_count), is within limits and "
-           "free.\n"
-           "Uses exact distances that share no code with the kernels. resolution: radians.\n"
-           "Default: a tenth of the checker's.");
+      .def(
+          "is_path_free", &path_is_free, py::arg("path"), py::arg("resolution") = py::none(),
+          py::kw_only(), py::arg("start_tolerance") = SolveSettings().start_tolerance,
+          py::arg("allow_at_ends") = SolveSettings().allow_at_ends,
+          "Returns True if every state of path, shape (n, joint_count), is within limits and "
+          "free.\n"
+          "Uses exact distances that share no code with the kernels. resolution: radians.\n"
+          "Default: a tenth of the checker's. Its first and last motion may do what plan() allows\n"
+          "with the same start_tolerance and allow_at_ends.");
 }
 
 }  // namespace mneme::python

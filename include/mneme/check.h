@@ -43,6 +43,21 @@ struct ExactContact {
 [[nodiscard]] bool is_path_free(const Robot& robot, const Scene& scene,
                                 const std::vector<Configuration>& path, double resolution);
 
+/// Exceptions for the ends of a path. Its first motion must lead from a start within them to where
+/// everything is kept; its last motion likewise to a goal in contact. 0 allows no exception.
+struct EndTolerances {
+  double angle = 0.05;    ///< radians that a start may be beyond limits of joints and cones
+  double length = 0.005;  ///< metres that a start may be beyond limits of prismatic joints
+  double depth = 0.001;   ///< metres that any pair may overlap at the start
+  /// Metres that an attached object may move while it is in contact at start or goal.
+  double stretch = 0.005;
+};
+/// The same with exceptions at the ends: contact may only decrease along the first motion and only
+/// increase along the last one. False for a path that does anything else.
+[[nodiscard]] bool is_path_free(const Robot& robot, const Scene& scene,
+                                const std::vector<Configuration>& path, double resolution,
+                                const EndTolerances& tolerances);
+
 /// Keeps a direction of a link within a cone, so that a carried glass stays upright.
 struct OrientationConstraint {
   std::string link;
@@ -64,6 +79,11 @@ inline constexpr double kTiltMargin = 1e-5;
 /// `resolution` is positive.
 [[nodiscard]] double largest_tilt(const Robot& robot, const OrientationConstraint& constraint,
                                   const std::vector<Configuration>& path, double resolution);
+/// True if states of `path`, at most `resolution` radians apart, keep the constraint. The tilt of a
+/// start within the tolerances may only decrease along the first motion.
+[[nodiscard]] bool keeps_cone(const Robot& robot, const OrientationConstraint& constraint,
+                              const std::vector<Configuration>& path, double resolution,
+                              const EndTolerances& tolerances);
 /// Says why the robot cannot keep the constraint; nothing if it can. Faults: an unknown link, a
 /// link that no joint of the group turns, a direction that is no unit vector, an angle below
 /// kLeastTilt.

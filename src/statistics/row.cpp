@@ -36,7 +36,7 @@ constexpr double kSameConfiguration = 1e-4;
 constexpr double kSamePosition = 1e-4, kSameRotation = 1e-3;
 
 bool is_path_valid(const CollisionChecker& checker, const Problem& problem,
-                   const SolveResult& result) {
+                   const EndTolerances& tolerances, const SolveResult& result) {
   const Robot& robot = problem.robot;
   const Path& path = result.plan.path;
   const Scene& scene = result.scene ? *result.scene : checker.scene();
@@ -47,19 +47,15 @@ bool is_path_valid(const CollisionChecker& checker, const Problem& problem,
     const PoseError error = pose_error(robot, goal, path.back());
     return error.position < kSamePosition && error.rotation < kSameRotation;
   };
-  const auto is_within_limits = [&](const Configuration& q) {
-    return !robot.describe_violation(q, "waypoint");
-  };
   const double resolution = checker.resolution() / kVerificationRefinement;
   const auto is_kept = [&](const OrientationConstraint& constraint) {
-    return largest_tilt(robot, constraint, path, resolution) <= constraint.angle;
+    return keeps_cone(robot, constraint, path, resolution, tolerances);
   };
   return !path.empty() && robot.distance(path.front(), problem.start) < kSameConfiguration &&
          (std::ranges::any_of(problem.goals, is_goal) ||
           std::ranges::any_of(problem.pose_goals, is_pose_reached)) &&
-         std::all_of(path.begin(), path.end(), is_within_limits) &&
          std::ranges::all_of(problem.constraints, is_kept) &&
-         is_path_free(robot, scene, path, resolution);
+         is_path_free(robot, scene, path, resolution, tolerances);
 }
 
 /// Seconds; 0 if the path has no trajectory.
@@ -101,7 +97,8 @@ BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
   const bool is_late = plan.is_solved() && plan.planning_time_s > row.timeout_s;
   row.status = is_late ? PlanStatus::timeout : plan.status;
   row.is_solved = plan.is_solved() && !is_late;
-  row.is_path_valid = row.is_solved && is_path_valid(checker, problem, result);
+  row.is_path_valid =
+      row.is_solved && is_path_valid(checker, problem, end_tolerances(settings), result);
   row.planning_time_s = row.is_solved ? plan.planning_time_s : row.timeout_s;
   row.total_time_s = result.total_time_s;
   row.retrieval_time_s = result.gl.retrieval_time_s;

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Motions that leave contact at the ends of a path.
+#pragma once
+
+#include "mneme/check.h"
+
+#include "check/link_distances.h"
+
+#include <span>
+#include <vector>
+
+namespace mneme::internal {
+
+/// A joint of the group beyond its limits.
+struct LimitExcess {
+  int joint = 0;      ///< index into the group
+  double excess = 0;  ///< radians or metres
+};
+/// Returns the joints beyond their limits by more than rounding. `q` is finite and has
+/// joint_count() values.
+[[nodiscard]] std::vector<LimitExcess> find_excess(const Robot& robot, std::span<const double> q);
+/// True if a start may be at `q`: finite, of joint_count() values, and near enough to the limits.
+[[nodiscard]] bool is_near_limits(const Robot& robot, std::span<const double> q,
+                                  const EndTolerances& tolerances);
+
+/// A link in contact with an obstacle or with another link.
+struct Touch {
+  int link = 0;          ///< index into the robot's links
+  int other = 0;         ///< index of an obstacle of the scene, or of a link
+  bool is_self = false;  ///< True if `other` is a link.
+  double distance = 0;   ///< metres beyond the margin; negative in contact
+
+  [[nodiscard]] bool is_same_pair(const Touch& touch) const {
+    return link == touch.link && other == touch.other && is_self == touch.is_self;
+  }
+};
+
+/// Decides which contacts at the ends of a path its first and last motion may leave. Double
+/// precision. Const and parallel-safe.
+class EndMotions {
+ public:
+  /// `scene` must outlive this. Obstacles are inflated by `margin` metres.
+  EndMotions(const Robot& robot, const Scene& scene, double margin,
+             const EndTolerances& tolerances);
+
+  /// Returns all pairs closer than `extra` metres, beyond the margin, at `q`.
+  [[nodiscard]] std::vector<Touch> touching(std::span<const double> q, double extra = 0) const;
+  /// Checks these pairs by exact geometry from now on, where a link is approximated by spheres.
+  void check_exactly(std::span<const Touch> touches);
+  /// True if a path may begin, or otherwise end, in this contact.
+  [[nodiscard]] bool may_leave(const Touch& touch, bool is_start) const;
+  /// True if the straight motion from `end`, the start or goal of a path, to `inside` only leaves
+  /// contact that may be left: at `steps` states its pairs come no closer, held objects touch only
+  /// within the stretch, and all other pairs keep `extra` metres. At `inside` nothing touches.
+  [[nodiscard]] bool is_left_by(const Configuration& end, const Configuration& inside,
+                                bool is_start, int steps, double extra) const;
+  /// The unit vector along which the link of the contact leaves it at `q`; 0 if there is none.
+  [[nodiscard]] Vec3 direction_out(std::span<const double> q, const Touch& touch) const;
+
+ private:
+  [[nodiscard]] bool is_held(const Touch& touch) const;
+  [[nodiscard]] double distance(const PosedLinks& posed, const Touch& touch) const;
+  /// Metres that shapes of the pair's links have moved between two poses, at most.
+  [[nodiscard]] double travel(const PosedLinks& from, const PosedLinks& to,
+                              const Touch& touch) const;
+
+  Robot robot_;
+  const Scene& scene_;
+  double margin_;
+  EndTolerances tolerances_;
+  LinkDistances links_;
+  std::vector<ObstacleShape> shapes_;
+  std::vector<LinkPair> pairs_;
+};
+
+}  // namespace mneme::internal
