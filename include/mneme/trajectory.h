@@ -30,7 +30,8 @@ template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, TrajectorySettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("dt", s.dt, 1e-4, 1e4,
-        "Time between two written points of a trajectory, seconds. The last step may be shorter.");
+        "Time between two written points of a trajectory, seconds. The last step takes half to one "
+        "and a half of it.");
   visit("velocity-scale", s.velocity_scale, 0.001, 1.0,
         "Fraction of the velocity limits that a trajectory may use.");
   visit("acceleration-scale", s.acceleration_scale, 0.001, 1.0,
@@ -93,12 +94,16 @@ class Trajectory {
   /// 2 / `window_s` times their greatest acceleration.
   Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s, double window_s = 0);
 
-  [[nodiscard]] double duration_s() const { return end_s_ + window_s_; }
+  /// Returns the duration, rounded up to a multiple of 1 ns.
+  [[nodiscard]] double duration_s() const;
   /// Returns the state at any time; at rest before 0 and after the duration.
   [[nodiscard]] Point at(double time_s) const;
-  /// Returns points `dt` seconds apart from 0 on, and the end. Errors: `dt` is not above 0, or
-  /// gives more than ten million points.
+  /// Returns points `dt` seconds apart from 0 on, and the end. The last step takes dt/2 to 3/2 dt,
+  /// or the whole duration if that is less. Errors: `dt` is not above 0, or gives more than ten
+  /// million points.
   [[nodiscard]] Result<std::vector<Point>> sample(double dt) const;
+  /// Adds `offset` to all positions, such as whole turns of continuous joints.
+  void shift(const Configuration& offset);
 
  private:
   /// The state on the stretches, before averaging.

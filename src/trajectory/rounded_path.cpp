@@ -130,6 +130,8 @@ RoundedPath round_corners(const Robot& robot, const Path& path, double tolerance
                           const MotionVerifier* verifier) {
   const auto [legs, end] = find_legs(robot, path);
   RoundedPath rounded{{}, end};
+  // A parabola at the end of a motion from beyond a limit would stay outside for longer.
+  const bool is_outside = robot.describe_violation(path.front(), "").has_value();
   double from = 0;  // on the leg
   bool is_at_rest = true;
   const auto add = [&](Curve curve) {
@@ -139,7 +141,7 @@ RoundedPath round_corners(const Robot& robot, const Path& path, double tolerance
   };
   for (std::size_t i = 0; i < legs.size(); ++i) {
     std::optional<Curve> curve;
-    if (i + 1 < legs.size() && verifier != nullptr) {
+    if (i + 1 < legs.size() && verifier != nullptr && !(is_outside && i == 0)) {
       curve = Corner(legs[i], legs[i + 1]).round(tolerance, *verifier);
     }
     const double reach = curve ? 0.5 * curve->length : 0;

@@ -4,6 +4,7 @@
 
 #include "base/check_ranges.h"
 #include "base/threads.h"
+#include "check/end_motions.h"
 #include "trajectory/rounded_path.h"
 #include "trajectory/speed_profile.h"
 
@@ -11,24 +12,43 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace mneme {
 namespace {
 
 constexpr double kMostPoints = 1e7;
-
-/// The end of a trajectory that is not longer than this fraction of a step is its last point.
-constexpr double kLeastStep = 1e-6;
+constexpr double kNanosecondsPerSecond = 1e9;
 
 Result<void> check_path(const Robot& robot, const Path& path) {
   if (path.empty()) return fail(ErrorCode::invalid, "a path without configurations has no timing");
-  for (std::size_t i = 0; i < path.size(); ++i) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  const bool may_be_outside = internal::is_near_limits(robot, path.front(), {kAny, kAny, 0, 0});
+  for (std::size_t i = may_be_outside ? 1 : 0; i < path.size(); ++i) {
     if (auto flaw = robot.describe_violation(path[i], fmt::format("waypoint {}", i + 1))) {
       return fail(ErrorCode::invalid, *std::move(flaw));
     }
   }
   return {};
+}
+
+/// The whole turns of continuous joints at `q`, radians.
+Configuration whole_turns(const Robot& robot, const Configuration& q) {
+  const Configuration inside = robot.normalized(q);
+  Configuration turns(q.size(), 0.0);
+  for (std::size_t j = 0; j < q.size(); ++j) {
+    const bool wraps = robot.group_joint(static_cast<int>(j)).type == JointType::continuous;
+    if (wraps) turns[j] = q[j] - inside[j];
+  }
+  return turns;
+}
+
+/// The same path from the turn in [-pi, pi) on: many turns would lose digits in single precision.
+Path without_turns(const Robot& robot, Path path, const Configuration& turns) {
+  for (std::size_t j = 0; j < turns.size(); ++j) path.front()[j] -= turns[j];
+  const Configuration start = path.front();
+  return unwrapped(robot, std::move(path), start);
 }
 
 }  // namespace
@@ -40,6 +60,20 @@ Trajectory::Trajectory(std::vector<Stretch> stretches, Configuration end, double
   for (const Stretch& stretch : stretches_) {
     integrals_.push_back(integrals_.empty() ? std::vector<double>(end_.size(), 0.0)
                                             : integral(stretch.begin_s));
+  }
+}
+
+double Trajectory::duration_s() const {
+  // Rounding of the product must not add a nanosecond.
+  constexpr double kRounding = 1e-5;
+  const double nanoseconds = (end_s_ + window_s_) * kNanosecondsPerSecond;
+  return std::ceil(nanoseconds - kRounding) / kNanosecondsPerSecond;
+}
+
+void Trajectory::shift(const Configuration& offset) {
+  for (std::size_t j = 0; j < end_.size(); ++j) {
+    for (Stretch& stretch : stretches_) stretch.begin[j] += offset[j];
+    end_[j] += offset[j];
   }
 }
 
@@ -87,6 +121,8 @@ std::vector<double> Trajectory::integral(double time_s) const {
 }
 
 Trajectory::Point Trajectory::at(double time_s) const {
+  const std::vector<double> still(end_.size(), 0.0);
+  if (time_s >= duration_s()) return {time_s, end_, still, still};
   Point point = follow(time_s);
   if (window_s_ == 0) return point;
   const Point before = follow(time_s - window_s_);
@@ -110,13 +146,14 @@ Result<std::vector<Trajectory::Point>> Trajectory::sample(double dt) const {
                 dt, duration_s(), kMostPoints);
   }
   std::vector<Point> points;
-  const int steps = static_cast<int>(std::ceil(duration_s() / dt - kLeastStep));
+  const double duration = duration_s();
+  const int steps = duration > 0 ? std::max(1, static_cast<int>(std::lround(duration / dt))) : 0;
   for (int i = 0; i < steps; ++i) {
     constexpr int kPollInterval = 1024;
     if (i % kPollInterval == 0) internal::poll_interrupt();
     points.push_back(at(i * dt));
   }
-  points.push_back(at(duration_s()));
+  points.push_back(at(duration));
   return points;
 }
 
@@ -129,9 +166,14 @@ Result<Trajectory> parameterize(const Robot& robot, const Path& path, const Rate
   // Averaging and rounding each use half of the tolerance.
   const bool is_smooth = internal::has_jerk_limit(limits);
   const double tolerance = is_smooth ? settings.path_tolerance / 2 : settings.path_tolerance;
-  internal::RoundedPath rounded = internal::round_corners(robot, path, tolerance, verifier);
-  if (!is_smooth) return internal::follow_fastest(rounded, limits).motion;
-  return internal::follow_smoothly(std::move(rounded), limits, tolerance, verifier);
+  const Configuration turns = whole_turns(robot, path.front());
+  internal::RoundedPath rounded =
+      internal::round_corners(robot, without_turns(robot, path, turns), tolerance, verifier);
+  Trajectory motion =
+      is_smooth ? internal::follow_smoothly(std::move(rounded), limits, tolerance, verifier)
+                : internal::follow_fastest(rounded, limits).motion;
+  motion.shift(turns);
+  return motion;
 }
 
 }  // namespace mneme

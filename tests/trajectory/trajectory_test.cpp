@@ -54,7 +54,7 @@ TEST_SUITE("unit") {
     }
     const Trajectory::Point &first = points.front(), &last = points.back();
     CHECK(last.time_s == motion.duration_s());
-    CHECK(last.time_s - points[points.size() - 2].time_s <= 0.01 * (1 + 1e-9));
+    CHECK(last.time_s - points[points.size() - 2].time_s <= 0.015 * (1 + 1e-9));
     CHECK(first.position == kTurn.front());
     CHECK(first.velocity == Configuration(3, 0.0));
     CHECK(largest(first.acceleration) > 0.9);
@@ -69,6 +69,42 @@ TEST_SUITE("unit") {
     CHECK(motion.duration_s() == doctest::Approx(2));
     CHECK(motion.sample(0.1).value().size() == 21);
     CHECK(motion.sample(1000).value().size() == 2);
+  }
+
+  TEST_CASE("the last step takes at least half of dt, and durations are whole nanoseconds") {
+    const EmptyScene empty(gantry());
+    for (const double reach : {1.0, 0.0625, 0.333, 0.7071, 1e-5}) {
+      const Trajectory motion = require_timed(empty, {{0, 0, 0}, {reach, 0, 0}}, kOnes);
+      CAPTURE(reach);
+      const double nanoseconds = motion.duration_s() * 1e9;
+      CHECK(std::abs(nanoseconds - std::round(nanoseconds)) < 1e-5);
+      for (const double dt : {1e-4, 1e-3, 0.0173, 0.01}) {
+        const auto points = motion.sample(dt).value();
+        REQUIRE(points.size() >= 2);
+        const double last_s = points.back().time_s - points[points.size() - 2].time_s;
+        CHECK(last_s > std::min(0.4999 * dt, 0.9999 * motion.duration_s()));
+        CHECK(last_s < std::max(1.5001 * dt, 1.0001 * motion.duration_s()));
+        CHECK(points.back().position[0] == doctest::Approx(reach));
+        CHECK(points.back().velocity == Configuration(3, 0.0));
+      }
+    }
+  }
+
+  TEST_CASE("a trajectory begins at the turn of its path, however many turns that is") {
+    const EmptyScene empty(thick_arm({1, 1}));
+    const RateLimits limits{{1, 1}, {1, 1}};
+    const Path once = {{3, 0}, {-3, 0.5}, {-2.5, 0}};
+    Path thrice = once;
+    thrice.front()[0] += 6 * kPi;
+    const Trajectory near = require_timed(empty, once, limits);
+    const Trajectory far = require_timed(empty, thrice, limits);
+    CHECK(far.duration_s() == near.duration_s());
+    CHECK(far.at(0).position == thrice.front());
+    for (double time_s = 0; time_s < near.duration_s() + 0.1; time_s += 0.1) {
+      const double offset = far.at(time_s).position[0] - near.at(time_s).position[0];
+      CHECK(offset == doctest::Approx(6 * kPi).epsilon(1e-12));
+    }
+    CHECK(near.at(near.duration_s()).position[0] == doctest::Approx(2 * kPi - 2.5));
   }
 
   TEST_CASE("with a limit of jerk acceleration grows from 0, and there is a wait where it stops") {
