@@ -46,6 +46,16 @@ Transform pose_of(const py::object& position, const py::object& quat_xyzw) {
   return pose;
 }
 
+/// Makes what the first plan would have to make.
+void prepare(const Scene& scene, const std::string& name) {
+  Scene own;  // other threads may edit the scene meanwhile
+  own.obstacles = {*scene.find(name)};
+  static_cast<void>(run_interruptible([&] {
+    own.prepare(name);
+    return true;
+  }));
+}
+
 /// Shapes of one name are one body.
 void add(Scene& scene, const std::string& name, const Shape& shape) {
   if (name.empty()) raise_invalid("name: expected one that is not empty");
@@ -85,6 +95,7 @@ std::size_t add_points(Scene& scene, const std::string& name, const py::object& 
   const std::size_t ignored = static_cast<std::size_t>(rows.shape(0)) - finite.size();
   const auto parts = std::make_shared<Parts<CloudPoint>>(std::move(finite));
   add(scene, name, PointCloud{pose_of(position, quat_xyzw), parts, radius});
+  prepare(scene, name);
   return ignored;
 }
 
@@ -114,6 +125,7 @@ void add_mesh(Scene& scene, const std::string& name, const py::object& vertices,
   if (list.empty()) raise_invalid("triangles: expected at least one with an area above 0");
   const auto parts = std::make_shared<Parts<Triangle>>(std::move(list));
   add(scene, name, Mesh{pose_of(position, quat_xyzw), parts, 0});
+  prepare(scene, name);
 }
 
 void replace_points(Scene& scene, const std::string& name, py::ssize_t first,

@@ -8,6 +8,7 @@
 #include "geometry/box_tree.h"
 #include "geometry/compound_grids.h"
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
 
@@ -64,5 +65,16 @@ struct PartsAccess {
                                                          const AxisBox& box);
 [[nodiscard]] std::shared_ptr<const PartTree> share_grid(const Parts<Cube>& parts,
                                                          const AxisBox& box);
+
+/// Returns the box, in the frame of the parts, around all parts that can touch something within
+/// `reach` of the origin.
+template <class Part>
+AxisBox region_of_interest(const CompoundShape<Part>& compound, double reach) {
+  const AxisBox all = PartsAccess::bounds(*compound.parts);
+  const Vec3 origin = compound.pose.inverse().translation;
+  const Vec3 half = Vec3::Constant(std::min(reach + compound.radius, 1e6));
+  const AxisBox box = intersection(all, {origin - half, origin + half});
+  return box.is_empty() ? AxisBox{all.low, all.low} : box;
+}
 
 }  // namespace mneme::internal

@@ -97,6 +97,19 @@ Result<void> Scene::add_shape(const std::string& obstacle, Shape shape) {
   return {};
 }
 
+void Scene::prepare(std::string_view obstacle) const {
+  constexpr double kReach = 2.5;  // metres, with what checkers add
+  const auto prepare_shape = [&](const auto& shape) {
+    if constexpr (requires { shape.parts; }) {
+      const internal::AxisBox region = internal::region_of_interest(shape, kReach);
+      static_cast<void>(internal::share_grid(*shape.parts, region));
+    }
+  };
+  const Obstacle* found = find(obstacle);
+  if (found == nullptr) return;
+  for (const Shape& shape : found->shapes) std::visit(prepare_shape, shape);
+}
+
 Result<void> Scene::remove(std::string_view obstacle) {
   const Obstacle* found = find(obstacle);
   if (found == nullptr) return refuse_unknown(*this, obstacle);

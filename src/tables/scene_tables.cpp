@@ -86,17 +86,6 @@ Eigen::Matrix3d choose_axes(const Scene& scene) {
   return best.transpose();
 }
 
-/// Returns the box, in the frame of the parts, around all parts that can touch something within
-/// `reach` of the scene's origin.
-template <class Part>
-AxisBox region_of_interest(const CompoundShape<Part>& compound, double reach) {
-  const AxisBox all = PartsAccess::bounds(*compound.parts);
-  const Vec3 origin = compound.pose.inverse().translation;
-  const Vec3 half = Vec3::Constant(std::min(reach + compound.radius, 1e6));
-  const AxisBox box = intersection(all, {origin - half, origin + half});
-  return box.is_empty() ? AxisBox{all.low, all.low} : box;
-}
-
 void set_grid(const PointGrid& grid, CompoundRow& row) { row.points = &grid; }
 void set_grid(const PartTree& tree, CompoundRow& row) { row.tree = &tree; }
 
