@@ -214,8 +214,11 @@ void bind_numbers(py::class_<Plan>& type) {
   type.def_property_readonly("total_time_s",
                              [](const Plan& self) { return self.result.total_time_s; })
       .def_property_readonly(
+          "preparation_time_s", [](const Plan& self) { return self.result.preparation_time_s; },
+          "Time to make the collision checker of a new scene. Outside of the time limit.")
+      .def_property_readonly(
           "planning_time_s", [](const Plan& self) { return self.result.planning_time_s; },
-          "total_time_s without simplification and verification.")
+          "total_time_s without preparation, simplification and verification.")
       .def_property_readonly("retrieval_time_s",
                              [](const Plan& self) { return self.result.gl.retrieval_time_s; })
       .def_property_readonly("learning_time_s",

@@ -57,6 +57,8 @@ struct SolveSettings {
   double replay = 0;
   std::optional<double> resolution;
   double margin = 0;
+  double start_tolerance = 0.05;
+  double allow_at_ends = 0.005;
   int threads = 1;
   Isa isa = Isa::automatic;  ///< instruction set of the kernels
   PlanSettings plan;
@@ -78,25 +80,21 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Default: by kind (see table). The paper: equal to lambda, which makes it constant.");
   visit("sigma", s.sigma, 0.0, 10.0,
         "Standard deviation of a mixture component, radians (half as many metres for prismatic "
-        "joints). Smaller repeats the past, larger explores around it. Default: by kind (see "
-        "table). The paper: 0.1.");
-  visit(
-      "similarity", s.similarity, 0.0, 1e9,
-      "Retrieve samplers whose squared key distance is below this, m^2 (rad^2 for whole paths). "
-      "A sampler of the very same key always counts. Default: by kind (see table). The paper: 3.");
+        "joints). Smaller repeats the past, larger explores. Default: by kind (see table). The "
+        "paper: 0.1.");
+  visit("similarity", s.similarity, 0.0, 1e9,
+        "Retrieve samplers whose squared key distance is below this, m^2 (rad^2 for whole paths), "
+        "or whose key is the same. Default: by kind (see table). The paper: 3.");
   visit("max-matches", s.max_matches, 1, 1000000,
         "Nearest samplers to retrieve per primitive. More take longer and are less similar. "
         "Default: by kind (see table). The paper: all, which is the largest value.");
   visit("drop-invalid-means", s.drop_invalid_means, false, true,
-        "Drop retrieved means that are in contact in the whole scene, after one batch of state "
-        "checks. Samples around a mean just inside an obstacle may help. Default: by kind (see "
-        "table). The paper: off.");
-  visit(
-      "retarget", s.retarget, false, true,
-      "Fit each remembered mean to the query's own gap when it is first sampled, the most similar "
-      "match first and one more match every 1000 samples. Off, or for kinds that cannot be "
-      "fitted: the robot's symmetry moves all means before planning. Default: by kind (see "
-      "table). The paper: off.");
+        "Drop retrieved means that are in contact. Samples around a mean just inside an obstacle "
+        "may help. Default: by kind (see table). The paper: off.");
+  visit("retarget", s.retarget, false, true,
+        "Fit each remembered mean to the query's gap when it is first sampled, the most similar "
+        "match first and one more match every 1000 samples. Off: the robot's symmetry moves all "
+        "means before planning. Default: by kind (see table). The paper: off.");
   visit("retrieve-after", s.retrieve_after, 0, 1000000000,
         "Iterations with uniform samples before memory is queried, so that easy problems do not "
         "pay for it. Default: by kind (see table). The paper: 0.");
@@ -112,17 +110,22 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("remember-after", s.remember_after, 0, 1000000000,
         "Insert what a solved problem teaches once this many iterations have accumulated since the "
         "last insertion; 0: after each solved problem. Default: never.");
-  visit(
-      "replay", s.replay, 0.0, 1e6,
-      "Known tasks: before any search, remembered paths whose ends are closer than this to the "
-      "query's (key distance, radians) are bent to them, checked and repaired; 0: none. 0.5 suits "
-      "a cell that repeats its tasks.");
+  visit("replay", s.replay, 0.0, 1e6,
+        "Before any search, try remembered paths whose ends are closer than this to the query's "
+        "(key distance, radians), fitted and repaired. 0: none; 0.5 suits tasks that repeat.");
   visit("resolution", s.resolution, 1e-4, 10.0,
         "Largest L2 joint distance between checked states of a motion, radians. Default: the "
         "robot's (0.02 for a planar arm, 1/32 otherwise).");
   visit("margin", s.margin, 0.0, 10.0,
         "Distance that the robot keeps from obstacles, start and goal included, metres. Does not "
         "apply between its own links.");
+  visit("start-tolerance", s.start_tolerance, 0.0, 1.0,
+        "How far a start may be beyond limits or cones, radians (a tenth as many metres for "
+        "prismatic joints); it may also overlap anything by 1 mm. The first motion leads it "
+        "inside. 0: no exception.");
+  visit("allow-at-ends", s.allow_at_ends, 0.0, 1.0,
+        "How far an attached object may move while it leaves a contact that exists at the start, "
+        "or enters one that exists at a goal, metres. 0: no contact.");
   visit("threads", s.threads, 1, 64,
         "Number of simultaneous searches from different seeds; the one with the fewest iterations "
         "wins. The path depends on this number, but not on timing. OMPL's planners take 1.");
@@ -133,19 +136,27 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// means moved by symmetry only and not checked, no escape walks, no anchored samples.
 [[nodiscard]] SolveSettings with_memory_mode(SolveSettings settings);
 
+/// Returns what the settings allow at the ends of a path, for is_path_free().
+[[nodiscard]] inline EndTolerances end_tolerances(const SolveSettings& settings) {
+  constexpr double kMetresPerRadian = 0.1;
+  const double length = kMetresPerRadian * settings.start_tolerance;
+  const double depth = settings.start_tolerance > 0 ? EndTolerances().depth : 0;
+  return {settings.start_tolerance, length, depth, settings.allow_at_ends};
+}
+
 /// Checks settings without a problem. Errors: a setting out of range; an unknown planner, sampler
 /// or kind of memory; a combination that cannot work.
 [[nodiscard]] Result<void> check_settings(const SolveSettings& settings);
 
-/// Returns the query to memory for a problem, with `goals` instead of its own and the robot without
-/// attached objects. Refers to both arguments.
-[[nodiscard]] inline MemoryQuery memory_query(const Problem& problem,
+/// Returns the query to memory for a problem, with these ends and the robot without
+/// attached objects. Refers to its arguments.
+[[nodiscard]] inline MemoryQuery memory_query(const Problem& problem, const Configuration& start,
                                               std::span<const Configuration> goals) {
-  const Configuration* start = problem.start.empty() ? nullptr : &problem.start;
-  return {problem.robot.without_attached(), problem.scene, start, goals, problem.constraints};
+  return {problem.robot.without_attached(), problem.scene, start.empty() ? nullptr : &start, goals,
+          problem.constraints};
 }
 [[nodiscard]] inline MemoryQuery memory_query(const Problem& problem) {
-  return memory_query(problem, problem.goals);
+  return memory_query(problem, problem.start, problem.goals);
 }
 
 /// The result of Algorithm 2.
@@ -203,14 +214,16 @@ struct SolveResult {
   /// The problem's goals except those in contact, then configurations for its poses, then the goal
   /// reached.
   std::vector<Configuration> goals;
-  /// For people: goals that were ignored, pairs that were checked by exact geometry, and why.
+  /// For people: goals that were ignored, exceptions at the ends of the path, pairs that were
+  /// checked by exact geometry, and why.
   std::vector<std::string> notes;
   /// The problem's scene with the pairs that were checked by exact geometry (make_query_checker);
   /// empty without such pairs.
   std::optional<Scene> scene;
-  double goal_time_s = 0;      ///< part of planning: resolving pose goals
-  double total_time_s = 0;     ///< solve() from call to return
-  double planning_time_s = 0;  ///< total without shortening, verification, improvement, insertion
+  double preparation_time_s = 0;  ///< making the collision checker; not part of the time limit
+  double goal_time_s = 0;         ///< part of planning: resolving pose goals
+  double total_time_s = 0;        ///< solve() from call to return
+  double planning_time_s = 0;     ///< without preparation and what follows planning
   double improvement_time_s = 0;
   std::string planner;
   std::string sampler;
@@ -225,6 +238,10 @@ struct SolveResult {
 
 /// Resolves pose goals, decomposes the scene, retrieves or learns local samplers, synthesizes one
 /// sampler, plans, shortens and verifies. With a null `database`, samplers of memory are uniform.
+/// The path begins at the start as given and is unwrapped: see unwrapped(). Exceptions for its
+/// first and last motion are those of end_tolerances(). Where attached objects may touch obstacles
+/// (Obstacle::may_touch), half of the time is first spent on a path that touches them at its ends
+/// only.
 /// Errors: those of check_settings(); a scene that cannot be checked or decomposed; a database of
 /// another robot.
 [[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database,

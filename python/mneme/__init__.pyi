@@ -265,7 +265,8 @@ class CollisionChecker:
     def is_valid(self, q: npt.ArrayLike) -> Union[bool, npt.NDArray[np.bool_]]: ...
     def is_motion_valid(self, start: npt.ArrayLike, end: npt.ArrayLike) -> bool: ...
     def contacts(self, q: npt.ArrayLike) -> list[dict[str, Any]]: ...
-    def is_path_free(self, path: npt.ArrayLike, resolution: Optional[float] = None) -> bool: ...
+    def is_path_free(self, path: npt.ArrayLike, resolution: Optional[float] = None, *,
+                     start_tolerance: float = ..., allow_at_ends: float = ...) -> bool: ...
 
 class Primitive:
     @staticmethod
@@ -573,6 +574,8 @@ def plan(
     replay: float = 0.0,
     resolution: Optional[float] = None,
     margin: float = 0.0,
+    start_tolerance: float = 0.05,
+    allow_at_ends: float = 0.005,
     threads: int = 1,
     # /settings
     # settings:plan

@@ -251,7 +251,7 @@ void reverse_if_needed(const ResolvedQuery& resolved, PriorRows& path) {
 
 Result<PriorRows> find_most_similar(const ResolvedQuery& resolved) {
   const Query& query = resolved.query;
-  const MemoryQuery request = memory_query(query.problem, resolved.ends.goals);
+  const MemoryQuery request = memory_query(query.problem, resolved.ends.start, resolved.ends.goals);
   PriorRows found;
   double least = std::numeric_limits<double>::infinity();
   for (const KindSettings& kind : query.kinds) {

@@ -41,7 +41,8 @@ class MemorySampler {
   /// Refers to the query.
   MemorySampler(const ResolvedQuery& resolved, Recall recall, Timing timing = Timing::lazy)
       : resolved_(resolved),
-        memory_query_(mneme::memory_query(resolved.query.problem, resolved.ends.goals)),
+        memory_query_(
+            mneme::memory_query(resolved.query.problem, resolved.ends.start, resolved.ends.goals)),
         recall_(std::move(recall)),
         timing_(timing) {}
 

@@ -166,7 +166,7 @@ Result<void> check_primitives(const Problem& problem, const std::vector<KindSett
     return {};
   }
   for (const KindSettings& kind : kinds) {
-    MNEME_TRY(kind.kind->decompose(memory_query(problem, problem.goals), kind.max_gap));
+    MNEME_TRY(kind.kind->decompose(memory_query(problem), kind.max_gap));
   }
   return {};
 }

@@ -35,7 +35,8 @@ struct Query {
   const PlannerEntry& planner;
   const SamplerEntry& sampler;
   std::vector<KindSettings> kinds;  ///< empty without a database
-  Stopwatch stopwatch;              ///< started by make_query()
+  /// Of the time limit: started by make_query(), and again once the scene is prepared.
+  mutable Stopwatch stopwatch = {};
 
   [[nodiscard]] CheckerSettings checker_settings() const;
   /// True once the time limit is reached or the call is cancelled.

@@ -15,8 +15,9 @@ Result<int> insert_solved(const ResolvedQuery& resolved, const Path& path, const
   const PlanSettings& plan = query.settings.plan;
   const std::vector<Path> paths = {kind.replay > 0 ? widen(resolved.checker, path, plan.finish())
                                                    : path};
-  auto rows = MNEME_TRY(learn_from_paths(memory_query(query.problem, resolved.ends.goals), paths,
-                                         {std::string(kind.kind->name), kind.max_gap}));
+  auto rows = MNEME_TRY(
+      learn_from_paths(memory_query(query.problem, resolved.ends.start, resolved.ends.goals), paths,
+                       {std::string(kind.kind->name), kind.max_gap}));
   if (rows.empty()) return 0;
   for (Experience& row : rows) {
     if (row.is_path()) row.path().planning_states = planning_states;

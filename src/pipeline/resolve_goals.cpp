@@ -3,6 +3,7 @@
 #include "pipeline/resolve_goals.h"
 
 #include "base/threads.h"
+#include "planning/end_contacts.h"
 
 #include <algorithm>
 #include <iterator>
@@ -11,23 +12,44 @@
 namespace mneme::internal {
 namespace {
 
-Result<CellChecker> make_checker(const Query& query) {
+IkSettings ik_settings(const Query& query) {
+  IkSettings settings = query.settings.ik;
+  settings.seed = query.settings.plan.seed;
+  settings.is_over = [&query] { return query.is_over(); };
+  return settings;
+}
+
+Result<CellChecker> make_checker(const Query& query, const PlanQuery& ends) {
   const Problem& problem = query.problem;
-  const PlanQuery ends{problem.start, problem.goals};
-  if (query.database != nullptr && query.settings.replay > 0) {
-    return find_or_make_checker(problem.robot, problem.scene, query.checker_settings(), ends);
-  }
   return make_query_checker(problem.robot, problem.scene, query.checker_settings(), ends)
       .map([](QueryChecker made) {
         return CellChecker{std::move(made), nullptr};
       });
 }
 
-IkSettings ik_settings(const Query& query) {
-  IkSettings settings = query.settings.ik;
-  settings.seed = query.settings.plan.seed;
-  settings.is_over = [&query] { return query.is_over(); };
-  return settings;
+/// Keeps the checker for other queries where known tasks are replayed.
+Result<CellChecker> find_checker(const Query& query, const PlanQuery& ends) {
+  const Problem& problem = query.problem;
+  if (query.database == nullptr || query.settings.replay == 0) return make_checker(query, ends);
+  return find_or_make_checker(problem.robot, problem.scene, query.checker_settings(), ends);
+}
+
+/// Replaces ends that are barely outside by configurations nearby.
+Result<GivenEnds> move_inside(const Query& query, CellChecker& made, PlanQuery& ends) {
+  const SolveSettings& settings = query.settings;
+  const bool has_tolerance = settings.start_tolerance > 0 || settings.allow_at_ends > 0;
+  if (made.checked.are_ends_clear || !has_tolerance) return GivenEnds{};
+  // Exact geometry may have cleared them.
+  const CollisionChecker& checker = made.checked.checker;
+  const auto is_clear_end = [&](const Configuration& q) {
+    return !checker.robot().describe_violation(q, "") && is_clear(checker, q);
+  };
+  if (is_clear_end(ends.start) && std::ranges::all_of(ends.goals, is_clear_end)) {
+    return GivenEnds{};
+  }
+  GivenEnds given = move_ends_inside(query, made.checked.checker, ends);
+  if (!given.empty()) made = MNEME_TRY(make_checker(query, ends));
+  return given;
 }
 
 Result<PoseGoalSource> make_source(const Query& query, const CollisionChecker& checker) {
@@ -74,6 +96,20 @@ Result<void> resolve_poses(const Query& query, CellChecker& made, PlanQuery& end
   return {};
 }
 
+/// Takes configurations for the poses in which an attached object touches what it is put on.
+Result<void> enter_contact(const Query& query, CellChecker& made, PlanQuery& ends, GivenEnds& given,
+                           std::vector<Configuration> blocked) {
+  if (query.settings.allow_at_ends == 0 || query.problem.robot.attached().empty()) return {};
+  PlanQuery tried{ends.start, std::move(blocked)};
+  GivenEnds entered = move_ends_inside(query, made.checked.checker, tried);
+  if (entered.goals.empty()) return {};
+  for (const GivenEnds::Goal& goal : entered.goals) ends.goals.push_back(goal.inside);
+  std::ranges::move(entered.goals, std::back_inserter(given.goals));
+  std::ranges::move(entered.notes, std::back_inserter(given.notes));
+  made = MNEME_TRY(make_checker(query, ends));
+  return {};
+}
+
 /// Explains in `refusal` why no configuration was found for the poses.
 void explain_missing_goals(const ResolvedQuery& resolved, PlanResult& refusal) {
   const Query& query = resolved.query;
@@ -92,26 +128,37 @@ void explain_missing_goals(const ResolvedQuery& resolved, PlanResult& refusal) {
 
 Result<ResolvedQuery> resolve_goals(const Query& query) {
   const Problem& problem = query.problem;
-  CellChecker made = MNEME_TRY(make_checker(query));
   PlanQuery ends{problem.start, problem.goals};
+  const Stopwatch preparing;
+  CellChecker made = MNEME_TRY(find_checker(query, ends));
+  const double preparation_time_s = preparing.elapsed_s();
+  query.stopwatch = Stopwatch();
+  GivenEnds given = MNEME_TRY(move_inside(query, made, ends));
   std::optional<PoseGoalSource> further_goals;
-  const bool has_start = !problem.robot.describe_violation(problem.start, "start");
+  const bool has_start = !problem.robot.describe_violation(ends.start, "start");
   if (!problem.pose_goals.empty() && has_start) {
     MNEME_TRY(resolve_poses(query, made, ends, further_goals));
+    if (ends.goals.empty()) {
+      MNEME_TRY(enter_contact(query, made, ends, given, further_goals->blocked()));
+    }
   }
   const bool are_ends_clear = made.checked.are_ends_clear && problem.pose_goals.empty();
   const bool has_exact_pairs = !made.checked.notes.empty();
   ResolvedQuery resolved{query,
                          std::move(ends),
+                         std::move(given),
                          std::move(made.checked.checker),
                          std::move(made.cell),
                          std::move(further_goals),
-                         std::move(made.checked.notes),
+                         {},
                          has_exact_pairs,
-                         {}};
+                         {},
+                         preparation_time_s};
   const auto add_notes = [&](std::vector<std::string> notes) {
     std::ranges::move(notes, std::back_inserter(resolved.notes));
   };
+  add_notes(resolved.given.notes);
+  add_notes(std::move(made.checked.notes));
   const bool has_poses = resolved.further_goals.has_value();
   // Without any goal the refusal explains it.
   if (has_poses && !resolved.ends.goals.empty()) {
@@ -129,8 +176,12 @@ Result<ResolvedQuery> resolve_goals(const Query& query) {
 SolveResult describe(const ResolvedQuery& resolved) {
   SolveResult result;
   result.goals = resolved.ends.goals;
+  for (const GivenEnds::Goal& goal : resolved.given.goals) {
+    std::ranges::replace(result.goals, goal.inside, goal.given);
+  }
   result.notes = resolved.notes;
   if (resolved.has_exact_pairs) result.scene = resolved.checker.scene();
+  result.preparation_time_s = resolved.preparation_time_s;
   result.planner = resolved.query.planner.name;
   result.sampler = resolved.query.sampler.name;
   result.seed = resolved.query.settings.plan.seed;

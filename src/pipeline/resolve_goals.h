@@ -4,6 +4,7 @@
 /// Goal configurations of a problem.
 #pragma once
 
+#include "pipeline/given_ends.h"
 #include "pipeline/query.h"
 #include "replay/proven_motions.h"
 
@@ -19,17 +20,19 @@ namespace mneme::internal {
 struct ResolvedQuery {
   const Query& query;
   PlanQuery ends;
+  GivenEnds given;  ///< ends that others stand for in `ends`
   CollisionChecker checker;
   std::shared_ptr<StaticCell> cell;  ///< of the checker, for replay; may be null
   /// Source of further goals, if the problem has poses.
   std::optional<PoseGoalSource> further_goals;
-  /// For people: pairs that are checked by exact geometry, goals that were ignored.
+  /// For people: exceptions at the ends, pairs that are checked by exact geometry, ignored goals.
   std::vector<std::string> notes;
   bool has_exact_pairs = false;       ///< True if checker.scene() has more exact pairs.
   std::optional<PlanResult> refusal;  ///< set if start or goals cannot be planned
+  double preparation_time_s = 0;      ///< making the checker; the time limit begins after it
 };
 
-/// Makes the checker, finds configurations for the problem's poses within the time limit, drops
+/// Makes the checker, starts the time limit, finds configurations for the problem's poses, drops
 /// goals in contact, and checks the ends. Errors: a scene that cannot be checked; those of
 /// PoseGoalSource::make().
 [[nodiscard]] Result<ResolvedQuery> resolve_goals(const Query& query);

@@ -6,6 +6,7 @@
 // remember.
 #include "mneme/pipeline.h"
 
+#include "base/threads.h"
 #include "pipeline/improve.h"
 #include "pipeline/memory_sampler.h"
 #include "pipeline/memory_steps.h"
@@ -16,6 +17,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
+#include <string>
 #include <utility>
 
 namespace mneme {
@@ -54,7 +57,7 @@ PlanResult replay(const ResolvedQuery& resolved, Replay& report) {
   if (kind == query.kinds.end() || query.settings.plan.timeout_s <= 0) return {};
   PlanSettings settings = query.settings.plan;
   settings.timeout_s = query.remaining_s();
-  const MemoryQuery ends = memory_query(query.problem, resolved.ends.goals);
+  const MemoryQuery ends = memory_query(query.problem, resolved.ends.start, resolved.ends.goals);
   return internal::replay({*query.database, *kind->kind, kind->max_gap, kind->replay, ends,
                            resolved.ends, resolved.checker, resolved.cell.get(), settings},
                           report);
@@ -76,23 +79,68 @@ void add_reached_goal(const Robot& robot, SolveResult& result) {
   if (std::ranges::none_of(result.goals, is_end)) result.goals.push_back(end);
 }
 
-void add_times(double total_time_s, SolveResult& result) {
-  result.total_time_s = total_time_s;
-  result.planning_time_s = total_time_s - result.plan.simplification_time_s -
-                           result.plan.verification_time_s - result.improvement_time_s -
-                           result.remembered.time_s;
+/// The problem with attached objects checked against obstacles that they may touch; nothing if
+/// there are none.
+std::optional<Problem> without_allowed_contact(const Problem& problem) {
+  const auto is_attached = [&](const std::string& name) {
+    return std::ranges::any_of(problem.robot.attached(), [&](const ApproximatedObject& attached) {
+      return attached.object.name == name;
+    });
+  };
+  const auto allows = [&](const Obstacle& obstacle) {
+    return std::ranges::any_of(obstacle.may_touch, is_attached);
+  };
+  if (problem.robot.attached().empty() || std::ranges::none_of(problem.scene.obstacles, allows)) {
+    return std::nullopt;
+  }
+  Problem stricter = problem;
+  for (Obstacle& obstacle : stricter.scene.obstacles) {
+    std::erase_if(obstacle.may_touch, is_attached);
+  }
+  return stricter;
 }
 
-}  // namespace
+void add_times(double total_time_s, SolveResult& result) {
+  result.total_time_s = total_time_s;
+  result.planning_time_s = total_time_s - result.preparation_time_s -
+                           result.plan.simplification_time_s - result.plan.verification_time_s -
+                           result.improvement_time_s - result.remembered.time_s;
+}
 
-Result<SolveResult> solve(const Problem& problem, Database* database,
-                          const SolveSettings& settings) {
+/// Nothing if the query was cancelled while its scene was prepared.
+std::optional<Result<ResolvedQuery>> resolve_unless_cancelled(const Query& query) {
+  const auto is_cancelled = [&] { return internal::is_set(query.settings.plan.cancel); };
+  const InterruptScope scope(is_cancelled);
+  try {
+    return internal::resolve_goals(query);
+  } catch (const Interrupted&) {
+    if (!is_cancelled()) throw;  // a scope of the caller is over
+    return std::nullopt;
+  }
+}
+
+SolveResult cancelled_result(const Query& query, double time_s) {
+  SolveResult result;
+  result.plan.status = PlanStatus::cancelled;
+  result.plan.message = "cancelled";
+  result.planner = query.planner.name;
+  result.sampler = query.sampler.name;
+  result.seed = query.settings.plan.seed;
+  result.preparation_time_s = result.total_time_s = time_s;
+  return result;
+}
+
+Result<SolveResult> solve_as_given(const Problem& problem, Database* database,
+                                   const SolveSettings& settings) {
   const Stopwatch stopwatch;
   const Query query = MNEME_TRY(internal::make_query(problem, database, settings));
   const Stopwatch goal_stopwatch;
-  const ResolvedQuery resolved = MNEME_TRY(internal::resolve_goals(query));
+  const auto made = resolve_unless_cancelled(query);
+  if (!made) return cancelled_result(query, stopwatch.elapsed_s());
+  if (!*made) return tl::unexpected(made->error());
+  const ResolvedQuery& resolved = **made;
   SolveResult result = internal::describe(resolved);
-  result.goal_time_s = goal_stopwatch.elapsed_s();
+  result.goal_time_s = goal_stopwatch.elapsed_s() - result.preparation_time_s;
   if (resolved.refusal) {
     result.plan = *resolved.refusal;
   } else if (PlanResult replayed = replay(resolved, result.replay); replayed.is_solved()) {
@@ -106,13 +154,39 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
     const std::uint64_t planning_states = planned.plan.states_checked;
     result.plan = std::move(planned.plan);
     result.plan.planning_time_s += memory.time_s();
-    if (resolved.further_goals) add_reached_goal(problem.robot, result);
     improve(resolved, *sampler, result);
     result.gl = memory.take(planned.samples);
     add_work(replayed, result.replay.time_s, result.plan);
     result.remembered = remember(resolved, result.plan, planning_states);
   }
+  result.plan.path = resolved.given.completed(problem.robot, std::move(result.plan.path));
+  result.plan.path = unwrapped(problem.robot, std::move(result.plan.path), problem.start);
+  if (resolved.further_goals) add_reached_goal(problem.robot, result);
   add_times(stopwatch.elapsed_s(), result);
+  return result;
+}
+
+}  // namespace
+
+Result<SolveResult> solve(const Problem& problem, Database* database,
+                          const SolveSettings& settings) {
+  const auto stricter =
+      settings.allow_at_ends > 0 ? without_allowed_contact(problem) : std::nullopt;
+  if (!stricter) return solve_as_given(problem, database, settings);
+  const Stopwatch stopwatch;
+  SolveSettings part = settings;
+  part.plan.timeout_s *= 0.5;
+  SolveResult kept = MNEME_TRY(solve_as_given(*stricter, database, part));
+  if (kept.plan.is_solved() || kept.plan.status == PlanStatus::cancelled) return kept;
+  part.plan.timeout_s = std::max(0.0, settings.plan.timeout_s - stopwatch.elapsed_s());
+  SolveResult result = MNEME_TRY(solve_as_given(problem, database, part));
+  result.total_time_s += kept.total_time_s;
+  result.planning_time_s += kept.planning_time_s;
+  result.preparation_time_s += kept.preparation_time_s;
+  result.notes.push_back(
+      "attached objects touch obstacles that they may touch also between start and goal: no path "
+      "was found without (" +
+      kept.plan.message + ")");
   return result;
 }
 

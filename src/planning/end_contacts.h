@@ -12,4 +12,9 @@ namespace mneme::internal {
 /// planner; exact distances cost a thousand times more.
 [[nodiscard]] bool is_clear(const CollisionChecker& checker, const Configuration& q);
 
+/// True if `q` is clear, or if only spheres are in contact and the exact geometry keeps
+/// kSolidClearance: then make_query_checker() checks these pairs by exact geometry.
+[[nodiscard]] bool is_clear_by_exact_geometry(const CollisionChecker& checker,
+                                              const Configuration& q);
+
 }  // namespace mneme::internal

@@ -74,6 +74,10 @@ bool add_exact(const Contact& contact, Scene& scene) {
 
 }  // namespace
 
+bool internal::is_clear_by_exact_geometry(const CollisionChecker& checker, const Configuration& q) {
+  return is_clear(checker, q) || !find_sphere_contacts(checker, q).empty();
+}
+
 Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
                                         const CheckerSettings& settings, const PlanQuery& ends) {
   CollisionChecker plain = MNEME_TRY(CollisionChecker::make(robot, scene, settings));

@@ -18,6 +18,7 @@ void add_clearance(Json& json, const LeastClearance& clearance) {
 
 void add_times(Json& json, const SolveResult& result, double load_time_s) {
   json["total_time_s"] = result.total_time_s;
+  json["preparation_time_s"] = result.preparation_time_s;
   json["planning_time_s"] = result.planning_time_s;
   json["goal_time_s"] = result.goal_time_s;
   json["retrieval_time_s"] = result.gl.retrieval_time_s;

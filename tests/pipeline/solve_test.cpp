@@ -95,6 +95,35 @@ double mean_iterations(const Problem& problem, Database* database, SolveSettings
 }  // namespace
 
 TEST_SUITE("flow") {
+  TEST_CASE("a path begins at the turn of the start and never jumps") {
+    Problem problem = easy_problem();
+    problem.goals[0][0] = -2.5;
+    for (const double turns : {0.0, 1.0, -3.0}) {
+      for (const double angle : {2.7, 0.1}) {
+        problem.start[0] = angle + 2 * kPi * turns;
+        for (const char* planner : {"rrt_connect", "rrt", "prm"}) {
+          SolveSettings settings;
+          settings.planner = planner;
+          const SolveResult result = solve_soundly(problem, nullptr, settings);
+          REQUIRE(result.plan.is_solved());
+          const Path& path = result.plan.path;
+          CHECK(path.front() == problem.start);
+          for (std::size_t i = 1; i < path.size(); ++i) {
+            CHECK(std::abs(path[i][0] - path[i - 1][0]) < kPi);
+          }
+          CHECK(std::abs(std::remainder(path.back()[0] + 2.5, 2 * kPi)) < 1e-6);
+          CHECK(is_path_free(problem.robot, problem.scene, path, 0.002));
+          const RateLimits limits{Configuration(8, 1.0), Configuration(8, 1.0)};
+          const auto trajectory = make_trajectory(problem, settings, path, limits);
+          REQUIRE(trajectory.has_value());
+          CHECK(trajectory->at(0).position == problem.start);
+          const Configuration end = trajectory->at(trajectory->duration_s()).position;
+          CHECK(end[0] == doctest::Approx(path.back()[0]));
+        }
+      }
+    }
+  }
+
   TEST_CASE("memory of similar pairs needs far fewer iterations than uniform sampling") {
     const Problem problem = planar_problem("threaded_b4");
     const auto primitives = decompose(memory_query(problem));

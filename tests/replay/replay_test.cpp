@@ -89,6 +89,21 @@ TEST_SUITE("flow") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("a replayed path begins at the turn of the start and is continuous") {
+    Cell cell;
+    cell.remember({{2, 0.5}, {3, 1.5}, {-2.5, 0.5}});
+    cell.problem.start = {2 + 2 * kPi, 0.5};
+    cell.problem.goals = {{-2.5, 0.5}};
+    const SolveResult result = cell.solve();
+    REQUIRE(result.replay.is_hit());
+    const Path& path = result.plan.path;
+    CHECK(path.front() == cell.problem.start);
+    for (std::size_t i = 1; i < path.size(); ++i)
+      CHECK(std::abs(path[i][0] - path[i - 1][0]) < kPi);
+    CHECK(path.back()[0] == doctest::Approx(4 * kPi - 2.5));
+    CHECK(cell.is_verified(path));
+  }
+
   TEST_CASE("tasks are remembered and replayed whatever the planner draws from") {
     Cell cell;
     cell.put({{0.5, 0.9, 0.3}});

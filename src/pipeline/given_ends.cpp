@@ -1,0 +1,243 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/given_ends.h"
+
+#include "base/as_index.h"
+#include "check/end_motions.h"
+#include "path/waypoints.h"
+#include "planning/end_contacts.h"
+#include "robot/joint_space.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+/// Metres that a link is moved out of contact, as shares of the stretch.
+constexpr std::array<double, 5> kShares = {0.24, 0.34, 0.48, 0.66, 0.88};
+constexpr double kDefaultStretch = 0.005;
+/// Radians: a solution of inverse kinematics farther away is another posture.
+constexpr double kFarthest = 0.3;
+/// Standard deviations of samples around an end, radians, and their number.
+constexpr std::array<double, 4> kSigmas = {0.002, 0.005, 0.01, 0.02};
+constexpr int kSamples = 16;
+/// States of the motion to an end; many where other links are near.
+constexpr int kFewStates = 64, kManyStates = 512;
+constexpr std::uint64_t kEndsTask = std::uint64_t{1} << 60;
+
+class EndMover {
+ public:
+  EndMover(const Query& query, const CollisionChecker& checker)
+      : query_(query),
+        checker_(checker),
+        robot_(checker.robot()),
+        tolerances_(end_tolerances(query.settings)),
+        motions_(robot_, checker.scene(), checker.margin(), tolerances_),
+        rng_(derive_seed(query.settings.plan.seed, kEndsTask)) {}
+
+  /// A configuration that stands for `given`, or nothing. Notes what `given` does not keep.
+  std::optional<Configuration> find_inside(const Configuration& given, const std::string& name,
+                                           std::vector<std::string>& notes) {
+    is_start_ = name == "start";
+    const bool is_out = robot_.describe_violation(given, "").has_value();
+    if (is_out && !(is_start_ && is_near_limits(robot_, given, tolerances_))) return std::nullopt;
+    std::optional<Configuration> nearest = keep_limits_and_cones(given);
+    if (!nearest) return std::nullopt;
+    const std::vector<Touch> touches = find_touches(given);
+    const bool may_leave = std::ranges::all_of(
+        touches, [&](const Touch& touch) { return motions_.may_leave(touch, is_start_); });
+    if (!may_leave) return std::nullopt;
+    if (*nearest == given && touches.empty()) return std::nullopt;
+    std::optional<Configuration> inside = find_free(given, *nearest);
+    if (inside) describe(given, touches, name, notes);
+    return inside;
+  }
+
+ private:
+  /// What is in contact at `q`: where only spheres are, as long as the exact geometry is too near
+  /// to be checked instead.
+  std::vector<Touch> find_touches(const Configuration& q) {
+    const std::vector<Touch> spheres = motions_.touching(q);
+    motions_.check_exactly(spheres);
+    std::vector<Touch> touches = motions_.touching(q, kSolidClearance);
+    std::erase_if(touches, [&](const Touch& touch) {
+      return std::ranges::none_of(spheres,
+                                  [&](const Touch& sphere) { return sphere.is_same_pair(touch); });
+    });
+    return touches;
+  }
+
+  /// The start within limits and cones; a goal as it is. Nothing if a cone is too far away.
+  [[nodiscard]] std::optional<Configuration> keep_limits_and_cones(
+      const Configuration& given) const {
+    if (!is_start_) return given;
+    Configuration q = given;
+    for (const LimitExcess& beyond : find_excess(robot_, given)) {
+      const Joint& joint = robot_.group_joint(beyond.joint);
+      double& value = q[as_index(beyond.joint)];
+      value = std::clamp(value, joint.lower, joint.upper);
+    }
+    std::vector<float> projected = to_floats(q);
+    if (!checker_.project(projected)) return std::nullopt;
+    if (projected == to_floats(q)) return q;
+    return robot_.normalized(Configuration(projected.begin(), projected.end()));
+  }
+
+  std::optional<Configuration> find_free(const Configuration& given, const Configuration& nearest) {
+    if (is_inside(given, nearest)) return nearest;
+    for (const double share : kShares) {
+      if (query_.is_over()) return std::nullopt;
+      const auto moved = move_out(nearest, share * stretch());
+      if (moved && is_inside(given, *moved)) return moved;
+    }
+    for (const double sigma : kSigmas) {
+      const std::vector<float> sigmas = joint_deviations(robot_, sigma);
+      for (int i = 0; i < kSamples && !query_.is_over(); ++i) {
+        Configuration q = nearest;
+        for (std::size_t j = 0; j < q.size(); ++j) q[j] += double{sigmas[j] * rng_.bell()};
+        if (is_inside(given, robot_.normalized(q))) return robot_.normalized(q);
+      }
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] double stretch() const {
+    return tolerances_.stretch > 0 ? tolerances_.stretch : kDefaultStretch;
+  }
+
+  /// True if everything is kept at `q`, and the straight motion from `given` leads there.
+  [[nodiscard]] bool is_inside(const Configuration& given, const Configuration& q) const {
+    if (robot_.describe_violation(q, "") || !is_clear_by_exact_geometry(checker_, q)) return false;
+    const auto keeps = [&](const OrientationConstraint& constraint) {
+      return tilt(robot_, constraint, q) <= constraint.angle - kTiltMargin &&
+             keeps_cone(robot_, constraint, {given, q}, checker_.resolution(), tolerances_);
+    };
+    return std::ranges::all_of(checker_.constraints(), keeps) && is_left(given, q);
+  }
+
+  [[nodiscard]] bool is_left(const Configuration& given, const Configuration& q) const {
+    const auto passes = [&](int states, double extra) {
+      return motions_.is_left_by(given, q, is_start_, states, extra);
+    };
+    return passes(kFewStates, room_between(given, q, kFewStates)) ||
+           (passes(kFewStates, 0) && passes(kManyStates, room_between(given, q, kManyStates)));
+  }
+
+  /// Metres that links move at most between a state of the motion and the nearest checked one.
+  [[nodiscard]] double room_between(const Configuration& from, const Configuration& to,
+                                    int states) const {
+    std::vector<float> delta = to_floats(robot_.difference(from, to));
+    for (float& value : delta) value = std::abs(value) / static_cast<float>(2 * states);
+    return checker_.displacement_bound(to_floats(robot_.normalized(from)),
+                                       to_floats(robot_.normalized(to)), delta);
+  }
+
+  /// A configuration that moves the link in contact by `length` metres away from what it touches.
+  [[nodiscard]] std::optional<Configuration> move_out(const Configuration& q, double length) const {
+    const std::vector<Touch> touches = motions_.touching(q, kSolidClearance);
+    if (touches.empty()) return std::nullopt;
+    // Children have higher indices than their parents, attached objects the highest.
+    const auto outer = [](const Touch& touch) {
+      return touch.is_self ? std::max(touch.link, touch.other) : touch.link;
+    };
+    const int link = outer(std::ranges::max(touches, {}, outer));
+    Vec3 direction = Vec3::Zero();
+    for (const Touch& touch : touches) {
+      if (touch.link == link) direction += motions_.direction_out(q, touch);
+      if (touch.is_self && touch.other == link) {
+        direction += motions_.direction_out(q, {touch.other, touch.link, true, touch.distance});
+      }
+    }
+    if (direction.norm() == 0) return std::nullopt;
+    PoseGoal goal;
+    goal.link = robot_.links()[as_index(link)].name;
+    goal.pose = robot_.link_poses(q)[as_index(link)];
+    goal.pose.translation += length * direction.normalized();
+    return reach(goal, q);
+  }
+
+  [[nodiscard]] std::optional<Configuration> reach(PoseGoal goal, const Configuration& near) const {
+    const auto kinematics = InverseKinematics::make(robot_, goal.link, checker_.isa());
+    if (!kinematics) return std::nullopt;
+    IkSettings settings;
+    settings.seeds = 16;
+    settings.position_tolerance = 1e-5;
+    settings.rotation_tolerance = 1e-4;
+    for (const double freedom : {0.0, std::numbers::pi}) {
+      goal.cone = goal.turn = freedom;
+      const IkResult reached = kinematics->solve(goal, near, settings);
+      if (reached.solutions.empty()) continue;
+      const Configuration& q = reached.solutions.front();
+      if (robot_.distance(near, q) < kFarthest) return q;
+    }
+    return std::nullopt;
+  }
+
+  void describe(const Configuration& given, const std::vector<Touch>& touches,
+                const std::string& name, std::vector<std::string>& notes) const {
+    for (const LimitExcess& beyond : find_excess(robot_, given)) {
+      const Joint& joint = robot_.group_joint(beyond.joint);
+      notes.push_back(fmt::format(
+          "{}: joint '{}' is {:.2g} {} beyond its limit; the first motion leads it inside", name,
+          joint.name, beyond.excess, joint.type == JointType::prismatic ? "m" : "rad"));
+    }
+    for (const OrientationConstraint& constraint : checker_.constraints()) {
+      const double excess = tilt(robot_, constraint, given) - constraint.angle;
+      if (excess <= 0) continue;
+      notes.push_back(fmt::format(
+          "{}: {} is tilted by {:.2g} rad beyond its cone; the first motion leads it inside", name,
+          constraint.link, excess));
+    }
+    for (const Touch& touch : touches) {
+      const std::string& other = touch.is_self
+                                     ? robot_.links()[as_index(touch.other)].name
+                                     : checker_.scene().obstacles[as_index(touch.other)].name;
+      notes.push_back(fmt::format(
+          "{}: '{}' touches {} '{}'; the {}", name, robot_.links()[as_index(touch.link)].name,
+          touch.is_self ? "link" : "obstacle", other,
+          is_start_ ? "first motion leaves this contact" : "last motion enters this contact"));
+    }
+  }
+
+  const Query& query_;
+  const CollisionChecker& checker_;
+  const Robot& robot_;
+  EndTolerances tolerances_;
+  EndMotions motions_;
+  Rng rng_;
+  bool is_start_ = true;
+};
+
+}  // namespace
+
+Path GivenEnds::completed(const Robot& robot, Path path) const {
+  constexpr double kSame = 1e-6;  // rounding to single precision
+  if (path.empty()) return path;
+  const auto reached = std::ranges::find_if(
+      goals, [&](const Goal& goal) { return robot.distance(goal.inside, path.back()) < kSame; });
+  if (start) path.insert(path.begin(), *start);
+  if (reached != goals.end()) path.push_back(reached->given);
+  return path;
+}
+
+GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker, PlanQuery& ends) {
+  GivenEnds given;
+  EndMover mover(query, checker);
+  if (auto inside = mover.find_inside(ends.start, "start", given.notes)) {
+    given.start = std::exchange(ends.start, *std::move(inside));
+  }
+  for (std::size_t i = 0; i < ends.goals.size() && !query.is_over(); ++i) {
+    const std::string name = ends.goals.size() == 1 ? "goal" : fmt::format("goal {}", i);
+    if (auto inside = mover.find_inside(ends.goals[i], name, given.notes)) {
+      given.goals.push_back({*inside, std::exchange(ends.goals[i], *inside)});
+    }
+  }
+  return given;
+}
+
+}  // namespace mneme::internal

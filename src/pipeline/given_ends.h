@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Starts and goals that are barely outside of what motions keep.
+#pragma once
+
+#include "pipeline/query.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mneme::internal {
+
+/// Ends of a query as they were given, where planning uses configurations nearby instead.
+struct GivenEnds {
+  struct Goal {
+    Configuration inside, given;
+  };
+  std::optional<Configuration> start;
+  std::vector<Goal> goals;
+  std::vector<std::string> notes;  ///< for people: a sentence about each exception
+
+  [[nodiscard]] bool empty() const { return !start && goals.empty(); }
+  /// Returns `path` with the given start and goal as its first and last waypoint.
+  [[nodiscard]] Path completed(const Robot& robot, Path path) const;
+};
+
+/// Replaces start and goals of `ends` that the tolerances of the settings permit, but no motion
+/// keeps, by configurations nearby: a straight motion between both leaves what it may not keep and
+/// keeps everything else. Other ends stay. Cost: milliseconds per replaced end.
+[[nodiscard]] GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker,
+                                         PlanQuery& ends);
+
+}  // namespace mneme::internal

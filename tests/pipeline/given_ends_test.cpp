@@ -1,0 +1,203 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Starts and goals that are barely outside of what motions keep.
+#include "mneme/pipeline.h"
+#include "mneme/spheres.h"
+
+#include "goal/posed_robots.h"
+#include "planning/small_worlds.h"
+
+#include <algorithm>
+#include <string>
+
+namespace mneme::test {
+namespace {
+
+SolveResult require_solved(const Problem& problem, const SolveSettings& settings = {}) {
+  auto result = solve(problem, nullptr, settings);
+  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+  REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
+  const Scene& scene = checked_scene(problem, *result);
+  CHECK(result->plan.path.front() == problem.start);
+  CHECK(is_path_free(problem.robot, scene, result->plan.path, 0.002, end_tolerances(settings)));
+  return *std::move(result);
+}
+
+PlanStatus status_of(const Problem& problem, const SolveSettings& settings) {
+  return solve(problem, nullptr, settings).value().plan.status;
+}
+
+bool has_note(const SolveResult& result, const std::string& text) {
+  return std::ranges::any_of(
+      result.notes, [&](const std::string& note) { return note.find(text) != std::string::npos; });
+}
+
+Problem make_problem(Robot robot, Scene scene, Configuration start, Configuration goal) {
+  return {.name = "",
+          .robot = std::move(robot),
+          .robot_path = "",
+          .scene = std::move(scene),
+          .start = std::move(start),
+          .goals = {std::move(goal)},
+          .warnings = {}};
+}
+
+Problem planar_world(Configuration start, Configuration goal,
+                     const std::vector<std::array<double, 3>>& circles) {
+  return make_problem(thick_arm({1, 1, 0.5}), make_circle_scene("world", circles), std::move(start),
+                      std::move(goal));
+}
+
+Robot panda_with_box() {
+  const Box box{{Eigen::Matrix3d::Identity(), {0, 0, 0.16}}, {0.02, 0.02, 0.06}};
+  AttachedObject object{"object", kHand, {box}, {}, {"panda_leftfinger", "panda_rightfinger"}};
+  return attach(shipped_robot("panda"), {object}).value();
+}
+
+/// A box in the hand of a Panda that stands on a table at start and goal.
+struct Placing {
+  Problem problem = make_problem(
+      panda_with_box(), {"cell", {make_box("table", {0, -0.8, -0.1}, {1, 0.8, 0})}}, {}, {});
+  int hand = *problem.robot.find_link(kHand);
+
+  explicit Placing(double depth = 0) {
+    problem.start = at(0.45, -0.45, depth);
+    problem.goals = {at(0.45, 0.45, depth)};
+  }
+  /// The hand points down; the lower end of the box is `depth` below the table's top.
+  [[nodiscard]] Configuration at(double x, double y, double depth) const {
+    PoseGoal goal;
+    goal.link = kHand;
+    goal.pose.rotation = Vec3(1, -1, -1).asDiagonal();
+    goal.pose.translation = {x, y, 0.22 - depth};
+    IkSettings settings;
+    settings.position_tolerance = 1e-5;
+    settings.rotation_tolerance = 1e-4;
+    const auto reached =
+        require_kinematics(problem.robot, kHand, Isa::automatic).solve(goal, kReady, settings);
+    REQUIRE(!reached.solutions.empty());
+    return reached.solutions.front();
+  }
+  /// The lowest point of the box on straight lines between the waypoints, metres.
+  [[nodiscard]] double lowest(const Path& path) const {
+    double least = 1;
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const Configuration delta = problem.robot.difference(path[i - 1], path[i]);
+      for (int k = 0; k <= 200; ++k) {
+        Configuration q = path[i - 1];
+        for (std::size_t j = 0; j < q.size(); ++j) q[j] += delta[j] * k / 200;
+        const Transform pose = problem.robot.link_poses(q)[static_cast<std::size_t>(hand)];
+        for (const double x : {-0.02, 0.02}) {
+          for (const double y : {-0.02, 0.02}) {
+            least = std::min(least, (pose * Vec3(x, y, 0.22))[2]);
+          }
+        }
+      }
+    }
+    return least;
+  }
+};
+
+}  // namespace
+
+TEST_SUITE("flow") {
+  TEST_CASE("a start a little beyond a limit is kept and led inside by the first motion") {
+    Problem problem = planar_world({0, 0.5, 0}, {1, 0.3, 0.2}, {});
+    const Robot& arm = problem.robot;
+    const double most = arm.group_joint(2).upper;
+    problem.start[2] = most + 0.03;
+    const SolveResult result = require_solved(problem);
+    CHECK_FALSE(arm.describe_violation(result.plan.path[1], ""));
+    CHECK(has_note(result, "beyond its limit"));
+    SolveSettings strict;
+    strict.start_tolerance = 0;
+    CHECK(status_of(problem, strict) == PlanStatus::invalid_start);
+    problem.start[2] = most + 0.06;
+    CHECK(status_of(problem, {}) == PlanStatus::invalid_start);
+    std::swap(problem.start, problem.goals[0]);
+    CHECK(status_of(problem, {}) == PlanStatus::invalid_goal);
+  }
+
+  TEST_CASE("the trajectory of such a path begins at the given start") {
+    Problem problem = planar_world({0, 0.5, 0}, {1, 0.3, 0.2}, {});
+    problem.start[2] = problem.robot.group_joint(2).lower - 0.01;
+    const SolveResult result = require_solved(problem);
+    const RateLimits limits{Configuration(3, 1.0), Configuration(3, 1.0)};
+    const auto motion = make_trajectory(problem, {}, result.plan.path, limits);
+    REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+    CHECK(motion->at(0).position == problem.start);
+    double lowest = 0;
+    for (double t = 0; t < motion->duration_s(); t += 0.001) {
+      lowest = std::min(lowest, motion->at(t).position[2]);
+    }
+    CHECK(lowest == problem.start[2]);
+  }
+
+  TEST_CASE("a start barely in contact is left by the first motion") {
+    // The last link overlaps the post by half a millimetre.
+    const double radius = thick_arm({1, 1, 0.5}).links().back().capsules.front().radius;
+    Problem problem = planar_world({0, 0, 0}, {-1, 0.3, 0.2}, {{2.25, 0.3 + radius - 5e-4, 0.3}});
+    const SolveResult result = require_solved(problem);
+    CHECK(has_note(result, "the first motion leaves this contact"));
+    CHECK_FALSE(is_path_free(problem.robot, problem.scene, result.plan.path, 0.002));
+    problem.scene = make_circle_scene("deeper", {{2.25, 0.3 + radius - 2e-3, 0.3}});
+    CHECK(status_of(problem, {}) == PlanStatus::invalid_start);
+  }
+
+  TEST_CASE("a start that leans a little beyond its cone is led inside") {
+    Problem problem = planar_world({0.34, 0, 0}, {-0.2, 0.3, -0.1}, {});
+    const std::string tip = problem.robot.links().back().name;
+    problem.constraints = {{tip, Vec3::UnitX(), Vec3::UnitX(), 0.3}};
+    const SolveResult result = require_solved(problem);
+    CHECK(has_note(result, "beyond its cone"));
+    CHECK(keeps_cone(problem.robot, problem.constraints[0], result.plan.path, 0.001,
+                     end_tolerances({})));
+    problem.start[0] = 0.36;
+    CHECK(status_of(problem, {}) == PlanStatus::invalid_start);
+  }
+
+  TEST_CASE("a held object leaves the table, and is put on it again") {
+    for (const double depth : {0.0, 0.002}) {
+      const Placing placing(depth);
+      const SolveResult result = require_solved(placing.problem);
+      CHECK(result.plan.path.back() == placing.problem.goals[0]);
+      CHECK(placing.lowest(result.plan.path) > -depth - 1e-4);
+      CHECK(has_note(result, "start: 'object' touches obstacle 'table'"));
+      CHECK(has_note(result, "goal: 'object' touches obstacle 'table'"));
+      SolveSettings strict;
+      strict.allow_at_ends = 0;
+      strict.start_tolerance = 0;
+      CHECK(status_of(placing.problem, strict) == PlanStatus::invalid_start);
+    }
+  }
+
+  TEST_CASE("a held object is put on the table where a pose says so") {
+    Placing placing;
+    PoseGoal pose;
+    pose.link = kHand;
+    const Configuration& goal = placing.problem.goals[0];
+    pose.pose = placing.problem.robot.link_poses(goal)[static_cast<std::size_t>(placing.hand)];
+    placing.problem.pose_goals = {pose};
+    placing.problem.goals.clear();
+    const SolveResult result = require_solved(placing.problem);
+    const PoseError error = pose_error(placing.problem.robot, pose, result.plan.path.back());
+    CHECK(error.position < 1e-4);
+    CHECK(placing.lowest(result.plan.path) > -3e-4);
+  }
+
+  TEST_CASE(
+      "a held object that may touch the table does so at the ends only, if that is possible") {
+    Placing placing;
+    placing.problem.scene.obstacles[0].may_touch = {"object"};
+    const SolveResult result = require_solved(placing.problem);
+    CHECK(placing.lowest(result.plan.path) > -1e-4);
+    // Too deep in the table to leave it within 5 mm: then it may touch everywhere.
+    Placing deep(0.02);
+    CHECK(status_of(deep.problem, {}) == PlanStatus::invalid_start);
+    deep.problem.scene.obstacles[0].may_touch = {"object"};
+    CHECK(has_note(require_solved(deep.problem), "no path was found without"));
+  }
+}
+
+}  // namespace mneme::test
