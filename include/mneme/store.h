@@ -44,6 +44,9 @@ struct Provenance {
   std::string settings;  ///< learning settings as text
   std::uint64_t seed = 0;
   std::string time;  ///< UTC, ISO 8601; filled in by insert() if empty
+  /// Hash of the inputs of the lesson that taught the row; 0: none. Written only: insert() marks
+  /// the lesson as done (Database::finished_lessons()), also if the row is stored already.
+  std::uint64_t lesson = 0;
 };
 
 /// A row of the database.

@@ -9,6 +9,7 @@
 
 #include "store/row_codec.h"
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -26,6 +27,13 @@ struct KnownRow {
   ContentHash content{};
   std::int64_t id = 0;
   Provenance provenance;
+};
+
+/// A row that a lesson taught, by its content; see Provenance::lesson.
+struct LessonMark {
+  std::uint64_t lesson = 0;
+  ContentHash content{};
+  bool is_live = true;  ///< a live row has the content; ignored when marks are added
 };
 
 /// How much of each row to read.
@@ -62,14 +70,39 @@ class StoreTransaction {
   /// Ids of rows with a mixture but without a key and tombstone.
   [[nodiscard]] virtual Result<std::vector<std::int64_t>> find_orphans() = 0;
 
+  /// All marks of lessons.
+  [[nodiscard]] virtual Result<std::vector<LessonMark>> read_lessons() = 0;
+
   // Only in writing transactions:
   [[nodiscard]] virtual Result<void> add_rows(std::span<const StoredRow> rows) = 0;
   [[nodiscard]] virtual Result<void> add_tombstones(std::span<const Tombstone> tombstones) = 0;
+  /// Adds marks that the store does not have yet.
+  [[nodiscard]] virtual Result<void> add_lessons(std::span<const LessonMark> marks) = 0;
   [[nodiscard]] virtual Result<void> remove_tombstones(std::span<const std::int64_t> ids) = 0;
   [[nodiscard]] virtual Result<void> set_head(const StoreState& state) = 0;
   /// Deletes all rows that have a tombstone, and the tombstones.
   [[nodiscard]] virtual Result<void> remove_dead() = 0;
   [[nodiscard]] virtual Result<void> commit() = 0;
+};
+
+/// What opening does if acknowledged rows are missing.
+enum class LossCheck {
+  refuse,  ///< error: corrupt
+  note,    ///< open it all the same; Store::loss() says what is missing
+};
+
+/// How long calls wait for a server.
+struct ServerPatience {
+  double answer_s = 10;  ///< without a sign of life during a call
+  /// Set by another thread to end waiting calls within 20 ms, and all later ones at once; may be
+  /// null.
+  const std::atomic<bool>* stop = nullptr;
+};
+
+/// How open_store() opens a store.
+struct OpenOptions {
+  LossCheck loss_check = LossCheck::refuse;
+  ServerPatience patience = {};
 };
 
 /// An open store. Not thread-safe. Errors name its URL.
@@ -88,6 +121,9 @@ class Store {
   [[nodiscard]] virtual Result<void> create(const RobotSignature& signature) = 0;
   [[nodiscard]] virtual Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) = 0;
   [[nodiscard]] virtual Result<std::int64_t> bytes() = 0;
+  /// Acknowledged rows that the store no longer holds, in words, found when it was opened with
+  /// LossCheck::note; nothing if there is no loss.
+  [[nodiscard]] virtual const std::optional<std::string>& loss() const = 0;
   /// Appends damage of the underlying files to `damages`.
   [[nodiscard]] virtual Result<void> check_structure(std::vector<Damage>& damages) = 0;
   /// Frees the space of deleted rows.

@@ -19,6 +19,16 @@ auto order_of(const Provenance& provenance) {
   return std::tie(provenance.time, provenance.tool, provenance.settings, provenance.seed);
 }
 
+std::vector<LessonMark> lessons_of(std::span<const Experience> rows,
+                                   std::span<const ContentHash> contents) {
+  std::vector<LessonMark> marks;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::uint64_t lesson = rows[i].provenance.lesson;
+    if (lesson != 0) marks.push_back({lesson, contents[i]});
+  }
+  return marks;
+}
+
 /// Rows on their way into a writing transaction.
 class Append {
  public:
@@ -43,8 +53,9 @@ class Append {
       take(encoded[i], rows[i].provenance, fresh, superseded);
     }
     known_.clear();
-    return transaction_.add_rows(fresh).and_then(
-        [&] { return transaction_.add_tombstones(superseded); });
+    MNEME_TRY(transaction_.add_rows(fresh));
+    MNEME_TRY(transaction_.add_tombstones(superseded));
+    return transaction_.add_lessons(lessons_of(rows, contents));
   }
 
   /// Leaves the head alone if nothing was added.
