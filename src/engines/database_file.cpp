@@ -3,6 +3,7 @@
 #include "engines/database_file.h"
 
 #include "engines/open_store.h"
+#include "store/lost_rows.h"
 
 #include <fmt/format.h>
 #include <sqlite3.h>
@@ -52,12 +53,6 @@ constexpr const char* kReading =
 constexpr const char* kWriting = "PRAGMA cell_size_check = ON; PRAGMA synchronous = FULL";
 
 }  // namespace
-
-std::string log_path(const std::string& path) {
-  std::error_code error;
-  const auto file = std::filesystem::canonical(path, error);
-  return (error ? path : file.string()) + "-wal";
-}
 
 Result<Connection> open_for_reading(const std::string& path) {
   MNEME_TRY(check_access(path, R_OK, "read"));

@@ -19,9 +19,6 @@ namespace mneme::internal {
 /// io if the file is not writable.
 [[nodiscard]] Result<Connection> open_for_writing(const std::string& path, bool can_create);
 
-/// Path of a file's write-ahead log, next to the target of a symbolic link.
-[[nodiscard]] std::string log_path(const std::string& path);
-
 /// Size of the file with its write-ahead log, bytes.
 [[nodiscard]] std::int64_t bytes_on_disk(const std::string& path);
 

@@ -70,8 +70,10 @@ class UpgradedRow {
     row_.content = content_;
     row_.key_checksum = key_checksum(row_);
     row_.mixture_checksum = mixture_checksum(row_);
-    if (!is_sound_key(old)) row_.key_checksum ^= 1;
-    if (!is_sound_mixture(old)) row_.mixture_checksum ^= 1;
+    const bool has_sound_key = is_sound_key(old), has_sound_mixture = is_sound_mixture(old);
+    if (!has_sound_key) row_.key_checksum ^= 1;
+    if (!has_sound_mixture) row_.mixture_checksum ^= 1;
+    is_sound_ = has_sound_key && has_sound_mixture;
   }
   UpgradedRow(const UpgradedRow&) = delete;
   UpgradedRow& operator=(const UpgradedRow&) = delete;
@@ -79,6 +81,7 @@ class UpgradedRow {
   /// Valid as long as this and the old row.
   [[nodiscard]] const StoredRow& row() const { return row_; }
   [[nodiscard]] const ContentHash& content() const { return content_; }
+  [[nodiscard]] bool is_sound() const { return is_sound_; }
 
  private:
   void separate_constraints() {
@@ -94,6 +97,7 @@ class UpgradedRow {
   StoredRow row_;
   ContentHash content_{};
   std::vector<std::byte> key_;
+  bool is_sound_ = false;
 };
 
 tl::unexpected<Error> missing(const std::string& store, const std::string& what) {
@@ -142,7 +146,8 @@ Result<void> migrate_rows(const std::string& store, const OldRows& old_rows, Sto
       tally.add(old);
       if (dead.contains(old.id)) continue;
       const auto& row = upgraded.emplace_back(std::make_unique<const UpgradedRow>(old));
-      if (!known.insert(row->content()).second) continue;
+      // A damaged row does not count as known: it must not hide a sound one.
+      if (row->is_sound() && !known.insert(row->content()).second) continue;
       live.push_back(row->row());
       ++state.row_count;
       state.row_digest ^= tally_mark(live.back().id, live.back().key_checksum);

@@ -94,23 +94,32 @@ Result<OpenedStore> identified(std::unique_ptr<Store> store) {
 
 }  // namespace
 
-Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode) {
+Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode,
+                                          const OpenOptions& options) {
   const auto engine = MNEME_TRY(engine_of(url));
-  if (engine == Engine::sqlite) return open_sqlite_store(url, mode);
+  if (engine == Engine::sqlite) return open_sqlite_store(url, mode, options.loss_check);
 #ifdef MNEME_HAS_POSTGRESQL
-  return open_postgres_store(url, mode);
+  return open_postgres_store(url, mode, options.patience);
 #else
   return refuse_postgres(url);
 #endif
 }
 
 Result<OpenedStore> open_store_of(const std::string& url, const RobotSignature& signature,
-                                  OpenMode mode) {
+                                  OpenMode mode, const OpenOptions& options) {
   if (signature.joint_count < 1) {
     return fail(ErrorCode::invalid, fmt::format("{}: cannot hold experience of {}",
                                                 without_password(url), describe(signature)));
   }
-  auto opened = open_store(url, mode).and_then(identified);
+  std::error_code error;
+  const auto engine = MNEME_TRY(engine_of(url));
+  const bool is_new = engine == Engine::sqlite && mode == OpenMode::create && !url.empty() &&
+                      !std::filesystem::exists(std::filesystem::symlink_status(url, error));
+  if (is_new) {
+    auto store = MNEME_TRY(new_sqlite_store(url, signature));
+    return OpenedStore{std::move(store), signature, 0};
+  }
+  auto opened = open_store(url, mode, options).and_then(identified);
   if (!opened) return opened;
   if (opened->schema_version == 0) {
     if (mode == OpenMode::read_only) {
@@ -127,8 +136,8 @@ Result<OpenedStore> open_store_of(const std::string& url, const RobotSignature& 
   return opened;
 }
 
-Result<OpenedStore> inspect_store(const std::string& url) {
-  return open_store(url, OpenMode::read_only).and_then(identified);
+Result<OpenedStore> inspect_store(const std::string& url, const OpenOptions& options) {
+  return open_store(url, OpenMode::read_only, options).and_then(identified);
 }
 
 Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url,

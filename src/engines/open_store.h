@@ -15,18 +15,22 @@
 namespace mneme::internal {
 
 /// Errors: unsupported if the engine is unknown or was not built in; those of the engine.
-[[nodiscard]] Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode);
+[[nodiscard]] Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode,
+                                                        const OpenOptions& options = {});
 
-/// Opens a store of the robot `signature`; creates it if `mode` allows. Error: wrong_robot.
+/// Opens a store of the robot `signature`; creates it if `mode` allows. A file is not created
+/// before the first row. Error: wrong_robot.
 struct OpenedStore {
   std::unique_ptr<Store> store;
   RobotSignature signature;
   int schema_version = 0;
 };
 [[nodiscard]] Result<OpenedStore> open_store_of(const std::string& url,
-                                                const RobotSignature& signature, OpenMode mode);
+                                                const RobotSignature& signature, OpenMode mode,
+                                                const OpenOptions& options = {});
 /// Opens a store of any robot for reading. The signature of an empty store has 0 joints.
-[[nodiscard]] Result<OpenedStore> inspect_store(const std::string& url);
+[[nodiscard]] Result<OpenedStore> inspect_store(const std::string& url,
+                                                const OpenOptions& options = {});
 
 /// Opens the shared task queue of the database at `url`. Error: unsupported if it is not on a
 /// PostgreSQL server.

@@ -7,8 +7,11 @@
 #include <fmt/format.h>
 #include <libpq-fe.h>
 
+#include <poll.h>
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstdlib>
 
 namespace mneme::internal {
 namespace {
@@ -39,6 +42,20 @@ std::vector<const char*> pointers_of(const std::vector<std::string>& parameters)
 }
 
 constexpr int kBinary = 1;
+
+/// The connect_timeout of the URL, or 10 s.
+double connect_timeout_s(PGconn* connection) {
+  constexpr double kDefault_s = 10;
+  double seconds = 0;
+  if (PQconninfoOption* const options = PQconninfo(connection)) {
+    for (const PQconninfoOption* option = options; option->keyword != nullptr; ++option) {
+      const bool is_timeout = std::string_view(option->keyword) == "connect_timeout";
+      if (is_timeout && option->val != nullptr) seconds = std::atof(option->val);
+    }
+    PQconninfoFree(options);
+  }
+  return seconds > 0 ? seconds : kDefault_s;
+}
 
 }  // namespace
 
@@ -80,25 +97,93 @@ std::string array_of(std::span<const std::int64_t> numbers) {
 
 void PostgresConnection::Finish::operator()(pg_conn* connection) const { PQfinish(connection); }
 
-Result<PostgresConnection> PostgresConnection::open(const std::string& url) {
+Result<PostgresConnection> PostgresConnection::open(const std::string& url,
+                                                    const ServerPatience& patience) {
   PostgresConnection opened;
   opened.name_ = without_password(url);
+  opened.patience_ = patience;
   // Options in the URL override these defaults.
-  const std::array<const char*, 5> keywords = {"connect_timeout", "client_encoding",
-                                               "fallback_application_name", "dbname", nullptr};
-  const std::array<const char*, 5> values = {"10", "UTF8", "mneme", url.c_str(), nullptr};
-  opened.connection_.reset(PQconnectdbParams(keywords.data(), values.data(), 1));
+  const std::array<const char*, 6> keywords = {"client_encoding",  "fallback_application_name",
+                                               "tcp_user_timeout", "keepalives_idle",
+                                               "dbname",           nullptr};
+  const std::array<const char*, 6> values = {"UTF8", "mneme", "10000", "10", url.c_str(), nullptr};
+  opened.connection_.reset(PQconnectStartParams(keywords.data(), values.data(), 1));
   PQsetNoticeProcessor(opened.connection_.get(), ignore_notice, nullptr);
-  if (PQstatus(opened.connection_.get()) != CONNECTION_OK) return opened.error_of(nullptr);
+  MNEME_TRY(opened.finish_connecting(Connecting::first));
   return opened;
 }
 
+Result<void> PostgresConnection::finish_connecting(Connecting how) {
+  const bool is_first = how == Connecting::first;
+  // A lost connection is not worth waiting for longer than an answer.
+  const double timeout_s = is_first
+                               ? connect_timeout_s(connection_.get())
+                               : std::min(connect_timeout_s(connection_.get()), patience_.answer_s);
+  const auto poll = is_first ? PQconnectPoll : PQresetPoll;
+  if (PQstatus(connection_.get()) == CONNECTION_BAD) return error_of(nullptr);
+  Stopwatch since;
+  for (auto state = PGRES_POLLING_WRITING; state != PGRES_POLLING_OK;
+       state = poll(connection_.get())) {
+    if (state == PGRES_POLLING_FAILED) return error_of(nullptr);
+    Stopwatch begun = since;  // bytes that trickle in do not prolong connecting
+    MNEME_TRY(wait(state == PGRES_POLLING_READING ? POLLIN : POLLOUT, timeout_s, begun));
+  }
+  is_lost_ = false;
+  return PQsetnonblocking(connection_.get(), 1) == 0 ? Result<void>() : error_of(nullptr);
+}
+
 Result<void> PostgresConnection::revive() {
-  if (PQstatus(connection_.get()) == CONNECTION_OK) return {};
-  PQreset(connection_.get());
+  if (PQstatus(connection_.get()) == CONNECTION_OK && !is_lost_) return {};
   ++revivals_;
-  if (PQstatus(connection_.get()) == CONNECTION_OK) return {};
-  return error_of(nullptr);
+  if (PQresetStart(connection_.get()) == 0) return error_of(nullptr);
+  return finish_connecting(Connecting::again);
+}
+
+tl::unexpected<Error> PostgresConnection::lost(const std::string& why) {
+  is_lost_ = true;
+  last_state_.clear();
+  return fail(ErrorCode::io, fmt::format("{}: {}", name_, why));
+}
+
+Result<void> PostgresConnection::wait(int events, double timeout_s, Stopwatch& since) {
+  constexpr int kSliceMs = 20;
+  for (;;) {
+    if (patience_.stop != nullptr && patience_.stop->load()) {
+      return lost("waiting for the server was ended");
+    }
+    pollfd socket = {PQsocket(connection_.get()), static_cast<short>(events | POLLIN), 0};
+    if (events == POLLOUT) socket.events = POLLOUT;
+    const int ready = ::poll(&socket, 1, kSliceMs);
+    if (ready < 0 && errno != EINTR) return lost("its socket cannot be read");
+    if (ready > 0) {
+      since = Stopwatch();
+      return {};
+    }
+    if (since.elapsed_s() >= timeout_s) {
+      return lost(fmt::format("the server did not answer within {:.1f} s", timeout_s));
+    }
+  }
+}
+
+Result<void> PostgresConnection::send(const std::string& sql,
+                                      const std::vector<std::string>& parameters) {
+  if (is_lost_) return lost("the connection was lost");
+  const auto pointers = pointers_of(parameters);
+  const int sent =
+      PQsendQueryParams(connection_.get(), sql.c_str(), static_cast<int>(pointers.size()), nullptr,
+                        pointers.data(), nullptr, nullptr, kBinary);
+  return sent == 1 ? Result<void>() : error_of(nullptr);
+}
+
+Result<pg_result*> PostgresConnection::next_result() {
+  Stopwatch since;
+  for (;;) {
+    const int unsent = PQflush(connection_.get());
+    if (unsent < 0) return error_of(nullptr);
+    if (unsent == 0 && PQisBusy(connection_.get()) == 0) return PQgetResult(connection_.get());
+    MNEME_TRY(wait(unsent > 0 ? POLLIN | POLLOUT : POLLIN, patience_.answer_s, since));
+    if (PQconsumeInput(connection_.get()) == 0) return error_of(nullptr);
+  }
 }
 
 tl::unexpected<Error> PostgresConnection::error_of(const pg_result* result) {
@@ -111,28 +196,28 @@ tl::unexpected<Error> PostgresConnection::error_of(const pg_result* result) {
 
 Result<PostgresAnswer> PostgresConnection::query(const std::string& sql,
                                                  const std::vector<std::string>& parameters) {
-  const auto pointers = pointers_of(parameters);
-  pg_result* result =
-      PQexecParams(connection_.get(), sql.c_str(), static_cast<int>(pointers.size()), nullptr,
-                   pointers.data(), nullptr, nullptr, kBinary);
+  MNEME_TRY(send(sql, parameters));
+  pg_result* const result = MNEME_TRY(next_result());
   PostgresAnswer answer(result);
   const ExecStatusType status = PQresultStatus(result);
-  if (status == PGRES_TUPLES_OK || status == PGRES_COMMAND_OK) return answer;
-  return error_of(result);
+  Result<void> outcome;
+  if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK) outcome = error_of(result);
+  const auto finished = finish_command();
+  if (!outcome) return tl::unexpected(outcome.error());
+  if (!finished) return tl::unexpected(finished.error());
+  return answer;
 }
 
 Result<void> PostgresConnection::stream(
     const std::string& sql, const std::vector<std::string>& parameters,
     const std::function<Result<void>(const PostgresAnswer&)>& visit) {
-  const auto pointers = pointers_of(parameters);
-  if (PQsendQueryParams(connection_.get(), sql.c_str(), static_cast<int>(pointers.size()), nullptr,
-                        pointers.data(), nullptr, nullptr, kBinary) == 0 ||
-      PQsetSingleRowMode(connection_.get()) == 0) {
-    return error_of(nullptr);
-  }
+  MNEME_TRY(send(sql, parameters));
+  if (PQsetSingleRowMode(connection_.get()) == 0) return error_of(nullptr);
   Result<void> outcome;
   // All results must be read, also after an error.
-  while (pg_result* result = PQgetResult(connection_.get())) {
+  for (;;) {
+    pg_result* const result = MNEME_TRY(next_result());
+    if (result == nullptr) return outcome;
     const PostgresAnswer answer(result);
     if (!outcome) continue;
     const ExecStatusType status = PQresultStatus(result);
@@ -142,32 +227,49 @@ Result<void> PostgresConnection::stream(
       outcome = error_of(result);
     }
   }
-  return outcome;
+}
+
+Result<void> PostgresConnection::put_copy(std::string_view data) {
+  Stopwatch since;
+  for (;;) {
+    // A COPY ends with an empty piece.
+    const int sent =
+        data.empty() ? PQputCopyEnd(connection_.get(), nullptr)
+                     : PQputCopyData(connection_.get(), data.data(), static_cast<int>(data.size()));
+    if (sent == 1) return {};
+    if (sent < 0) return error_of(nullptr);
+    MNEME_TRY(wait(POLLIN | POLLOUT, patience_.answer_s, since));
+    if (PQconsumeInput(connection_.get()) == 0 || PQflush(connection_.get()) < 0) {
+      return error_of(nullptr);
+    }
+  }
 }
 
 Result<void> PostgresConnection::copy_in(const std::string& sql, std::string_view data) {
-  {
-    pg_result* begun = PQexec(connection_.get(), sql.c_str());
-    const PostgresAnswer owner(begun);
-    if (PQresultStatus(begun) != PGRES_COPY_IN) return error_of(begun);
+  MNEME_TRY(send(sql, {}));
+  pg_result* const begun = MNEME_TRY(next_result());
+  const PostgresAnswer owner(begun);
+  if (PQresultStatus(begun) != PGRES_COPY_IN) {
+    const auto refused = error_of(begun);
+    (void)finish_command();
+    return refused;
   }
-  constexpr std::size_t kPieceSize = 1 << 20;
+  constexpr std::size_t kPieceSize = 1 << 16;
   for (; !data.empty(); data.remove_prefix(std::min(kPieceSize, data.size()))) {
-    const auto piece = data.substr(0, kPieceSize);
-    const int sent = PQputCopyData(connection_.get(), piece.data(), static_cast<int>(piece.size()));
-    if (sent != 1) return error_of(nullptr);
+    MNEME_TRY(put_copy(data.substr(0, kPieceSize)));
   }
-  if (PQputCopyEnd(connection_.get(), nullptr) != 1) return error_of(nullptr);
+  MNEME_TRY(put_copy({}));
   return finish_command();
 }
 
 Result<void> PostgresConnection::finish_command() {
   Result<void> outcome;
-  while (pg_result* result = PQgetResult(connection_.get())) {
+  for (;;) {
+    pg_result* const result = MNEME_TRY(next_result());
+    if (result == nullptr) return outcome;
     const PostgresAnswer owner(result);
     if (outcome && PQresultStatus(result) != PGRES_COMMAND_OK) outcome = error_of(result);
   }
-  return outcome;
 }
 
 BinaryCopy::BinaryCopy() : data_("PGCOPY\n\377\r\n\0", 11) {

@@ -10,6 +10,8 @@ struct pg_result;
 
 #include "mneme/base.h"
 
+#include "store/store.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -18,6 +20,7 @@ struct pg_result;
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace mneme::internal {
@@ -63,14 +66,18 @@ class PostgresRow {
 /// Numbers as the text of an array parameter.
 [[nodiscard]] std::string array_of(std::span<const std::int64_t> numbers);
 
-/// One connection to a server. Not thread-safe. Errors name the URL without its password. Code
-/// `corrupt`: damage that the server reports, or tables that differ from ours. Code `io`: all other
-/// errors.
+/// One connection to a server. No call waits for ever: a server that stops answering ends it with
+/// an error, and the next revive() connects anew. Not thread-safe. Errors name the URL without its
+/// password. Code `corrupt`: damage that the server reports, or tables that differ from ours. Code
+/// `io`: all other errors.
 class PostgresConnection {
  public:
   /// `url` is passed to libpq unchanged, with its TLS options, roles and search path. Default
   /// connect_timeout: 10 s.
-  [[nodiscard]] static Result<PostgresConnection> open(const std::string& url);
+  [[nodiscard]] static Result<PostgresConnection> open(const std::string& url,
+                                                       const ServerPatience& patience = {});
+  /// Replaces ServerPatience::answer_s; returns the old value.
+  double set_answer_timeout(double seconds) { return std::exchange(patience_.answer_s, seconds); }
 
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Connects again if the connection was lost.
@@ -94,12 +101,24 @@ class PostgresConnection {
   struct Finish {
     void operator()(pg_conn* connection) const;
   };
+  enum class Connecting { first, again };
   [[nodiscard]] tl::unexpected<Error> error_of(const pg_result* result);
+  [[nodiscard]] tl::unexpected<Error> lost(const std::string& why);
+  Result<void> finish_connecting(Connecting how);
+  /// Waits until the socket is readable or, if `events` says so, writable; `since` begins anew when
+  /// something came.
+  Result<void> wait(int events, double timeout_s, Stopwatch& since);
+  Result<void> send(const std::string& sql, const std::vector<std::string>& parameters);
+  /// The next result of what was sent, null after the last one. Its owner is the caller.
+  Result<pg_result*> next_result();
+  Result<void> put_copy(std::string_view data);
   Result<void> finish_command();
 
   std::string name_;
+  ServerPatience patience_;
   std::string last_state_;
   int revivals_ = 0;
+  bool is_lost_ = false;  ///< an answer did not come in time
   std::unique_ptr<pg_conn, Finish> connection_;
 };
 

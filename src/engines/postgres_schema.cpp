@@ -24,6 +24,9 @@ constexpr std::string_view kTombstoneTable =
     "NULL, reason text NOT NULL, time text NOT NULL, checksum bigint NOT NULL)";
 constexpr std::string_view kTombstoneIndex =
     "INDEX mneme_tombstone_row ON mneme_tombstone (row_id)";
+constexpr std::string_view kLessonTable =
+    "TABLE mneme_lesson (lesson bigint NOT NULL, content bytea NOT NULL, PRIMARY KEY (lesson, "
+    "content))";
 /// Tables that kOldSchema has in another form.
 constexpr std::array kNewTables = {
     std::string_view(
@@ -76,7 +79,8 @@ Result<void> insert_robot(PostgresConnection& connection, const RobotSignature& 
 
 Result<void> create_all(PostgresConnection& connection, const RobotSignature& robot) {
   MNEME_TRY(create(connection, kNewTables, false));
-  MNEME_TRY(create(connection, std::array{kHeadTable, kTombstoneTable, kTombstoneIndex}, false));
+  MNEME_TRY(create(connection,
+                   std::array{kHeadTable, kTombstoneTable, kTombstoneIndex, kLessonTable}, false));
   MNEME_TRY(insert_robot(connection, robot));
   return write_postgres_head(connection, StoreState{});
 }
@@ -133,6 +137,16 @@ Result<void> create_postgres_schema(PostgresConnection& connection, const RobotS
   const auto ended = connection.query(created ? "COMMIT" : "ROLLBACK");
   if (!created) return was_faster(state) ? Result<void>() : created;
   return ended.map([](const PostgresAnswer&) {});
+}
+
+Result<bool> has_postgres_lessons(PostgresConnection& connection) {
+  return connection.query("SELECT to_regclass('mneme_lesson') IS NOT NULL")
+      .map([](const PostgresAnswer& answer) { return answer.integer(0, 0) != 0; });
+}
+
+Result<void> create_postgres_lessons(PostgresConnection& connection) {
+  const bool exists = MNEME_TRY(has_postgres_lessons(connection));
+  return exists ? Result<void>() : create(connection, std::array{kLessonTable}, false);
 }
 
 Result<void> replace_postgres_signature(PostgresConnection& connection,

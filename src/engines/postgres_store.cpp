@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <utility>
 
 namespace mneme::internal {
@@ -25,6 +26,21 @@ std::string array_of_contents(std::span<const ContentHash> contents) {
   }
   return text + "}";
 }
+
+/// Lets a server work for minutes on one call, such as deleting many rows.
+class LongCall {
+ public:
+  explicit LongCall(PostgresConnection& connection)
+      : connection_(connection), usual_s_(connection.set_answer_timeout(kLongest_s)) {}
+  LongCall(const LongCall&) = delete;
+  LongCall& operator=(const LongCall&) = delete;
+  ~LongCall() { connection_.set_answer_timeout(usual_s_); }
+
+ private:
+  static constexpr double kLongest_s = 1800;
+  PostgresConnection& connection_;
+  double usual_s_;
+};
 
 class PostgresTransaction final : public StoreTransaction {
  public:
@@ -101,6 +117,7 @@ class PostgresTransaction final : public StoreTransaction {
   Result<std::vector<std::int64_t>> find_orphans() override {
     std::vector<std::int64_t> ids;
     if (is_empty_) return ids;
+    const LongCall patience(connection_);
     const auto found = connection_.stream(
         "SELECT m.id FROM mneme_mixture m LEFT JOIN mneme_experience e ON e.id = m.id AND e.cell = "
         "m.cell WHERE e.id IS NULL AND NOT EXISTS (SELECT 1 FROM mneme_tombstone t WHERE t.row_id "
@@ -138,6 +155,40 @@ class PostgresTransaction final : public StoreTransaction {
                                copy.finish());
   }
 
+  Result<std::vector<LessonMark>> read_lessons() override {
+    std::vector<LessonMark> marks;
+    if (is_empty_) return marks;
+    const LongCall patience(connection_);
+    const bool has_table = MNEME_TRY(has_postgres_lessons(connection_));
+    if (!has_table) return marks;
+    MNEME_TRY(connection_.stream(
+        "SELECT l.lesson, l.content, EXISTS (SELECT 1 FROM mneme_experience e WHERE e.content = "
+        "l.content AND NOT EXISTS (SELECT 1 FROM mneme_tombstone t WHERE t.row_id = e.id)) FROM "
+        "mneme_lesson l",
+        {}, [&](const PostgresAnswer& answer) {
+          marks.push_back(read_lesson(PostgresRow(answer)));
+          return Result<void>();
+        }));
+    return marks;
+  }
+
+  Result<void> add_lessons(std::span<const LessonMark> marks) override {
+    if (marks.empty()) return {};
+    MNEME_TRY(create_postgres_lessons(connection_));
+    std::vector<std::int64_t> lessons;
+    std::vector<ContentHash> contents;
+    for (const LessonMark& mark : marks) {
+      lessons.push_back(std::bit_cast<std::int64_t>(mark.lesson));
+      contents.push_back(mark.content);
+    }
+    return connection_
+        .query(
+            "INSERT INTO mneme_lesson SELECT * FROM unnest($1::bigint[], $2::bytea[]) ON CONFLICT "
+            "DO NOTHING",
+            {array_of(lessons), array_of_contents(contents)})
+        .map([](const PostgresAnswer&) {});
+  }
+
   Result<void> remove_tombstones(std::span<const std::int64_t> ids) override {
     return connection_
         .query("DELETE FROM mneme_tombstone WHERE id = ANY($1::bigint[])", {array_of(ids)})
@@ -149,6 +200,7 @@ class PostgresTransaction final : public StoreTransaction {
   }
 
   Result<void> remove_dead() override {
+    const LongCall patience(connection_);
     for (const char* sql :
          {"DELETE FROM mneme_mixture WHERE id IN (SELECT row_id FROM mneme_tombstone)",
           "DELETE FROM mneme_experience WHERE id IN (SELECT row_id FROM mneme_tombstone)",
@@ -208,6 +260,8 @@ class PostgresStore final : public Store {
   Result<int> schema_version() override {
     MNEME_TRY(revive());
     if (version_ > 0) return version_;
+    // Another process may migrate the tables, and locks them meanwhile.
+    const LongCall patience(connection_);
     int version = MNEME_TRY(read_lasting_version(connection_));
     if (version == kOldSchema) {
       MNEME_TRY(migrate(connection_, mode_));
@@ -252,10 +306,13 @@ class PostgresStore final : public Store {
     return size->integer(0, 0);
   }
 
+  const std::optional<std::string>& loss() const override { return loss_; }
+
   /// The server checks its own files.
   Result<void> check_structure(std::vector<Damage>&) override { return {}; }
 
   Result<void> reclaim() override {
+    const LongCall patience(connection_);
     for (const char* sql :
          {"VACUUM mneme_experience", "VACUUM mneme_mixture", "VACUUM mneme_tombstone"}) {
       MNEME_TRY(connection_.query(sql));
@@ -287,14 +344,16 @@ class PostgresStore final : public Store {
   std::shared_ptr<PostgresConnection> owner_;
   PostgresConnection& connection_;
   OpenMode mode_;
+  std::optional<std::string> loss_;  // the server's log is its own business
   int version_ = 0;
   int revivals_ = 0;
 };
 
 }  // namespace
 
-Result<std::unique_ptr<Store>> open_postgres_store(const std::string& url, OpenMode mode) {
-  auto connection = MNEME_TRY(PostgresConnection::open(url));
+Result<std::unique_ptr<Store>> open_postgres_store(const std::string& url, OpenMode mode,
+                                                   const ServerPatience& patience) {
+  auto connection = MNEME_TRY(PostgresConnection::open(url, patience));
   auto store =
       make_postgres_store(std::make_shared<PostgresConnection>(std::move(connection)), mode);
   MNEME_TRY(store->schema_version());

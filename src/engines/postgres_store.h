@@ -21,6 +21,10 @@ namespace mneme::internal {
                                                   const RobotSignature& robot);
 [[nodiscard]] Result<void> replace_postgres_signature(PostgresConnection& connection,
                                                       const RobotSignature& robot);
+/// True if the table of lessons exists, which older builds did not create.
+[[nodiscard]] Result<bool> has_postgres_lessons(PostgresConnection& connection);
+/// Creates that table if it is missing. Call within a transaction with the head locked.
+[[nodiscard]] Result<void> create_postgres_lessons(PostgresConnection& connection);
 /// `is_locked`: lock out other writers until the transaction ends.
 [[nodiscard]] Result<StoreState> read_postgres_head(PostgresConnection& connection, bool is_locked);
 [[nodiscard]] Result<void> write_postgres_head(PostgresConnection& connection,
@@ -34,8 +38,8 @@ namespace mneme::internal {
 
 /// Connects to the server of `url`. Migrates tables of kOldSchema; a reader migrates temporary
 /// copies. Errors: io if connecting fails; unsupported for another schema.
-[[nodiscard]] Result<std::unique_ptr<Store>> open_postgres_store(const std::string& url,
-                                                                 OpenMode mode);
+[[nodiscard]] Result<std::unique_ptr<Store>> open_postgres_store(
+    const std::string& url, OpenMode mode, const ServerPatience& patience = {});
 /// Makes a store on a connection that its owner may also use, even inside the store's transactions.
 [[nodiscard]] std::unique_ptr<Store> make_postgres_store(
     std::shared_ptr<PostgresConnection> connection, OpenMode mode);

@@ -8,6 +8,8 @@
 
 #include "store/store.h"
 
+#include <algorithm>
+#include <bit>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -84,6 +86,15 @@ KnownRow read_known_row(const Source& source, const ContentHash& content) {
                               static_cast<std::uint64_t>(source.integer(3)),
                               std::string(source.text(4))};
   return {content, source.integer(0), provenance};
+}
+
+/// Reads lesson, content and liveness of a mark.
+template <class Source>
+LessonMark read_lesson(const Source& source) {
+  LessonMark mark{std::bit_cast<std::uint64_t>(source.integer(0)), {}, source.integer(2) != 0};
+  const auto content = source.blob(1);
+  std::copy_n(content.begin(), std::min(content.size(), mark.content.size()), mark.content.begin());
+  return mark;
 }
 
 template <class Source>

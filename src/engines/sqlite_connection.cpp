@@ -37,8 +37,7 @@ tl::unexpected<Error> sqlite_error(const std::string& path, sqlite3* handle, int
     return fail(code, fmt::format("{}: not a mneme database, or damaged ({})", path, reason));
   }
   const bool is_busy = (status & 0xff) == SQLITE_BUSY || (status & 0xff) == SQLITE_LOCKED;
-  return fail(code, fmt::format("{}: {}{}", path, reason,
-                                is_busy ? " by another process for more than 10 s" : ""));
+  return fail(code, fmt::format("{}: {}{}", path, reason, is_busy ? " by another process" : ""));
 }
 
 /// A name that SQLite always takes for a file, unlike an empty name or ":memory:".
@@ -169,6 +168,10 @@ Result<Connection> Connection::open(const std::string& path, const std::string& 
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_ENABLE_TRIGGER, 0, nullptr);
   return connection;
+}
+
+void Connection::set_busy_timeout(int milliseconds) {
+  sqlite3_busy_timeout(handle_.get(), milliseconds);
 }
 
 Result<Connection> Connection::copy_in_memory() {

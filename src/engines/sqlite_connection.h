@@ -78,6 +78,7 @@ class Connection {
   [[nodiscard]] static Result<Connection> open(const std::string& path, Access access);
 
   static constexpr int kBusyTimeoutMs = 10000;
+  void set_busy_timeout(int milliseconds);
 
   /// The path as given, for messages.
   [[nodiscard]] const std::string& path() const { return *path_; }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -14,8 +15,9 @@ namespace {
 
 struct Table {
   std::string_view name;
-  std::string_view sql;  ///< exactly as SQLite stores it, to detect a changed schema
-  bool is_old = false;   ///< also in kOldSchema
+  std::string_view sql;      ///< exactly as SQLite stores it, to detect a changed schema
+  bool is_old = false;       ///< also in kOldSchema
+  bool is_optional = false;  ///< missing in files of older builds until it is needed
 };
 
 // In alphabetical order of names. Keys are separate from mixtures, so that indexing all keys reads
@@ -35,6 +37,11 @@ constexpr std::array kFileTables = {
           "NOT NULL, row_digest INTEGER NOT NULL, tombstone_count INTEGER NOT NULL, "
           "tombstone_digest INTEGER NOT NULL, checksum INTEGER NOT NULL) STRICT",
           true},
+    Table{
+        "lesson",
+        "CREATE TABLE lesson (lesson INTEGER NOT NULL, content BLOB NOT NULL, PRIMARY KEY (lesson, "
+        "content)) STRICT, WITHOUT ROWID",
+        false, true},
     Table{"mixture",
           "CREATE TABLE mixture ("
           "id INTEGER PRIMARY KEY, cell INTEGER NOT NULL, is_path INTEGER NOT NULL, means BLOB NOT "
@@ -68,18 +75,23 @@ Result<void> check_tables(Connection& connection) {
   auto statement = MNEME_TRY(connection.prepare(
       "SELECT name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%' AND NOT (type = 'table' "
       "AND name LIKE 'lost_and_found%') ORDER BY name"));
-  std::size_t count = 0;
+  auto expected = kFileTables.begin();
+  const auto skip_optional = [&](std::string_view name) {
+    while (expected != kFileTables.end() && expected->is_optional && expected->name != name) {
+      ++expected;
+    }
+  };
   MNEME_TRY(statement.for_each([&]() -> Result<void> {
-    const bool is_known = count < kFileTables.size() &&
-                          statement.text(0) == kFileTables[count].name &&
-                          statement.text(1) == kFileTables[count].sql;
-    ++count;
-    if (is_known) return {};
+    skip_optional(statement.text(0));
+    const bool is_known = expected != kFileTables.end() && statement.text(0) == expected->name &&
+                          statement.text(1) == expected->sql;
+    if (is_known) return ++expected, Result<void>();
     return damaged(connection,
                    fmt::format("the table '{}' is not a table of mneme", statement.text(0)));
   }));
-  if (count == kFileTables.size()) return {};
-  return damaged(connection, fmt::format("the table '{}' is missing", kFileTables[count].name));
+  skip_optional("");
+  if (expected == kFileTables.end()) return {};
+  return damaged(connection, fmt::format("the table '{}' is missing", expected->name));
 }
 
 Result<void> create_tables(Connection& connection, bool has_old_ones) {
@@ -88,6 +100,14 @@ Result<void> create_tables(Connection& connection, bool has_old_ones) {
     MNEME_TRY(connection.execute(std::string(table.sql).c_str()));
   }
   return {};
+}
+
+/// Tables of kOldSchema that a .dump saved without application_id and user_version.
+Result<bool> has_old_tables(Connection& connection) {
+  const auto count = MNEME_TRY(connection.integer(
+      "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name IN ('experience', 'head', "
+      "'mixture', 'space', 'tombstone')"));
+  return count == 5;
 }
 
 }  // namespace
@@ -118,6 +138,8 @@ Result<int> identify(Connection& connection) {
   if (is_ours && version == kSchemaVersion) return checked.map([] { return kSchemaVersion; });
   // .dump saves our tables without application_id and user_version.
   if (is_unmarked && checked) return kSchemaVersion;
+  const auto is_old = MNEME_TRY(has_old_tables(connection));
+  if (is_unmarked && is_old) return kOldSchema;
   if (!is_ours) {
     return damaged(connection,
                    "an SQLite file but not a mneme database, or its application_id is damaged");
@@ -141,16 +163,29 @@ Result<void> mark(Connection& connection) {
                                 .c_str());
 }
 
-Result<void> create_schema(Connection& connection, const RobotSignature& robot) {
+Result<bool> has_lessons(Connection& connection) {
+  return connection.integer("SELECT count(*) FROM sqlite_schema WHERE name = 'lesson'")
+      .map([](std::int64_t count) { return count > 0; });
+}
+
+Result<void> create_lessons(Connection& connection) {
+  const auto exists = MNEME_TRY(has_lessons(connection));
+  if (exists) return {};
+  const auto table = std::ranges::find(kFileTables, "lesson", &Table::name);
+  return connection.execute(std::string(table->sql).c_str());
+}
+
+Result<int> create_schema(Connection& connection, const RobotSignature& robot) {
   MNEME_TRY(connection.execute(kPageSize));
   auto transaction = MNEME_TRY(Transaction::begin(connection, Transaction::Kind::write));
   const auto version = MNEME_TRY(identify(connection));
-  if (version != 0) return {};
+  if (version != 0) return version;
   MNEME_TRY(create_tables(connection, false));
   MNEME_TRY(mark(connection));
   MNEME_TRY(write_signature(connection, robot));
   MNEME_TRY(write_head(connection, StoreState{}));
-  return transaction.commit();
+  MNEME_TRY(transaction.commit());
+  return 0;
 }
 
 Result<void> check_pages(Connection& connection) {
@@ -229,8 +264,9 @@ Result<void> migrate_tables(Connection& connection,
   MNEME_TRY(write_rows(old_rows));
   MNEME_TRY(write_signature(connection, robot));
   MNEME_TRY(connection.execute(
-      fmt::format("DROP TABLE old_experience; DROP TABLE old_mixture; PRAGMA user_version = {}",
-                  kSchemaVersion)
+      fmt::format("DROP TABLE old_experience; DROP TABLE old_mixture; PRAGMA application_id = {}; "
+                  "PRAGMA user_version = {}",
+                  kApplicationId, kSchemaVersion)
           .c_str()));
   return check_tables(connection);
 }

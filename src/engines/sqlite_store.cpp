@@ -3,12 +3,15 @@
 #include "engines/sqlite_store.h"
 
 #include "engines/database_file.h"
+#include "store/lost_rows.h"
 #include "engines/row_columns.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <filesystem>
 #include <string>
 #include <utility>
 
@@ -19,8 +22,13 @@ constexpr std::string_view kFileJoin = "FROM experience e LEFT JOIN mixture m ON
 
 class SqliteTransaction final : public StoreTransaction {
  public:
-  SqliteTransaction(Connection& connection, Transaction transaction, bool is_empty)
-      : connection_(connection), transaction_(std::move(transaction)), is_empty_(is_empty) {}
+  /// `is_recorded`: record the state of the commit beside the file.
+  SqliteTransaction(Connection& connection, Transaction transaction, bool is_empty,
+                    bool is_recorded)
+      : connection_(connection),
+        transaction_(std::move(transaction)),
+        is_empty_(is_empty),
+        is_recorded_(is_recorded) {}
 
   Result<StoreState> head() override { return is_empty_ ? StoreState{} : read_head(connection_); }
 
@@ -119,6 +127,32 @@ class SqliteTransaction final : public StoreTransaction {
     return {};
   }
 
+  Result<std::vector<LessonMark>> read_lessons() override {
+    std::vector<LessonMark> marks;
+    const bool has_table = !is_empty_ && has_lessons(connection_).value_or(false);
+    if (!has_table) return marks;
+    auto statement = MNEME_TRY(connection_.prepare(
+        "SELECT l.lesson, l.content, EXISTS (SELECT 1 FROM experience e WHERE e.content = "
+        "l.content "
+        "AND NOT EXISTS (SELECT 1 FROM tombstone t WHERE t.row = e.id)) FROM lesson l"));
+    MNEME_TRY(statement.for_each([&] {
+      marks.push_back(read_lesson(statement));
+      return Result<void>();
+    }));
+    return marks;
+  }
+
+  Result<void> add_lessons(std::span<const LessonMark> marks) override {
+    if (marks.empty()) return {};
+    MNEME_TRY(create_lessons(connection_));
+    auto insert = MNEME_TRY(connection_.prepare("INSERT OR IGNORE INTO lesson VALUES (?, ?)"));
+    for (const LessonMark& mark : marks) {
+      insert.add(std::bit_cast<std::int64_t>(mark.lesson));
+      MNEME_TRY(insert.add(std::span<const std::byte>(mark.content)).run());
+    }
+    return {};
+  }
+
   Result<void> remove_tombstones(std::span<const std::int64_t> ids) override {
     auto removal = MNEME_TRY(connection_.prepare("DELETE FROM tombstone WHERE id = ?"));
     for (const std::int64_t id : ids) MNEME_TRY(removal.add(id).run());
@@ -132,13 +166,22 @@ class SqliteTransaction final : public StoreTransaction {
         "DELETE FROM tombstone");
   }
 
-  Result<void> set_head(const StoreState& state) override { return write_head(connection_, state); }
-  Result<void> commit() override { return transaction_.commit(); }
+  Result<void> set_head(const StoreState& state) override {
+    new_head_ = state;
+    return write_head(connection_, state);
+  }
+  Result<void> commit() override {
+    MNEME_TRY(transaction_.commit());
+    if (new_head_ && is_recorded_) record_state(connection_.lasting_path(), *new_head_);
+    return {};
+  }
 
  private:
   Connection& connection_;
   Transaction transaction_;
   bool is_empty_;
+  bool is_recorded_;
+  std::optional<StoreState> new_head_;
 };
 
 /// Prepares an opened file for writing.
@@ -151,11 +194,11 @@ Result<void> prepare_for_writing(Connection& connection) {
 }
 
 /// Migrates a database of kOldSchema, unless another process already did.
-Result<void> migrate(Connection& connection) {
+Result<void> migrate(Connection& connection, bool is_file) {
   auto writing = MNEME_TRY(Transaction::begin(connection, Transaction::Kind::write));
   const auto version = MNEME_TRY(identify(connection));
   if (version != kOldSchema) return {};
-  SqliteTransaction transaction(connection, std::move(writing), false);
+  SqliteTransaction transaction(connection, std::move(writing), false, is_file);
   MNEME_TRY(migrate_tables(connection, [&](const OldRows& old_rows) {
     return migrate_rows(connection.path(), old_rows, transaction);
   }));
@@ -164,8 +207,8 @@ Result<void> migrate(Connection& connection) {
 
 class SqliteStore final : public Store {
  public:
-  SqliteStore(Connection connection, OpenMode mode)
-      : connection_(std::move(connection)), mode_(mode) {}
+  SqliteStore(Connection connection, OpenMode mode, std::optional<std::string> loss)
+      : connection_(std::move(connection)), mode_(mode), loss_(std::move(loss)) {}
 
   const std::string& name() const override { return connection_.path(); }
 
@@ -177,7 +220,8 @@ class SqliteStore final : public Store {
   Result<RobotSignature> signature() override { return read_signature(connection_); }
 
   Result<void> create(const RobotSignature& robot) override {
-    MNEME_TRY(create_schema(connection_, robot));
+    const auto version = MNEME_TRY(create_schema(connection_, robot));
+    if (version == 0) record_state(connection_.lasting_path(), StoreState{});
     return prepare_for_writing(connection_);
   }
 
@@ -195,10 +239,13 @@ class SqliteStore final : public Store {
     auto transaction = MNEME_TRY(Transaction::begin(
         connection_, kind == Kind::read ? Transaction::Kind::read : Transaction::Kind::write));
     const auto version = MNEME_TRY(current_version());
-    return std::make_unique<SqliteTransaction>(connection_, std::move(transaction), version == 0);
+    return std::make_unique<SqliteTransaction>(connection_, std::move(transaction), version == 0,
+                                               kind == Kind::write);
   }
 
   Result<std::int64_t> bytes() override { return bytes_on_disk(connection_.lasting_path()); }
+
+  const std::optional<std::string>& loss() const override { return loss_; }
 
   Result<void> check_structure(std::vector<Damage>& damages) override {
     auto statement = MNEME_TRY(connection_.prepare("PRAGMA integrity_check"));
@@ -236,6 +283,7 @@ class SqliteStore final : public Store {
 
   Connection connection_;
   OpenMode mode_;
+  std::optional<std::string> loss_;
   std::int64_t cookie_ = -1;
   int version_ = 0;
 };
@@ -246,24 +294,68 @@ Result<int> identify_once(Connection& connection) {
   return identify(connection);
 }
 
+/// Rows that are missing in an open file of schema `version`; nothing for kOldSchema, which kept no
+/// record, and for a damaged head, which reading it reports.
+std::optional<std::string> find_missing_rows(Connection& connection, int version,
+                                             const std::optional<StateRecord>& record) {
+  if (version == kSchemaVersion) {
+    const auto head = read_head(connection);
+    return head ? describe_missing_rows(connection.path(), record, *head) : std::nullopt;
+  }
+  auto missing =
+      version == 0 ? describe_missing_rows(connection.path(), record, StoreState{}) : std::nullopt;
+  if (missing) *missing += "; remove that file to begin an empty database";
+  return missing;
+}
+
+tl::unexpected<Error> refuse_loss(const std::string& path, const std::string& loss) {
+  return fail(ErrorCode::corrupt, fmt::format("{}: {}", path, loss));
+}
+
+/// Migrates an open file or, for a reader, a copy of it in memory. Waits for another process that
+/// does the same.
+Result<Connection> migrated(Connection connection, bool is_writer, int timeout_ms) {
+  if (!is_writer) {
+    connection = MNEME_TRY(connection.copy_in_memory());
+    MNEME_TRY(migrate(connection, false));
+    return connection;
+  }
+  MNEME_TRY(check_pages(connection));
+  connection.set_busy_timeout(timeout_ms);
+  auto done = migrate(connection, true);
+  connection.set_busy_timeout(Connection::kBusyTimeoutMs);
+  if (!done && done.error().code == ErrorCode::io) {
+    done.error().message += fmt::format(
+        "; a database of schema {} is migrated when it is opened for writing, perhaps by another "
+        "process now: try again when that is done",
+        kOldSchema);
+  }
+  if (!done) return tl::unexpected(done.error());
+  return connection;
+}
+
 }  // namespace
 
-Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, OpenMode mode) {
+Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, OpenMode mode,
+                                                 LossCheck check, int migration_timeout_ms) {
   const bool is_writer = mode != OpenMode::read_only;
+  std::error_code error;
+  const bool is_new = !std::filesystem::exists(path, error);
+  const auto record = is_new ? std::nullopt : read_record(path);
+  auto loss = describe_damaged_log(path, record);
+  if (loss && check == LossCheck::refuse) return refuse_loss(path, *loss);
   auto connection = MNEME_TRY(is_writer ? open_for_writing(path, mode == OpenMode::create)
                                         : open_for_reading(path));
   // Identify before writing: another program's file must stay unchanged.
   const auto version = MNEME_TRY(identify_once(connection));
+  if (!loss) loss = find_missing_rows(connection, version, record);
+  if (loss && check == LossCheck::refuse) return refuse_loss(path, *loss);
+  if (version == kOldSchema) {
+    connection = MNEME_TRY(migrated(std::move(connection), is_writer, migration_timeout_ms));
+  }
   // A new file needs its page size before it enters WAL mode, which fixes it.
   if (is_writer && version != 0) MNEME_TRY(prepare_for_writing(connection));
-  if (version == kOldSchema) {
-    if (!is_writer) {
-      auto copy = MNEME_TRY(connection.copy_in_memory());
-      connection = std::move(copy);
-    }
-    MNEME_TRY(migrate(connection));
-  }
-  return std::make_unique<SqliteStore>(std::move(connection), mode);
+  return std::make_unique<SqliteStore>(std::move(connection), mode, std::move(loss));
 }
 
 }  // namespace mneme::internal

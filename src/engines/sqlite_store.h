@@ -27,9 +27,15 @@ inline constexpr std::int64_t kApplicationId = 0x6d6e656d;
 [[nodiscard]] tl::unexpected<Error> refuse_schema(const std::string& name, std::int64_t version);
 
 /// Creates the tables and the robot row in one transaction, unless another process already did.
-[[nodiscard]] Result<void> create_schema(Connection& connection, const RobotSignature& robot);
+/// Returns the schema version that it found, 0 if it created them.
+[[nodiscard]] Result<int> create_schema(Connection& connection, const RobotSignature& robot);
 /// Writes our application_id and user_version, which a file restored from .dump lacks.
 [[nodiscard]] Result<void> mark(Connection& connection);
+
+/// True if the table of lessons exists, which older builds did not create.
+[[nodiscard]] Result<bool> has_lessons(Connection& connection);
+/// Creates that table if it is missing.
+[[nodiscard]] Result<void> create_lessons(Connection& connection);
 
 /// Checks the file's pages. Error: corrupt. A damaged file can be read in part, but writes to it
 /// may be lost. Cost: about 1 ms per 2 MB.
@@ -49,10 +55,20 @@ inline constexpr std::int64_t kApplicationId = 0x6d6e656d;
 [[nodiscard]] Result<void> migrate_tables(
     Connection& connection, const std::function<Result<void>(const OldRows&)>& write_rows);
 
+/// How long a writer waits for another process that migrates the file, which takes about 1 min per
+/// GB.
+inline constexpr int kMigrationTimeoutMs = 600000;
+
 /// Opens and identifies `path`. Migrates a file of kOldSchema; a reader migrates a copy in memory.
-/// Reading also works in a read-only directory. Errors: io; corrupt; unsupported for another
-/// schema.
-[[nodiscard]] Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path,
-                                                               OpenMode mode);
+/// Reading also works in a read-only directory. Errors: io; corrupt, also if acknowledged rows are
+/// missing, unless `check` says otherwise; unsupported for another schema.
+[[nodiscard]] Result<std::unique_ptr<Store>> open_sqlite_store(
+    const std::string& path, OpenMode mode, LossCheck check = LossCheck::refuse,
+    int migration_timeout_ms = kMigrationTimeoutMs);
+
+/// A store in a file that does not exist yet: the first writing transaction creates it, so that
+/// a process that stores nothing leaves no file. Errors: io if its directory is not writable.
+[[nodiscard]] Result<std::unique_ptr<Store>> new_sqlite_store(const std::string& path,
+                                                              const RobotSignature& robot);
 
 }  // namespace mneme::internal

@@ -124,6 +124,7 @@ TEST_SUITE("flow") {
     for (int round = 0; round < rounds(12); ++round) {
       const std::string path = directory / ("round" + std::to_string(round));
       const pid_t child = start_child([&] {
+        write_file(path, "");
         const auto database = Database::open(path, arm_signature(), OpenMode::create);
         for (;;) ::pause();
         return database ? 0 : 1;

@@ -42,6 +42,7 @@ TEST_SUITE("unit") {
 TEST_SUITE("unit") {
   TEST_CASE("a path opens SQLite, and the space is read or created") {
     const TemporaryDirectory directory;
+    write_file(directory / "a.db", "");
     {
       const auto created =
           internal::open_store_of(directory / "a.db", arm_signature(), OpenMode::create);

@@ -16,6 +16,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <sstream>
 
 namespace mneme::test {
 
@@ -67,12 +68,22 @@ class PostgresServer {
   }
 
   /// Ends the postmaster without a chance to tidy up.
-  void kill_postmaster() const {
-    std::ifstream file(data() + "/postmaster.pid");
-    pid_t postmaster = 0;
-    file >> postmaster;
-    REQUIRE(postmaster > 0);
-    ::kill(postmaster, SIGKILL);
+  void kill_postmaster() const { ::kill(postmaster(), SIGKILL); }
+  /// Sends a signal to all processes of the server.
+  void signal(int number) const {
+    const pid_t parent = postmaster();
+    ::kill(parent, number);
+    for (const auto& process : std::filesystem::directory_iterator("/proc")) {
+      std::ifstream file(process.path() / "stat");
+      std::string text;
+      std::getline(file, text);
+      const std::size_t end = text.rfind(')');  // of the program's name
+      if (end == std::string::npos) continue;
+      char state = 0;
+      pid_t its_parent = 0;
+      std::istringstream(text.substr(end + 1)) >> state >> its_parent;
+      if (its_parent == parent) ::kill(std::stoi(process.path().filename()), number);
+    }
   }
   /// Its last backends may need a moment to notice that it is gone.
   [[nodiscard]] bool start() const {
@@ -90,6 +101,14 @@ class PostgresServer {
 
  private:
   PostgresServer() = default;
+
+  [[nodiscard]] pid_t postmaster() const {
+    std::ifstream file(data() + "/postmaster.pid");
+    pid_t pid = 0;
+    file >> pid;
+    REQUIRE(pid > 0);
+    return pid;
+  }
 
   static std::unique_ptr<PostgresServer> start_server() {
     std::unique_ptr<PostgresServer> server = make_server();

@@ -417,6 +417,47 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("a server that hangs holds nobody up, and queued rows are stored when it is back") {
+    PostgresServer* server = PostgresServer::instance();
+    if (server == nullptr) return;
+    Rng rng(8);
+    DatabaseSettings settings;
+    settings.answer_timeout_s = 0.3;
+    auto database = Database::open(server->new_url(), arm_signature(), OpenMode::create, settings);
+    REQUIRE(database.has_value());
+    REQUIRE(database->insert(random_rows(rng, 3)));
+    struct Hang {
+      explicit Hang(const PostgresServer& stopped) : server(stopped) { server.signal(SIGSTOP); }
+      Hang(const Hang&) = delete;
+      Hang& operator=(const Hang&) = delete;
+      ~Hang() { server.signal(SIGCONT); }
+      const PostgresServer& server;
+    };
+    {
+      const Hang hang(*server);
+      const Stopwatch stopwatch;
+      REQUIRE(database->insert_later(random_rows(rng, 4)));
+      CHECK(find_like(*database, make_primitive(random_key(rng)), 3, 8).has_value());
+      CHECK(stopwatch.elapsed_s() < 0.2);
+      CHECK(database->refresh().error().code == ErrorCode::io);
+      CHECK(database->insert(random_rows(rng, 1)).error().code == ErrorCode::io);
+      CHECK(!database->flush(0.1).has_value());
+      CHECK(stopwatch.elapsed_s() < 5);
+      CHECK(database->queued_rows().waiting == 4);
+      CHECK(database->queued_rows().failure.find("did not answer") != std::string::npos);
+    }
+    REQUIRE(database->flush(20));
+    CHECK(database->size() == 7);
+    const Hang hang(*server);
+    REQUIRE(database->insert_later(random_rows(rng, 2)));
+    const Stopwatch stopwatch;
+    database->stop_waiting();
+    CHECK(database->refresh().error().code == ErrorCode::io);
+    CHECK(database->queued_rows().waiting == 2);
+    { const Database closed = std::move(*database); }
+    CHECK(stopwatch.elapsed_s() < 1);
+  }
+
   TEST_CASE("a writer that is killed in a transaction leaves nothing of it") {
     PostgresServer* server = PostgresServer::instance();
     if (server == nullptr) return;
@@ -452,6 +493,27 @@ TEST_SUITE("unit") {
         internal::open_postgres_store("postgresql://127.0.0.1:1/x", OpenMode::read_only);
     REQUIRE(!store.has_value());
     CHECK(store.error().code == ErrorCode::io);
+  }
+
+  TEST_CASE("a server that takes a connection and says nothing is given up") {
+    const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    REQUIRE(::bind(listener, reinterpret_cast<sockaddr*>(&address), size) == 0);
+    REQUIRE(::listen(listener, 1) == 0);
+    REQUIRE(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size) == 0);
+    const std::string url =
+        fmt::format("postgresql://127.0.0.1:{}/x?connect_timeout=1", ntohs(address.sin_port));
+    const Stopwatch stopwatch;
+    const auto store = internal::open_postgres_store(url, OpenMode::read_only);
+    REQUIRE(!store.has_value());
+    CHECK(store.error().code == ErrorCode::io);
+    CHECK_MESSAGE(store.error().message.find("did not answer within 1.0 s") != std::string::npos,
+                  store.error().message);
+    CHECK(stopwatch.elapsed_s() < 5);
+    ::close(listener);
   }
 }
 

@@ -307,6 +307,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("reading does not leave files beside the database") {
     const TemporaryDirectory directory;
+    write_file(directory / "a.db", "");
     open_database(directory / "a.db");
     open_database(directory / "a.db", OpenMode::read_only);
     CHECK(!std::filesystem::exists(directory / "a.db-wal"));

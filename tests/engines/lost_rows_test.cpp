@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/fixtures.h"
+#include "store/lost_rows.h"
+
+#include <map>
+
+namespace mneme::test {
+namespace {
+
+constexpr int kRows = 40, kTransactions = 20;
+
+/// What a killed process leaves of a database: the file, its log, and the record beside them.
+struct Leftover {
+  std::string file, log, record;
+};
+
+/// Half of the rows are in the file, the other half in its log.
+Leftover make_leftover(const std::string& path) {
+  Rng rng(95);
+  { REQUIRE(open_database(path).insert(random_rows(rng, kRows / 2, 20))); }
+  Database database = open_database(path);
+  for (int i = 0; i < kTransactions; ++i) {
+    REQUIRE(database.insert(random_rows(rng, kRows / 2 / kTransactions, 20)));
+  }
+  return {read_file(path), read_file(path + "-wal"), read_file(internal::record_path(path))};
+}
+
+void write_leftover(const std::string& path, const Leftover& leftover) {
+  std::filesystem::remove(path + "-shm");
+  write_file(path, leftover.file);
+  write_file(path + "-wal", leftover.log);
+  std::filesystem::remove(path + ".tally");
+  if (!leftover.record.empty()) write_file(path + ".tally", leftover.record);
+}
+
+std::string flipped_at(std::string bytes, std::size_t position, int bit) {
+  bytes[position] = static_cast<char>(bytes[position] ^ (1 << bit));
+  return bytes;
+}
+
+/// True if all rows are there, or their loss is reported by opening and by verifying.
+bool is_whole_or_reported(const std::string& path, const Leftover& leftover) {
+  write_leftover(path, leftover);
+  const auto opened = Database::open(path, arm_signature(), OpenMode::read_only);
+  if (opened) return opened->size() == kRows;
+  const ErrorCode code = opened.error().code;
+  if (code != ErrorCode::corrupt && code != ErrorCode::unsupported) return false;
+  write_leftover(path, leftover);
+  const auto damages = verify_database(path);
+  return !damages || !damages->empty();
+}
+
+}  // namespace
+
+TEST_SUITE("law") {
+  TEST_CASE("no damage to what a killed process left loses rows silently") {
+    const std::uint64_t seed = 96;
+    const TemporaryDirectory directory;
+    const Leftover sound = make_leftover(directory / "sound.db");
+    const std::string path = directory / "a.db";
+    REQUIRE(is_whole_or_reported(path, sound));
+    Rng rng(seed);
+    for (int i = 0; i < rounds(300); ++i) {
+      Leftover damaged = sound;
+      std::string& part = i % 3 == 2 ? damaged.file : damaged.log;
+      const std::size_t position = rng.index(static_cast<std::uint32_t>(part.size()));
+      part = i % 3 == 1 ? part.substr(0, position)
+                        : flipped_at(part, position, static_cast<int>(rng.index(8)));
+      INFO("seed " << seed << ", round " << i << ", byte " << position);
+      REQUIRE(is_whole_or_reported(path, damaged));
+    }
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("a changed byte in a log is reported with the number of lost rows, without a record") {
+    const TemporaryDirectory directory;
+    Leftover leftover = make_leftover(directory / "sound.db");
+    leftover.record.clear();
+    const std::string path = directory / "a.db";
+    // In the header of the log, of its first frame, and in the page of that.
+    for (const std::size_t position : {9, 20, 40, 5000}) {
+      Leftover damaged = leftover;
+      damaged.log = flipped_at(damaged.log, position, 3);
+      write_leftover(path, damaged);
+      const Error error = open_error(path);
+      CHECK(error.code == ErrorCode::corrupt);
+      CHECK_MESSAGE(error.message.find("20 rows that were stored in 20 transactions are lost") !=
+                        std::string::npos,
+                    error.message);
+      CHECK(read_file(path + "-wal") == damaged.log);  // nothing was touched
+    }
+  }
+
+  TEST_CASE("verifying gives up lost rows, and makes the others usable") {
+    const TemporaryDirectory directory;
+    Leftover leftover = make_leftover(directory / "sound.db");
+    leftover.log = flipped_at(leftover.log, leftover.log.size() / 2, 1);
+    const std::string path = directory / "a.db";
+    write_leftover(path, leftover);
+    const auto damages = verify_database(path, VerifyMode::quarantine);
+    REQUIRE(damages.has_value());
+    REQUIRE(damages->size() == 1);
+    CHECK(damages->front().is_quarantined);
+    CHECK(damages->front().what.find("are lost") != std::string::npos);
+    const std::int64_t left = open_database(path, OpenMode::read_only).size();
+    CHECK(left >= kRows / 2);
+    CHECK(left < kRows);
+    CHECK(verify_database(path)->empty());
+  }
+
+  TEST_CASE("a log cut short and a file of no bytes are compared with the record") {
+    const TemporaryDirectory directory;
+    const Leftover leftover = make_leftover(directory / "sound.db");
+    const std::string path = directory / "a.db";
+    Leftover cut = leftover;
+    cut.log.clear();
+    write_leftover(path, cut);
+    CHECK(open_error(path).message.find("20 rows that were stored are missing") !=
+          std::string::npos);
+    write_leftover(path, {"", "", leftover.record});
+    for (const OpenMode mode : {OpenMode::read_only, OpenMode::create}) {
+      const Error error = open_error(path, mode);
+      CHECK(error.code == ErrorCode::corrupt);
+      CHECK(error.message.find("40 rows that were stored are missing") != std::string::npos);
+    }
+    CHECK(!verify_database(path)->empty());
+    // A new file of the same name is not the old one.
+    std::filesystem::remove(path);
+    std::filesystem::remove(path + "-wal");
+    Rng rng(1);
+    REQUIRE(open_database(path).insert(random_rows(rng, 1)));
+    CHECK(open_database(path, OpenMode::read_only).size() == 1);
+  }
+}
+
+}  // namespace mneme::test
