@@ -142,4 +142,13 @@ Result<void> merge_rows(Store& target, std::span<const Experience> rows, MergeSu
   });
 }
 
+Result<void> merge_lessons(Store& target, Store& source) {
+  const auto reading = MNEME_TRY(source.begin(Store::Kind::read));
+  const auto marks = MNEME_TRY(reading->read_lessons());
+  if (marks.empty()) return {};
+  const auto writing = MNEME_TRY(target.begin(Store::Kind::write));
+  MNEME_TRY(writing->add_lessons(marks));
+  return writing->commit();
+}
+
 }  // namespace mneme::internal

@@ -42,5 +42,7 @@ using RowsVisitor = std::function<Result<void>(std::span<const Experience>)>;
 /// Adds rows that `target` lacks, in one transaction, and counts them. The rows must be sound.
 [[nodiscard]] Result<void> merge_rows(Store& target, std::span<const Experience> rows,
                                       MergeSummary& summary);
+/// Adds the marks of lessons of `source`, so that merged lessons are not learned again.
+[[nodiscard]] Result<void> merge_lessons(Store& target, Store& source);
 
 }  // namespace mneme::internal

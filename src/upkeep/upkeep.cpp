@@ -29,8 +29,9 @@ Result<void> note(const Result<void>& done, Findings& findings) {
 }
 
 Result<void> verify_structure(Store& store, Findings& findings) {
+  const std::size_t before = findings.damages.size();
   const auto checked = store.check_structure(findings.damages);
-  findings.is_structural = !checked || !findings.damages.empty();
+  findings.is_structural = !checked || findings.damages.size() > before;
   return note(checked, findings);
 }
 
@@ -70,14 +71,18 @@ Result<void> verify_tombstones(Store& store, Findings& findings) {
 
 Result<Findings> verify(const std::string& url) {
   Findings findings;
-  const auto opened = internal::inspect_store(url);
+  const auto opened = internal::inspect_store(url, {internal::LossCheck::note});
   if (!opened) {
     findings.is_structural = true;
     MNEME_TRY(note(tl::unexpected(opened.error()), findings));
     return findings;
   }
-  if (opened->schema_version == 0) return findings;
   Store& store = *opened->store;
+  if (store.loss()) findings.damages.push_back({0, *store.loss(), false});
+  if (opened->schema_version == 0) {
+    findings.is_structural = store.loss().has_value();
+    return findings;
+  }
   MNEME_TRY(verify_structure(store, findings));
   MNEME_TRY(note(verify_rows(store, opened->signature, findings), findings));
   MNEME_TRY(note(verify_orphans(store, findings), findings));
@@ -87,7 +92,8 @@ Result<Findings> verify(const std::string& url) {
 
 /// Sets damaged rows aside and deletes damaged tombstones, whose rows are verified again.
 Result<void> quarantine(const std::string& url, const Findings& findings) {
-  const auto store = MNEME_TRY(internal::open_store(url, OpenMode::read_write));
+  const auto store =
+      MNEME_TRY(internal::open_store(url, OpenMode::read_write, {internal::LossCheck::note}));
   return internal::quarantine_rows(*store, findings.damages, findings.tombstones);
 }
 
@@ -139,6 +145,7 @@ Result<MergeSummary> merge_databases(const std::string& into, const std::string&
       internal::advised(internal::open_store_of(into, source.signature, OpenMode::create), into));
   MNEME_TRY(
       visit_all([&](auto rows) { return internal::merge_rows(*target.store, rows, summary); }));
+  MNEME_TRY(internal::merge_lessons(*target.store, *source.store));
   return summary;
 }
 

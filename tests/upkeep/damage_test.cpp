@@ -23,7 +23,7 @@ std::string sound_file(const std::string& path) {
 }
 
 void remove_database(const std::string& path) {
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+  for (const char* suffix : {"", "-wal", "-shm", "-journal", ".tally"}) {
     std::filesystem::remove(path + suffix);
   }
 }

@@ -77,6 +77,7 @@ TEST_SUITE("unit") {
           ErrorCode::invalid);
     RobotSignature other = arm_signature();
     other.model_hash = "other";
+    write_file(directory / "other.db", "");
     REQUIRE(Database::open(directory / "other.db", other, OpenMode::create).has_value());
     exported(directory / "a.db", directory / "a.jsonl");
     CHECK(import_database(directory / "other.db", directory / "a.jsonl").error().code ==
@@ -88,6 +89,12 @@ TEST_SUITE("unit") {
     REQUIRE(!text.has_value());
     CHECK(text.error().code == ErrorCode::parse);
     CHECK(text.error().message.find(directory / "text.jsonl:1: ") == 0);
+    CHECK(!std::filesystem::exists(directory / "c.db"));
+    // The robot's line is sound, the first row is not.
+    const std::string lines = exported(directory / "a.db", directory / "a.jsonl");
+    write_file(directory / "cut.jsonl", lines.substr(0, lines.find('\n') + 20));
+    CHECK(import_database(directory / "c.db", directory / "cut.jsonl").error().code ==
+          ErrorCode::parse);
     CHECK(!std::filesystem::exists(directory / "c.db"));
   }
 

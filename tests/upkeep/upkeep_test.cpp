@@ -259,6 +259,7 @@ TEST_SUITE("unit") {
     fill_database(directory / "a.db", random_rows(rng, 2));
     RobotSignature other = arm_signature();
     other.model_hash = "other";
+    write_file(directory / "b.db", "");
     REQUIRE(Database::open(directory / "b.db", other, OpenMode::create).has_value());
     CHECK(merge_databases(directory / "a.db", directory / "b.db").error().code ==
           ErrorCode::wrong_robot);
