@@ -236,6 +236,7 @@ def test_wrong_databases_are_errors(robot, tmp_path):
     other = mneme.Robot.planar([1.0, 1.0, 1.0])
     path = tmp_path / "memory.db"
     assert raised(mneme.Database.open, path, robot)[0] == "io"
+    path.touch()
     mneme.Database.open(path, robot, mode="create").close()
     assert raised(mneme.Database.open, path, other)[0] == "wrong_robot"
     assert raised(mneme.Database.open, path, robot, mode="w")[0] == "invalid"

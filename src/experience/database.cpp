@@ -7,6 +7,7 @@
 #include "engines/open_store.h"
 #include "store/row_check.h"
 #include "experience/row_loader.h"
+#include "experience/write_queue.h"
 #include "store/store.h"
 
 #include <fmt/format.h>
@@ -69,11 +70,12 @@ internal::KeySizes sizes_of(const GroupIndexes& groups) {
 /// `writing` guards all members that are not const, except the published index: a search takes a
 /// snapshot of it and continues with that while the next one is built.
 struct Database::State {
+  /// `stop` ends calls of the store that wait.
   State(internal::OpenedStore opened, const std::string& lasting_url,
-        const DatabaseSettings& settings);
+        const DatabaseSettings& settings, std::unique_ptr<std::atomic<bool>> stop);
   State(const State&) = delete;
   State& operator=(const State&) = delete;
-  ~State() { save_if_useful(); }
+  ~State();
 
   /// Reads the saved index, if it is valid, and all rows added since.
   Result<void> read();
@@ -84,6 +86,7 @@ struct Database::State {
   Result<bool> is_filled();
   Result<internal::StoreChanges> read_fresh(FreshRows& fresh,
                                             std::unordered_set<std::int64_t>& seen);
+  Result<std::vector<std::int64_t>> insert(std::vector<Experience> rows, std::vector<bool>* is_new);
   /// Removes and adds rows in memory.
   void change(const std::vector<std::int64_t>& removed, FreshRows fresh);
   void save_if_useful();
@@ -99,8 +102,10 @@ struct Database::State {
   const std::string url;  ///< for messages
   const RobotSignature signature;
   const bool is_too_large;
-  std::atomic<std::uint64_t> iterations = 0;  ///< since a row was earned
-  const std::string index_file;               // empty: none
+  const bool is_queued;
+  const std::unique_ptr<std::atomic<bool>> stop;  // stores point to it
+  std::atomic<std::uint64_t> iterations = 0;      ///< since a row was earned
+  const std::string index_file;                   // empty: none
   internal::RowLoader rows;
 
   std::mutex writing;
@@ -111,18 +116,35 @@ struct Database::State {
 
   mutable std::mutex publishing;
   std::shared_ptr<const GroupIndexes> published;  // never null
+
+  internal::WriteQueue queue;  // last: its thread uses the other members
 };
 
+Database::State::~State() {
+  constexpr double kLongest_s = 30;
+  if (!*stop) (void)queue.flush(kLongest_s);
+  const std::lock_guard lock(writing);
+  save_if_useful();
+}
+
 Database::State::State(internal::OpenedStore opened, const std::string& lasting_url,
-                       const DatabaseSettings& settings)
+                       const DatabaseSettings& settings,
+                       std::unique_ptr<std::atomic<bool>> stop_calls)
     : url(opened.store->name()),
       signature(std::move(opened.signature)),
       is_too_large(opened.store->bytes().value_or(0) > settings.memory_bytes),
+      is_queued(settings.is_queued),
+      stop(std::move(stop_calls)),
       index_file(internal::index_file_of(lasting_url)),
-      rows(lasting_url, signature, settings.memory_bytes),
+      rows(lasting_url, signature, settings.memory_bytes, {settings.answer_timeout_s, stop.get()}),
       schema_version(opened.schema_version),
       store(std::move(opened.store)),
-      published(std::make_shared<const GroupIndexes>()) {}
+      published(std::make_shared<const GroupIndexes>()),
+      queue([this](const std::vector<Experience>& queued) -> Result<std::int64_t> {
+        std::vector<bool> is_new;
+        MNEME_TRY(insert(queued, &is_new));
+        return std::ranges::count(is_new, true);
+      }) {}
 
 Result<void> Database::State::take_saved_index() {
   if (!is_too_large || index_file.empty()) return {};
@@ -248,11 +270,16 @@ Database::Database(Database&&) noexcept = default;
 Database& Database::operator=(Database&&) noexcept = default;
 Database::~Database() = default;
 
-Result<Database> Database::load(Result<internal::OpenedStore> opened, const std::string& url,
+Result<Database> Database::load(const Opener& open_with, const std::string& url,
                                 const DatabaseSettings& settings) {
+  auto stop = std::make_unique<std::atomic<bool>>(false);
+  internal::OpenOptions options;
+  options.patience = {settings.answer_timeout_s, stop.get()};
+  auto opened = open_with(options);
   if (!opened) return tl::unexpected(internal::with_advice(opened.error(), url));
   const bool is_empty = opened->schema_version == 0;
-  auto state = std::make_unique<State>(std::move(*opened), internal::lasting_url(url), settings);
+  auto state = std::make_unique<State>(std::move(*opened), internal::lasting_url(url), settings,
+                                       std::move(stop));
   if (!is_empty) {
     const auto read = state->read();
     if (!read) return tl::unexpected(internal::with_advice(read.error(), url));
@@ -262,17 +289,24 @@ Result<Database> Database::load(Result<internal::OpenedStore> opened, const std:
 
 Result<Database> Database::open(const std::string& url, const RobotSignature& signature,
                                 OpenMode mode, const DatabaseSettings& settings) {
-  return load(internal::open_store_of(url, signature, mode), url, settings);
+  const auto opener = [&](const internal::OpenOptions& options) {
+    return internal::open_store_of(url, signature, mode, options);
+  };
+  return load(opener, url, settings);
 }
 
 Result<Database> Database::inspect(const std::string& url, const DatabaseSettings& settings) {
-  return load(internal::inspect_store(url), url, settings);
+  const auto opener = [&](const internal::OpenOptions& options) {
+    return internal::inspect_store(url, options);
+  };
+  return load(opener, url, settings);
 }
 
 const RobotSignature& Database::signature() const { return state_->signature; }
 
 DatabaseInfo Database::info() const {
   const std::lock_guard writing(state_->writing);
+  (void)state_->is_filled();  // a new file may have got its first row
   DatabaseInfo info;
   info.url = state_->url;
   info.signature = state_->signature;
@@ -368,28 +402,63 @@ Result<std::vector<KeyMatch>> Database::find(std::string_view kind,
   return matches;
 }
 
-Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows,
-                                                   std::vector<bool>* is_new) {
-  MNEME_TRY(internal::prepare_rows(rows, state_->signature));
-  const std::lock_guard writing(state_->writing);
-  auto appended =
-      MNEME_TRY(internal::append_rows(*state_->store, rows, internal::Duplicates::keep_first));
+Result<std::vector<std::int64_t>> Database::State::insert(std::vector<Experience> added,
+                                                          std::vector<bool>* is_new) {
+  MNEME_TRY(internal::prepare_rows(added, signature));
+  const std::lock_guard lock(writing);
+  auto appended = MNEME_TRY(internal::append_rows(*store, added, internal::Duplicates::keep_first));
   if (is_new != nullptr) *is_new = appended.is_new;
-  if (appended.before != state_->last_state) {
+  if (appended.before != last_state) {
     // Our rows are stored. Errors with other processes' rows surface at the next refresh().
-    (void)state_->catch_up();
+    (void)catch_up();
     return appended.ids;
   }
   FreshRows fresh;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  for (std::size_t i = 0; i < added.size(); ++i) {
     if (!appended.is_new[i]) continue;
-    rows[i].id = appended.ids[i];
-    fresh.add(rows[i], rows[i].constraints(), rows[i].component_count());
-    fresh.rows.push_back(std::make_shared<const Experience>(std::move(rows[i])));
+    added[i].id = appended.ids[i];
+    fresh.add(added[i], added[i].constraints(), added[i].component_count());
+    fresh.rows.push_back(std::make_shared<const Experience>(std::move(added[i])));
   }
-  if (fresh.count > 0) state_->change({}, std::move(fresh));
-  state_->last_state = appended.state;
+  if (fresh.count > 0) change({}, std::move(fresh));
+  last_state = appended.state;
   return appended.ids;
+}
+
+Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows,
+                                                   std::vector<bool>* is_new) {
+  return state_->insert(std::move(rows), is_new);
+}
+
+Result<void> Database::insert_later(std::vector<Experience> rows) {
+  MNEME_TRY(internal::prepare_rows(rows, state_->signature));
+  state_->queue.push(std::move(rows));
+  return {};
+}
+
+Result<void> Database::flush(double timeout_s) {
+  if (state_->queue.flush(timeout_s)) return {};
+  const QueuedRows rows = state_->queue.counts();
+  return fail(ErrorCode::io, fmt::format("{}: {} rows are not stored yet: {}", state_->url,
+                                         rows.waiting, rows.failure));
+}
+
+QueuedRows Database::queued_rows() const { return state_->queue.counts(); }
+
+bool Database::is_queued() const { return state_->is_queued; }
+
+void Database::stop_waiting() { *state_->stop = true; }
+
+Result<std::unordered_set<std::uint64_t>> Database::finished_lessons() const {
+  const std::lock_guard writing(state_->writing);
+  std::unordered_set<std::uint64_t> finished, unfinished;
+  const bool is_filled = MNEME_TRY(state_->is_filled());
+  if (!is_filled) return finished;
+  const auto transaction = MNEME_TRY(state_->store->begin(internal::Store::Kind::read));
+  const auto marks = MNEME_TRY(transaction->read_lessons());
+  for (const auto& mark : marks) (mark.is_live ? finished : unfinished).insert(mark.lesson);
+  for (const std::uint64_t lesson : unfinished) finished.erase(lesson);
+  return finished;
 }
 
 bool Database::earns_row(std::uint64_t iterations, std::uint64_t price) {

@@ -107,8 +107,12 @@ struct RowLoader::Reading {
   std::map<std::int64_t, std::string> flaws;
 };
 
-RowLoader::RowLoader(std::string url, RobotSignature signature, std::int64_t capacity_bytes)
-    : url_(std::move(url)), signature_(std::move(signature)), cache_(capacity_bytes) {}
+RowLoader::RowLoader(std::string url, RobotSignature signature, std::int64_t capacity_bytes,
+                     const ServerPatience& patience)
+    : url_(std::move(url)),
+      signature_(std::move(signature)),
+      patience_(patience),
+      cache_(capacity_bytes) {}
 
 Result<std::vector<SharedExperience>> RowLoader::load(std::span<const std::int64_t> ids,
                                                       bool is_kept) const {
@@ -136,7 +140,7 @@ Result<std::vector<SharedExperience>> RowLoader::load(std::span<const std::int64
 Result<void> RowLoader::read(std::span<const std::int64_t> ids, Reading& reading) const {
   const std::lock_guard lock(mutex_);
   if (store_ == nullptr) {
-    auto opened = MNEME_TRY(open_store(url_, OpenMode::read_only));
+    auto opened = MNEME_TRY(open_store(url_, OpenMode::read_only, {LossCheck::refuse, patience_}));
     store_ = std::move(opened);
   }
   const auto transaction = MNEME_TRY(store_->begin(Store::Kind::read));

@@ -51,7 +51,8 @@ class ExperienceCache {
 class RowLoader {
  public:
   /// `url` must remain valid when the process changes its directory.
-  RowLoader(std::string url, RobotSignature signature, std::int64_t capacity_bytes);
+  RowLoader(std::string url, RobotSignature signature, std::int64_t capacity_bytes,
+            const ServerPatience& patience = {});
 
   [[nodiscard]] ExperienceCache& cache() const { return cache_; }
   /// Rows known in `epoch` may be missing in a later one.
@@ -70,6 +71,7 @@ class RowLoader {
 
   std::string url_;
   RobotSignature signature_;
+  ServerPatience patience_;
   mutable ExperienceCache cache_;
   std::atomic<std::int64_t> epoch_ = 0;
   mutable std::mutex mutex_;

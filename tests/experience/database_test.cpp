@@ -141,6 +141,74 @@ TEST_SUITE("unit") {
     CHECK(!Database::inspect(directory / "a.db").has_value());
   }
 
+  TEST_CASE("a database in which nothing is stored leaves no file") {
+    const TemporaryDirectory directory;
+    {
+      Database database = open_database(directory / "a.db");
+      CHECK(database.size() == 0);
+      CHECK(database.refresh() == 0);
+      CHECK(database.info().schema_version == 0);
+      CHECK(!database.insert({Experience{}}).has_value());
+    }
+    CHECK(std::filesystem::is_empty(directory / ""));
+    CHECK(open_error(directory / "none/a.db", OpenMode::create).code == ErrorCode::io);
+  }
+
+  TEST_CASE("of two that create one database the second sees the rows of the first") {
+    const TemporaryDirectory directory;
+    Rng rng(52);
+    Database first = open_database(directory / "a.db"), second = open_database(directory / "a.db");
+    RobotSignature other = arm_signature();
+    other.model_hash = "other";
+    auto stranger = Database::open(directory / "a.db", other, OpenMode::create);
+    REQUIRE(first.insert(random_rows(rng, 2)));
+    CHECK(first.info().schema_version == 4);
+    REQUIRE(second.insert(random_rows(rng, 3)));
+    CHECK(second.size() == 5);
+    CHECK(first.refresh() == 3);
+    REQUIRE(stranger.has_value());
+    CHECK(stranger->insert(random_rows(rng, 1)).error().code == ErrorCode::wrong_robot);
+  }
+
+  TEST_CASE("a lesson is finished while all of its rows are there, also those stored before") {
+    const TemporaryDirectory directory;
+    Rng rng(53);
+    auto rows = random_rows(rng, 3);
+    rows[0].provenance.lesson = rows[1].provenance.lesson = 7;
+    {
+      Database database = open_database(directory / "a.db");
+      CHECK(database.finished_lessons()->empty());
+      REQUIRE(database.insert(rows));
+      CHECK(*database.finished_lessons() == std::unordered_set<std::uint64_t>{7});
+      rows[2].provenance.lesson = std::uint64_t{1} << 63;
+      REQUIRE(database.insert({rows[2]}));
+      CHECK(database.size() == 3);
+      CHECK(database.finished_lessons()->size() == 2);
+    }
+    REQUIRE(merge_databases(directory / "b.db", directory / "a.db"));
+    CHECK(open_database(directory / "b.db").finished_lessons()->size() == 2);
+    run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1 WHERE id = 2");
+    REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 1);
+    CHECK(*open_database(directory / "a.db").finished_lessons() ==
+          std::unordered_set<std::uint64_t>{std::uint64_t{1} << 63});
+  }
+
+  TEST_CASE("queued rows are stored by themselves, at the latest when the database is closed") {
+    const TemporaryDirectory directory;
+    Rng rng(54);
+    {
+      Database database = open_database(directory / "a.db");
+      CHECK(!database.insert_later({Experience{}}).has_value());
+      for (int i = 0; i < 20; ++i) REQUIRE(database.insert_later(random_rows(rng, 1)));
+      REQUIRE(database.flush());
+      CHECK(database.size() == 20);
+      CHECK(database.queued_rows().stored == 20);
+      CHECK(database.queued_rows().waiting == 0);
+      REQUIRE(database.insert_later(random_rows(rng, 5)));
+    }
+    CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 25);
+  }
+
   TEST_CASE("an empty file counts as an empty database") {
     const TemporaryDirectory directory;
     write_file(directory / "a.db", "");

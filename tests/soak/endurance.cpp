@@ -38,6 +38,7 @@ struct Pair {
 
 Result<Pair> open_both(const Robot& robot, const std::string& path) {
   const RobotSignature space = make_signature(robot);
+  const std::ofstream empty(path, std::ios::app);  // a new file would come with its first row
   auto writer = Database::open(path, space, OpenMode::create);
   if (!writer) return tl::unexpected(writer.error());
   auto reader = Database::open(path, space, OpenMode::read_only);

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Inserts rows on a thread of its own.
+#pragma once
+
+#include "mneme/experience.h"
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace mneme::internal {
+
+/// Takes rows at once and inserts them in order, as many as wait in one transaction. Rows that
+/// cannot be inserted for an error of code io are tried again; those refused for another error are
+/// lost. Thread-safe.
+class WriteQueue {
+ public:
+  /// Inserts rows and returns the number of new ones. Called by the queue's thread alone.
+  using Insert = std::function<Result<std::int64_t>(const std::vector<Experience>& rows)>;
+  explicit WriteQueue(Insert insert) : insert_(std::move(insert)) {}
+  WriteQueue(const WriteQueue&) = delete;
+  WriteQueue& operator=(const WriteQueue&) = delete;
+  /// Does not wait for rows that are still queued: call flush() first.
+  ~WriteQueue();
+
+  /// Cost: some microseconds; the first call starts the thread.
+  void push(std::vector<Experience> rows);
+  /// Waits until all rows are inserted or lost. False if that takes longer.
+  [[nodiscard]] bool flush(double timeout_s);
+  [[nodiscard]] QueuedRows counts() const;
+
+ private:
+  void run();
+  /// Tries to insert the first rows, with `lock` released meanwhile. False if they must be tried
+  /// again.
+  bool insert_some(std::unique_lock<std::mutex>& lock);
+
+  static constexpr std::size_t kMostRows = 100000;
+  static constexpr std::size_t kRowsAtOnce = 500;
+
+  Insert insert_;
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Experience> rows_;
+  QueuedRows counts_;
+  bool is_stopping_ = false;
+  std::thread thread_;  ///< started with the first rows
+};
+
+}  // namespace mneme::internal

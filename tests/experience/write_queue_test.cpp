@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "engines/fixtures.h"
+#include "experience/write_queue.h"
+
+#include <atomic>
+
+namespace mneme::test {
+namespace {
+
+using internal::WriteQueue;
+
+constexpr double kSoon_s = 10;
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("rows that wait are inserted together, in their order") {
+    Rng rng(1);
+    const auto rows = random_rows(rng, 30, 1);
+    std::atomic<bool> is_open = false;
+    std::vector<std::size_t> batches;
+    std::vector<std::uint64_t> seeds;
+    WriteQueue queue([&](const std::vector<Experience>& batch) -> Result<std::int64_t> {
+      while (!is_open) std::this_thread::yield();
+      batches.push_back(batch.size());
+      for (const Experience& row : batch) seeds.push_back(row.provenance.seed);
+      return std::ssize(batch);
+    });
+    for (const Experience& row : rows) queue.push({row});
+    CHECK(!queue.flush(0));
+    CHECK(queue.counts().waiting == 30);
+    is_open = true;
+    REQUIRE(queue.flush(kSoon_s));
+    CHECK(batches.size() <= 3);
+    REQUIRE(seeds.size() == 30);
+    for (std::size_t i = 0; i < 30; ++i) CHECK(seeds[i] == rows[i].provenance.seed);
+    CHECK(queue.counts().stored == 30);
+    CHECK(queue.counts().failure.empty());
+  }
+
+  TEST_CASE("rows are tried again after io errors, and lost after others, by number") {
+    Rng rng(2);
+    std::atomic<int> calls = 0;
+    WriteQueue queue([&](const std::vector<Experience>& batch) -> Result<std::int64_t> {
+      const int call = ++calls;
+      if (call == 1) return fail(ErrorCode::io, "away");
+      if (call == 2) return std::ssize(batch);
+      return fail(ErrorCode::corrupt, "damaged");
+    });
+    queue.push(random_rows(rng, 2, 1));
+    while (calls == 0) std::this_thread::yield();
+    REQUIRE(queue.flush(kSoon_s));
+    CHECK(calls == 2);
+    CHECK(queue.counts().stored == 2);
+    queue.push(random_rows(rng, 3, 1));
+    REQUIRE(queue.flush(kSoon_s));
+    CHECK(queue.counts().lost == 3);
+    CHECK(queue.counts().failure == "damaged");
+  }
+
+  TEST_CASE("a queue that is given up does not wait for rows that cannot be inserted") {
+    Rng rng(3);
+    const Stopwatch stopwatch;
+    {
+      WriteQueue queue([](const auto&) { return fail(ErrorCode::io, "away"); });
+      queue.push(random_rows(rng, 1, 1));
+      CHECK(!queue.flush(0.01));
+      CHECK(queue.counts().waiting == 1);
+    }
+    CHECK(stopwatch.elapsed_s() < 5);
+  }
+}
+
+}  // namespace mneme::test
