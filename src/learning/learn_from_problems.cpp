@@ -6,19 +6,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <set>
 #include <utility>
 
 namespace mneme {
 namespace {
 
-/// Provenance of a row, with a hash that distinguishes problems of equal names.
-std::string provenance_text(const Problem& problem, const MemorySettings& memory,
-                            const ProblemLesson& lesson) {
-  std::string all = to_compact_json(problem, problem.robot.hash());
-  if (memory.max_gap) all += fmt::format("max-gap={}", *memory.max_gap);
-  const auto hash = static_cast<std::uint64_t>(internal::hash_bytes(std::as_bytes(std::span(all))));
-  return fmt::format("{} paths of problem {} ({:016x})", lesson.paths, problem.name, hash);
+/// Hash of all inputs of a lesson that decide what it teaches; Provenance::lesson.
+Result<std::uint64_t> lesson_of(const Problem& problem, const MemorySettings& memory,
+                                const ProblemLesson& lesson) {
+  const MemoryKind* const kind = MNEME_TRY(choose_kind(problem.robot, memory));
+  internal::ColumnDigest inputs;
+  inputs.add(kind->version).add(to_compact_json(problem, problem.robot.hash()));
+  inputs.add(std::bit_cast<std::int64_t>(memory.max_gap.value_or(-1)));
+  inputs.add(lesson.paths).add(std::bit_cast<std::int64_t>(lesson.seed));
+  return std::bit_cast<std::uint64_t>(inputs.value());
 }
 
 /// Removes rows with equal content, such as those of straight paths: the database keeps one, but
@@ -35,15 +38,11 @@ Result<std::vector<std::size_t>> open_problems(std::span<const Problem> problems
                                                const MemorySettings& memory,
                                                const ProblemLesson& lesson,
                                                const Database& database) {
-  std::set<std::pair<std::string, std::string>> known;  // kinds and texts
-  MNEME_TRY(database.for_each([&](const auto& row) {
-    if (row->provenance.seed == lesson.seed) known.emplace(row->kind, row->provenance.settings);
-  }));
+  const auto finished = MNEME_TRY(database.finished_lessons());
   std::vector<std::size_t> open;
   for (std::size_t i = 0; i < problems.size(); ++i) {
-    const MemoryKind* const kind = MNEME_TRY(choose_kind(problems[i].robot, memory));
-    const std::string text = provenance_text(problems[i], memory, lesson);
-    if (!known.contains({std::string(kind->version), text})) open.push_back(i);
+    const std::uint64_t number = MNEME_TRY(lesson_of(problems[i], memory, lesson));
+    if (!finished.contains(number)) open.push_back(i);
   }
   return open;
 }
@@ -58,9 +57,13 @@ Result<internal::Learned> learn_from_problem(const Problem& problem, const Memor
                                           &problem.start, problem.goals, problem.constraints},
                                          plan.paths, memory));
   drop_repetitions(rows);
-  const std::string text = provenance_text(problem, memory, lesson);
+  const std::uint64_t number = MNEME_TRY(lesson_of(problem, memory, lesson));
   for (Experience& row : rows) {
-    row.provenance = {fmt::format("mneme {}", version()), text, lesson.seed, {}};
+    row.provenance = {fmt::format("mneme {}", version()),
+                      fmt::format("{} paths of problem {}", lesson.paths, problem.name),
+                      lesson.seed,
+                      {},
+                      number};
   }
   return internal::Learned{std::move(rows), {}};
 }

@@ -12,7 +12,8 @@ namespace {
 
 struct Lesson {
   PrimitiveKey key;
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0;    ///< depends on the job's seed and the key
+  std::uint64_t number = 0;  ///< depends on the settings, too: Provenance::lesson
 };
 
 /// Depends on the primitive, not on its position in a list.
@@ -35,7 +36,9 @@ class Lessons {
   void add(const PrimitiveKey& key) {
     ++requested_;
     const std::uint64_t seed = lesson_seed(job_.seed, key);
-    if (seeds_.insert(seed).second) lessons_.push_back({key, seed});
+    const auto number = static_cast<std::uint64_t>(
+        internal::ColumnDigest().add(settings_text_).add(static_cast<std::int64_t>(seed)).value());
+    if (seeds_.insert(seed).second) lessons_.push_back({key, seed, number});
   }
 
   Result<LearnSummary> run(Database& database) const {
@@ -50,13 +53,10 @@ class Lessons {
  private:
   /// Lessons that were not learned with these settings yet.
   Result<std::vector<std::size_t>> open_tasks(const Database& database) const {
-    std::set<std::uint64_t> known;
-    MNEME_TRY(database.for_each([&](const auto& row) {
-      if (row->provenance.settings == settings_text_) known.insert(row->provenance.seed);
-    }));
+    const auto finished = MNEME_TRY(database.finished_lessons());
     std::vector<std::size_t> open;
     for (std::size_t i = 0; i < lessons_.size(); ++i) {
-      if (!known.contains(lessons_[i].seed)) open.push_back(i);
+      if (!finished.contains(lessons_[i].number)) open.push_back(i);
     }
     return open;
   }
@@ -69,7 +69,8 @@ class Lessons {
     row.kind = kind.version;
     row.key = lesson.key;
     row.content = std::move(result.sampler);
-    row.provenance = {"mneme " + std::string(version()), settings_text_, lesson.seed, {}};
+    row.provenance = {
+        "mneme " + std::string(version()), settings_text_, lesson.seed, {}, lesson.number};
     return internal::Learned{{std::move(row)}, {}};
   }
 

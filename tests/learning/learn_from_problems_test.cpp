@@ -126,6 +126,22 @@ TEST_SUITE("flow") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("a problem whose rows another problem has taught is not learned again") {
+    const Posts posts;
+    std::vector<Problem> problems = post_problems(posts);
+    problems.erase(problems.begin() + 1, problems.end());
+    problems[0].scene.obstacles.clear();
+    problems.push_back(problems[0]);
+    problems[1].name = "of another name";  // the same straight path
+    Database database = open_paths(posts.directory / "same.db", problems[0].robot);
+    const LearnSummary first = learn_well(problems, database, two_paths());
+    CHECK(first.learned == 2);
+    CHECK(database.size() == 1);
+    const LearnSummary second = learn_well(problems, database, two_paths());
+    CHECK(second.learned == 0);
+    CHECK(second.skipped == 2);
+  }
+
   TEST_CASE("problems that taught before are skipped, another seed adds to them") {
     const Posts posts;
     const std::vector<Problem> problems = post_problems(posts);
