@@ -194,6 +194,7 @@ struct GlSampler {
 /// Rows that solve() inserted from a solved problem.
 struct Remembered {
   int rows = 0;
+  bool is_queued = false;  ///< the rows wait to be stored: Database::queued_rows()
   double time_s = 0;
   std::string failure;  ///< Why nothing could be inserted; the path is valid nevertheless.
 };

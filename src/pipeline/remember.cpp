@@ -24,6 +24,11 @@ Result<int> insert_solved(const ResolvedQuery& resolved, const Path& path, const
     row.provenance = {
         "mneme " + std::string(version()), "solved problem " + query.problem.name, plan.seed, {}};
   }
+  if (query.database->is_queued()) {
+    const auto count = static_cast<int>(rows.size());
+    MNEME_TRY(query.database->insert_later(std::move(rows)));
+    return count;
+  }
   std::vector<bool> is_new;
   MNEME_TRY(query.database->insert(std::move(rows), &is_new));
   return static_cast<int>(std::ranges::count(is_new, true));
@@ -46,6 +51,7 @@ Remembered remember(const ResolvedQuery& resolved, const PlanResult& plan,
   for (const KindSettings& kind : query.kinds) {
     if (const auto rows = insert_solved(resolved, plan.path, kind, planning_states)) {
       remembered.rows += *rows;
+      remembered.is_queued = *rows > 0 && query.database->is_queued();
     } else {
       remembered.failure = rows.error().message;
     }
