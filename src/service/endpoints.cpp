@@ -105,6 +105,13 @@ void Endpoints::set_failure(std::string Endpoints::*failure, const std::string& 
   this->*failure = message;
 }
 
+void Endpoints::leave_memory() {
+  constexpr double kLongest_s = 0.1;  // the queue has emptied itself while requests ended
+  if (database_ == nullptr) return;
+  (void)database_->flush(kLongest_s);
+  database_->stop_waiting();
+}
+
 void Endpoints::refresh_memory() {
   if (database_ == nullptr) return;
   const auto refreshed = database_->refresh();
@@ -212,10 +219,11 @@ Answer Endpoints::plan_in_turn(const Call& call, Work& work) {
                             result.plan.path);
   work.end_turn();
 
+  const Remembered& remembered = result.remembered;
   metrics_.add_plan(to_string(result.plan.status), result.gl.retrieved_count(),
-                    result.remembered.rows);
-  if (result.remembered.rows > 0 || !result.remembered.failure.empty()) {
-    set_failure(&Endpoints::write_failure_, result.remembered.failure);
+                    remembered.is_queued ? 0 : remembered.rows);
+  if (remembered.rows > 0 || !remembered.failure.empty()) {
+    set_failure(&Endpoints::write_failure_, remembered.failure);
   }
   std::string text = to_json(request->problem, result, 0, measures ? &*measures : nullptr);
   if (!request->wants_trace && outcome->memory_failure.empty()) return {200, std::move(text)};
@@ -336,6 +344,7 @@ Answer Endpoints::health(const Call& call) {
     const std::lock_guard lock(mutex_);
     failure = !read_failure_.empty() ? read_failure_ : write_failure_;
   }
+  if (failure.empty() && database_ != nullptr) failure = database_->queued_rows().failure;
   Json joints = Json::array();
   for (int i = 0; i < robot_.joint_count(); ++i) joints.push_back(robot_.group_joint(i).name);
   Json json = {{"status", is_stopping_      ? "stopping"
@@ -355,8 +364,9 @@ Answer Endpoints::health(const Call& call) {
 
 Answer Endpoints::metrics_text(const Call& call) {
   const std::string text =
-      metrics_.text({database_ == nullptr ? 0 : database_->size(), settings_.threads,
-                     queue_.waiting(), call.connections, scenes_.count()});
+      metrics_.text({database_ == nullptr ? 0 : database_->size(),
+                     database_ == nullptr ? QueuedRows() : database_->queued_rows(),
+                     settings_.threads, queue_.waiting(), call.connections, scenes_.count()});
   return {200, text, "text/plain; version=0.0.4"};
 }
 

@@ -48,7 +48,7 @@ void add_latencies(std::string& text, ServiceCounts& counts) {
   }
 }
 
-void add_plans(std::string& text, const ServiceCounts& counts) {
+void add_plans(std::string& text, const ServiceCounts& counts, const QueuedRows& queued) {
   add_head(text, "mneme_plans_total", "counter", "Plans by status.");
   for (const auto& [status, count] : counts.plans) {
     fmt::format_to(std::back_inserter(text), "mneme_plans_total{{status=\"{}\"}} {}\n", status,
@@ -58,12 +58,17 @@ void add_plans(std::string& text, const ServiceCounts& counts) {
              "Plans for which memory had local samplers.", counts.hits);
   add_single(text, "mneme_retrieved_total", "counter", "Local samplers from memory.",
              counts.retrieved);
-  add_single(text, "mneme_remembered_total", "counter", "Rows that plans inserted into memory.",
-             counts.remembered);
+  add_single(text, "mneme_remembered_total", "counter",
+             "Rows of plans that are stored: they survive a killed process.",
+             counts.remembered + static_cast<std::uint64_t>(queued.stored));
+  add_single(text, "mneme_remembered_lost_total", "counter",
+             "Rows of plans that could not be stored.", queued.lost);
 }
 
 void add_gauges(std::string& text, const ServiceGauges& gauges) {
   add_single(text, "mneme_memory_rows", "gauge", "Rows of the memory.", gauges.memory_rows);
+  add_single(text, "mneme_remembered_waiting", "gauge", "Rows of plans that wait to be stored.",
+             gauges.queued.waiting);
   add_single(text, "mneme_threads", "gauge", "Plans that can run at a time.", gauges.threads);
   add_single(text, "mneme_waiting", "gauge", "Requests that wait for a thread.", gauges.waiting);
   add_single(text, "mneme_connections", "gauge", "Open connections.", gauges.connections);
@@ -106,7 +111,7 @@ std::string Metrics::text(const ServiceGauges& gauges) const {
   std::string text;
   add_requests(text, counts);
   add_latencies(text, counts);
-  add_plans(text, counts);
+  add_plans(text, counts, gauges.queued);
   add_gauges(text, gauges);
   return text;
 }

@@ -4,6 +4,8 @@
 /// Counts and latencies of a service in the text format of Prometheus.
 #pragma once
 
+#include "mneme/experience.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +21,7 @@ namespace mneme::internal {
 /// The state of a service.
 struct ServiceGauges {
   std::int64_t memory_rows = 0;
+  QueuedRows queued;  ///< remembered rows on their way into the memory
   int threads = 0;
   int waiting = 0;
   int connections = 0;

@@ -250,6 +250,7 @@ class Service::State {
     server_.cancel_all();
     server_.wait(kGoodbye);
     server_.join();
+    endpoints_.leave_memory();
     if (refresher_.joinable()) refresher_.join();
   }
 
