@@ -129,7 +129,11 @@ struct LoadedPlan {
 
 Result<std::optional<Database>> open_memory_if_any(const PlanOptions& options,
                                                    const Problem& problem) {
-  const bool is_off = options.settings.memory_mode == MemoryMode::off;
+  const SolveSettings& settings = options.settings;
+  const bool is_off = settings.memory_mode == MemoryMode::off;
+  if (is_off && (!options.db.empty() || settings.replay > 0 || settings.remember_after)) {
+    print_note("--memory off: --db, --replay and --remember-after have no effect");
+  }
   if (options.db.empty() || is_off) return std::nullopt;
   std::error_code ignored;
   if (!std::filesystem::exists(options.db, ignored)) {
@@ -387,7 +391,14 @@ const std::vector<FlagGroup> kUsualFlags = {
 };
 
 void choose_sampler(const CLI::App& command, PlanOptions& options) {
-  if (command.count("--sampler") > 0) return;
+  if (command.count("--sampler") > 0) {
+    const std::string& name = options.settings.sampler;
+    const bool is_default = name == SolveSettings().sampler;  // it then samples uniformly
+    if (options.db.empty() && !is_default && needs_memory(name)) {
+      throw CLI::ValidationError("--sampler", name + " needs a memory: --db");
+    }
+    return;
+  }
   options.settings.sampler = options.db.empty() ? "uniform" : "gl";
 }
 

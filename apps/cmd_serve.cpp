@@ -30,6 +30,8 @@ namespace {
 constexpr std::size_t kMostTokenBytes = 4096;
 constexpr int kMebibyte = 20;  // as a power of two
 constexpr std::chrono::milliseconds kMostStop{950};
+/// Below the period of refreshing, so that GET /healthz says within 2 s that a server hangs.
+constexpr double kServerTimeout_s = 0.8;
 
 struct ServeOptions {
   std::string robot;
@@ -57,7 +59,10 @@ Result<std::shared_ptr<Database>> open_database(const ServeOptions& options, con
   if (options.db.empty()) return std::shared_ptr<Database>();
   SolveSettings settings;
   settings.remember_after = options.service.remember_after;
-  return open_memory(options.db, robot, settings, options.kept).map([](Database database) {
+  DatabaseSettings kept = options.kept;
+  kept.is_queued = true;
+  kept.answer_timeout_s = kServerTimeout_s;
+  return open_memory(options.db, robot, settings, kept).map([](Database database) {
     return std::make_shared<Database>(std::move(database));
   });
 }
@@ -98,6 +103,11 @@ Result<std::shared_ptr<const Problem>> load_shown(const ServeOptions& options) {
   });
 }
 
+void note_lost_rows(const QueuedRows& rows) {
+  const std::int64_t lost = rows.lost + rows.waiting;
+  if (lost > 0) print_note(fmt::format("{} remembered rows were lost: {}", lost, rows.failure));
+}
+
 Result<ExitCode> run_serve(const ServeOptions& options) {
   const auto shown = load_shown(options);
   if (!shown) return tl::unexpected(shown.error());
@@ -119,6 +129,7 @@ Result<ExitCode> run_serve(const ServeOptions& options) {
   std::fflush(stdout);
   stop_signal.wait();
   service.stop();
+  if (database != nullptr) note_lost_rows(database->queued_rows());
   return ExitCode::done;
 }
 

@@ -259,6 +259,7 @@ TEST_SUITE("unit") {
     check_bad_inputs({
         {{"plan", problem, "--planner", "rrtt"}, 2, {"unknown planner 'rrtt'", "rrt_connect"}},
         {{"plan", problem, "--sampler", "sobol"}, 2, {"unknown sampler 'sobol'", "halton"}},
+        {{"plan", problem, "--sampler", "cvae"}, 2, {"cvae needs a memory: --db"}},
         {{"plan", problem, "--bogus", "1"}, 2, {"--bogus"}},
         {{"plan", problem, "--range", "-0.4"}, 2, {"--range", "'-0.4'", "0.001 to 1000"}},
         {{"plan", problem, "--lambda", "1.5"}, 2, {"--lambda", "'1.5'", "0 to 1"}},
