@@ -246,7 +246,8 @@ Result<void> PostgresConnection::put_copy(std::string_view data) {
 }
 
 Result<void> PostgresConnection::copy_in(const std::string& sql, std::string_view data) {
-  MNEME_TRY(send(sql, {}));
+  if (is_lost_) return lost("the connection was lost");
+  if (PQsendQuery(connection_.get(), sql.c_str()) == 0) return error_of(nullptr);
   pg_result* const begun = MNEME_TRY(next_result());
   const PostgresAnswer owner(begun);
   if (PQresultStatus(begun) != PGRES_COPY_IN) {

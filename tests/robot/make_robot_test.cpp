@@ -82,7 +82,8 @@ TEST_SUITE("unit") {
     const auto robot = make_robot(parts);
     REQUIRE_FALSE(robot.has_value());
     CHECK(robot.error().code == ErrorCode::unsupported);
-    CHECK(contains(robot.error().message, "robot 'chain': link 'l1' has boxes, cylinders or meshes"));
+    CHECK(
+        contains(robot.error().message, "robot 'chain': link 'l1' has boxes, cylinders or meshes"));
     CHECK(contains(robot.error().message, "`mneme robot spheres`"));
   }
 
