@@ -61,6 +61,25 @@ TEST_SUITE("flow") {
           "the request takes more than 0.001 s, the limit of this service (--longest-plan)");
   }
 
+  TEST_CASE("reading a scene has an end, too, and is not begun for a client that is gone") {
+    ServiceSettings settings;
+    settings.threads = 1;
+    settings.longest_plan_s = 0.001;
+    internal::Endpoints endpoints(planar8(), nullptr, settings, {});
+    const Json cloud = {{"name", "a"},
+                        {"type", "points"},
+                        {"radius", 0.01},
+                        {"points", std::vector<double>(300000, 0.5)}};
+    const std::string body = Json{{"obstacles", {cloud}}}.dump();
+    const std::atomic<bool> never = false, gone = true;
+    const internal::Answer late = endpoints.put_scene({"a", body, never});
+    CHECK(late.status == 400);
+    CHECK_MESSAGE(late.body.find("takes more than 0.001 s") != std::string::npos, late.body);
+    const internal::Answer cancelled = endpoints.put_scene({"a", body, gone});
+    CHECK(cancelled.status == 503);
+    CHECK(answer_of(cancelled)["error"]["code"] == "cancelled");
+  }
+
   TEST_CASE("inverse kinematics has an end, too") {
     ServiceSettings settings;
     settings.longest_plan_s = 0.001;

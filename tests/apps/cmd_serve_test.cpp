@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "apps/run_program.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+namespace mneme::test {
+namespace {
+
+/// A client of a service at a socket file, connected once the service listens.
+class SocketClient {
+ public:
+  explicit SocketClient(const std::string& path) : socket_(::socket(AF_UNIX, SOCK_STREAM, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    REQUIRE(path.size() < sizeof address.sun_path);
+    std::memcpy(address.sun_path, path.data(), path.size());
+    const Stopwatch stopwatch;
+    while (connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+      REQUIRE(stopwatch.elapsed_s() < 60);
+    }
+  }
+  SocketClient(const SocketClient&) = delete;
+  SocketClient& operator=(const SocketClient&) = delete;
+  ~SocketClient() { close(socket_); }
+
+  void post(const std::string& path, const std::string& body) const {
+    const std::string text = fmt::format(
+        "POST {} HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\n"
+        "Content-Length: {}\r\n\r\n{}",
+        path, body.size(), body);
+    for (std::size_t sent = 0; sent < text.size();) {
+      const ssize_t count = send(socket_, text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
+      REQUIRE(count > 0);
+      sent += static_cast<std::size_t>(count);
+    }
+  }
+
+ private:
+  int socket_;
+};
+
+/// A plan in front of a large mesh, which takes long to read and to prepare.
+std::string large_request() {
+  std::string numbers = "0, 0, 9, 0, 1, 9, 1, 0, 9";
+  for (int i = 0; i < 60000; ++i) {
+    numbers += fmt::format(", {0}, 0, 9, {0}, 20, {1}, 20, {0}, 9", i % 200 * 0.1, 9 + i % 7);
+  }
+  return fmt::format(
+      "{{\"start\": [0,0,0,0,0,0,0,0], \"goal\": [1,0,0,0,0,0,0,0], \"settings\": {{\"timeout\": "
+      "50}}, \"obstacles\": [{{\"name\": \"m\", \"type\": \"mesh\", \"triangles\": [{}]}}]}}",
+      numbers);
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("a service ends within a second of SIGTERM, whatever its requests are at") {
+    if (run_program({"serve", "--help"}).exit_code != 0) return;
+    const TemporaryDirectory files;
+    const std::string socket = files / "s";
+    RunningProgram program({"serve", "--robot", "planar8", "--listen", "unix:" + socket});
+    const SocketClient client(socket);
+    client.post("/v1/plan", large_request());
+    const Stopwatch stopwatch;
+    program.send(SIGTERM);
+    const ProgramRun run = program.wait();
+    CHECK_MESSAGE(run.exit_code == 0, run.err);
+    // A second is promised; a machine that runs other tests may be late.
+    CHECK(stopwatch.elapsed_s() < 3);
+    CHECK_FALSE(std::filesystem::exists(socket));
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
