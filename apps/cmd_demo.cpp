@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme demo: learns the planar grid, then plans the planar scenarios with and without that
-/// memory.
+/// mneme demo: an arm in space repeats the tasks of a cell, and a planar arm plans the paper's
+/// scenarios; each with and without memory.
 #include "mneme/benchmark.h"
 #include "mneme/learning.h"
 #include "mneme/report.h"
@@ -10,6 +10,7 @@
 #include "bench_output.h"
 #include "commands.h"
 #include "console.h"
+#include "demo_cell.h"
 #include "demo_finding.h"
 #include "inputs.h"
 #include "learning_run.h"
@@ -18,6 +19,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <sys/wait.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -33,6 +36,9 @@ constexpr double kConnectTimeout = 5;
 constexpr double kOtherTimeout = 2;
 constexpr int kHopelessRuns = 5;
 constexpr const char* kRobot = "planar8";
+constexpr const char* kCell = "shelf/thin.yaml";
+constexpr int kTasks = 20;
+constexpr int kRepeats = 5;
 constexpr const char* kProblems[] = {"scenario1",   "scenario2",   "scenario3",
                                      "threaded_b0", "threaded_b2", "threaded_b4"};
 
@@ -43,6 +49,7 @@ struct DemoOptions {
   int seed_count = 20;
   std::optional<double> timeout_s;
   bool is_json = false;
+  bool is_opened = false;
   LearnJob job;
 };
 
@@ -50,6 +57,13 @@ struct DemoResults {
   std::vector<BenchmarkRow> rows;
   std::vector<ReportPicture> pictures;
   bool is_interrupted = false;
+};
+
+/// What the arm in space did; without runs where there is no cell.
+struct DemoCell {
+  std::string robot;
+  CellRuns runs;
+  std::vector<ReportPicture> pictures;
 };
 
 struct DemoMemory {
@@ -62,6 +76,43 @@ Result<std::string> scene_file(const DemoOptions& options, const std::string& na
   return options.scenes + "/" + name;
 }
 
+/// The moving picture of the longest stored path, and its page.
+Result<ReportPicture> draw_cell(const DemoOptions& options, const CellRuns& runs,
+                                Database& memory) {
+  const std::string svg = MNEME_TRY(to_svg(MovingPicture{&*runs.shown, runs.longest}));
+  SolveSettings settings;
+  settings.replay = 0.5;
+  const std::string trace = MNEME_TRY(plan_and_trace(*runs.shown, &memory, settings));
+  const std::string page = MNEME_TRY(to_page(trace, "cell.html", ""));
+  MNEME_TRY(write_file(options.out + "/cell.html", page));
+  return ReportPicture{fmt::format("{} in its cell, {}; click to turn and scrub it",
+                                   runs.shown->robot.name(), runs.shown->name),
+                       svg, "cell.html"};
+}
+
+Result<DemoCell> run_demo_cell(const DemoOptions& options) {
+  DemoCell cell;
+  const Result<std::string> path = scene_file(options, kCell);
+  if (!path || !std::filesystem::exists(*path)) {
+    print_note(fmt::format("skipped: there is no '{}'", kCell));
+    return cell;
+  }
+  const Problem base = MNEME_TRY(read_problem(*path));
+  const std::string file = options.out + "/cell.db";
+  std::error_code ignored;
+  for (const char* ending : {"", "-wal", "-shm"}) {
+    std::filesystem::remove(file + ending, ignored);
+  }
+  Database memory = MNEME_TRY(Database::open(file, make_signature(base.robot), OpenMode::create));
+  print_note(fmt::format("{} repeats {} tasks of a cell", base.robot.name(), kTasks));
+  cell.robot = base.robot.name();
+  cell.runs = MNEME_TRY(run_cell(base, kTasks, kRepeats, options.job.seed, memory));
+  if (cell.runs.longest.empty()) return cell;
+  ReportPicture picture = MNEME_TRY(draw_cell(options, cell.runs, memory));
+  cell.pictures.push_back(std::move(picture));
+  return cell;
+}
+
 Result<DemoMemory> learn_grid(const DemoOptions& options) {
   PrimitiveGrid grid = MNEME_TRY(scene_file(options, "planar/grid.yaml").and_then(load_grid));
   grid.count = options.primitive_count.value_or(grid.count);
@@ -70,8 +121,10 @@ Result<DemoMemory> learn_grid(const DemoOptions& options) {
       Database::open(options.out + "/planar.db", make_signature(robot), OpenMode::create));
   const std::vector<PrimitiveKey> keys = cover_grid(grid, options.job.seed);
   LearnSummary summary = MNEME_TRY(learn_with_progress(robot, keys, database, options.job));
-  print_note(fmt::format("learned {} primitives in {:.1f} s; {} were known", summary.learned,
-                         summary.time_s, summary.skipped));
+  print_note(
+      fmt::format("learned {} in {:.1f} s; {} were known",
+                  counted(static_cast<std::size_t>(summary.learned), "primitive", "primitives"),
+                  summary.time_s, summary.skipped));
   return DemoMemory{std::make_shared<Database>(std::move(database)), summary};
 }
 
@@ -199,12 +252,11 @@ Result<DemoResults> run_plan(BenchPlan& plan, const DemoOptions& options, Databa
 std::string introduction(const DemoMemory& memory) {
   const DatabaseInfo info = memory.database->info();
   return fmt::format(
-      "A planar arm of {} joints plans with three planners. The sampler gl draws half of its "
-      "configurations from local samplers that were retrieved from a memory of {} primitives "
-      "({} components); uniform draws all of them uniformly, with the same planners and the same "
-      "tuned range. The memory covers a range of pairs of circles and was not told about these "
-      "scenes. Times are planning times, retrieval included, on the instruction set {}. Every "
-      "path was checked again by exact distances at ten times the resolution. A planner whose "
+      "The figures below are of the planar arm of {} joints and three planners. The sampler gl "
+      "takes a part of its samples from a memory of {} primitives ({} components); uniform takes "
+      "none. Planners and settings are the same. The memory covers a range of pairs of circles, "
+      "and was not learned from these scenes. Times are planning times with retrieval, on {}. "
+      "Every path was checked by exact distances at ten times the resolution. A planner whose "
       "first {} runs on a problem all reached the time limit was not run further.",
       info.signature.joint_count, info.samplers, info.components, to_string(default_isa()),
       kHopelessRuns);
@@ -228,10 +280,23 @@ Json to_json(const BenchmarkRow& row) {
           {"components", row.components}};
 }
 
-void print_results(const DemoOptions& options, const DemoMemory& memory, const DemoResults& results,
-                   const std::string& report) {
+Json to_json(const DemoCell& cell) {
+  const CellRuns& runs = cell.runs;
+  const auto replayed = std::ranges::count_if(runs.repeats, &RepeatedTask::is_replayed);
+  return {{"robot", cell.robot},
+          {"tasks", runs.tasks},
+          {"repeats", runs.repeats.size()},
+          {"replayed", replayed},
+          {"unsolved", runs.unsolved},
+          {"wrong", runs.wrong},
+          {"finding", describe_cell(cell.robot, runs)}};
+}
+
+void print_results(const DemoOptions& options, const DemoCell& cell, const DemoMemory& memory,
+                   const DemoResults& results, const std::string& report) {
   if (!options.is_json) {
-    fmt::print("{}\nThe report is in {}\n", to_table(results.rows), report);
+    fmt::print("{}{}{}\nThe report is {}\n", describe_cell(cell.robot, cell.runs),
+               describe_finding(results.rows), to_table(results.rows), report);
     return;
   }
   Json rows = Json::array();
@@ -239,58 +304,81 @@ void print_results(const DemoOptions& options, const DemoMemory& memory, const D
   print_json({{"database", options.out + "/planar.db"},
               {"results", options.out + "/results.csv"},
               {"report", report},
+              {"cell", to_json(cell)},
               {"learned", memory.summary.learned},
               {"skipped", memory.summary.skipped},
               {"learning_time_s", memory.summary.time_s},
               {"rows", rows}});
 }
 
+Result<std::string> write_report(const DemoOptions& options, const DemoCell& cell,
+                                 const DemoMemory& memory, const DemoResults& results) {
+  ReportOptions page;
+  page.title = "mneme: planned with and without memory";
+  page.introduction =
+      describe_cell(cell.robot, cell.runs) + describe_finding(results.rows) + introduction(memory);
+  page.pictures = cell.pictures;
+  page.pictures.insert(page.pictures.end(), results.pictures.begin(), results.pictures.end());
+  page.by_problem = true;
+  const std::string report = options.out + "/report.html";
+  MNEME_TRY(write_file(options.out + "/results.csv", to_csv(results.rows)));
+  MNEME_TRY(write_file(report, make_benchmark_report(results.rows, {}, page).html));
+  return report;
+}
+
+/// Shows a file in the desktop's browser; a note if that fails.
+void open_in_browser(const std::string& file) {
+  const pid_t child = fork();
+  if (child == 0) {
+    execlp("xdg-open", "xdg-open", file.c_str(), nullptr);
+    _exit(127);
+  }
+  int status = 0;
+  const bool is_opened = child > 0 && waitpid(child, &status, 0) == child && status == 0;
+  if (!is_opened) print_note(fmt::format("xdg-open failed; open '{}' in a browser", file));
+}
+
 Result<ExitCode> run_demo(const DemoOptions& options) {
   const std::vector<Problem> problems = MNEME_TRY(load_problems(options));
   MNEME_TRY(make_directory(options.out));
+  const DemoCell cell = MNEME_TRY(run_demo_cell(options));
   DemoMemory memory = MNEME_TRY(learn_grid(options));
   if (memory.summary.is_cancelled) return ExitCode::interrupted;
   BenchPlan plan = make_plan(options, problems, memory.database);
   const DemoResults results = MNEME_TRY(run_plan(plan, options, *memory.database));
   if (results.is_interrupted) return ExitCode::interrupted;
-
-  const std::string report = options.out + "/report.html";
-  ReportOptions page;
-  page.title = "mneme: the planar arm, planned from memory";
-  page.introduction = describe_finding(results.rows) + introduction(memory);
-  page.pictures = results.pictures;
-  page.by_problem = true;
-  const Result<void> written =
-      write_file(options.out + "/results.csv", to_csv(results.rows)).and_then([&] {
-        return write_file(report, make_benchmark_report(results.rows, {}, page).html);
-      });
-  if (!written) return tl::unexpected(written.error());
-  print_results(options, memory, results, report);
+  const std::string report = MNEME_TRY(write_report(options, cell, memory, results));
+  print_results(options, cell, memory, results, report);
+  if (options.is_opened) open_in_browser(report);
+  if (cell.runs.wrong > 0) {
+    print_error(fmt::format("{} of the cell failed the exact check",
+                            counted(static_cast<std::size_t>(cell.runs.wrong), "path", "paths")));
+    return ExitCode::failure;
+  }
   return judge_rows(results.rows);
 }
 
 }  // namespace
 
 void add_demo(CLI::App& program, Action& action) {
-  CLI::App* command = program.add_subcommand(
-      "demo", "Learn, then plan with and without memory, and write a report");
-  command->footer("Example:\n  mneme demo --out out/demo");
   const auto options = std::make_shared<DemoOptions>();
-  command->add_option("--out", options->out,
-                      "directory for planar.db, results.csv and report.html (default out/demo)");
-  command->add_option("--scenes", options->scenes,
-                      "directory with planar/grid.yaml and the problems (default: those that came "
-                      "with mneme)");
-  add_number(*command, "--primitives-count", options->primitive_count, 0, 100000000,
-             "at least this many primitives to learn, instead of the grid's number");
-  add_number(*command, "--seeds", options->seed_count, 1, 1000000, "runs per table row");
-  add_number(*command, "--timeout", options->timeout_s, 0, 1e6,
-             "time limit of a run in seconds, instead of 5 for rrt_connect and 2 for the others");
-  add_number(*command, "--seed", options->job.seed, 0, ~std::uint64_t{0}, "seed of the learning");
-  add_jobs(*command, options->job.jobs);
-  add_isa(*command);
-  add_json(*command, options->is_json);
-  command->callback([options, &action] { action = [options] { return run_demo(*options); }; });
+  CLI::App& command =
+      add_command(program, action, "demo", "Plan with and without memory, and write a report",
+                  "demo --open", options, run_demo);
+  command.add_flag("--open", options->is_opened, "show the report in the browser");
+  command.add_option("--out", options->out,
+                     "directory for databases, results.csv and report.html (default out/demo)");
+  command.add_option("--scenes", options->scenes,
+                     "directory with planar/grid.yaml and the problems (default: mneme's own)");
+  add_number(command, "--primitives-count", options->primitive_count, 0, 100000000,
+             "least number of primitives to learn, instead of the grid's");
+  add_number(command, "--seeds", options->seed_count, 1, 1000000, "runs per row of the table");
+  add_number(command, "--timeout", options->timeout_s, 0, 1e6,
+             "time limit of a run, seconds, instead of 5 for rrt_connect and 2 for the others");
+  add_seed(command, options->job.seed, "seed of the learning");
+  add_jobs(command, options->job.jobs);
+  add_isa(command);
+  add_json(command, options->is_json);
 }
 
 }  // namespace mneme::app

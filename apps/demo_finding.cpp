@@ -47,26 +47,27 @@ Runs runs_of(std::span<const BenchmarkRow> rows, const std::string& planner,
 
 std::string compare(const std::string& planner, const Runs& memory, const Runs& uniform) {
   const double memory_ms = 1e3 * memory.median_s(), uniform_ms = 1e3 * uniform.median_s();
-  if (!std::isfinite(memory_ms)) {
-    return fmt::format("{} solves {} of {} runs from memory and {} of {} without", planner,
-                       memory.solved(), memory.times_s.size(), uniform.solved(),
-                       uniform.times_s.size());
+  if (std::isfinite(memory_ms) && std::isfinite(uniform_ms)) {
+    return fmt::format("{}: {}", planner, compare_times(uniform_ms, memory_ms));
   }
-  if (!std::isfinite(uniform_ms)) {
-    return fmt::format("{} takes {:.2g} ms from memory and solves {} of {} runs without", planner,
-                       memory_ms, uniform.solved(), uniform.times_s.size());
-  }
-  const double factor = uniform_ms / memory_ms;
-  if (std::abs(std::log(factor)) < std::log(kNoGain)) {
-    return fmt::format("{} gains nothing from memory ({:.2g} ms with, {:.2g} ms without)", planner,
-                       memory_ms, uniform_ms);
-  }
-  return fmt::format("{} takes {:.2g} ms from memory and {:.2g} ms without, {:.2g} times {}",
-                     planner, memory_ms, uniform_ms, std::max(factor, 1 / factor),
-                     factor > 1 ? "faster" : "slower");
+  const std::string solved = fmt::format("{}: solves {} of {} runs with memory", planner,
+                                         memory.solved(), memory.times_s.size());
+  const std::string times = std::isfinite(memory_ms) ? fmt::format(" ({:.2g} ms)", memory_ms) : "";
+  return fmt::format("{}{}, {} of {} without", solved, times, uniform.solved(),
+                     uniform.times_s.size());
 }
 
 }  // namespace
+
+std::string compare_times(double without_ms, double with_ms) {
+  const double factor = without_ms / with_ms;
+  if (std::abs(std::log(factor)) < std::log(kNoGain)) {
+    return fmt::format("memory gains nothing ({:.2g} ms with and {:.2g} ms without)", with_ms,
+                       without_ms);
+  }
+  return fmt::format("{:.2g} ms with memory instead of {:.2g} ms, {:.2g} times {}", with_ms,
+                     without_ms, std::max(factor, 1 / factor), factor > 1 ? "faster" : "slower");
+}
 
 std::string describe_finding(std::span<const BenchmarkRow> rows) {
   std::vector<std::string> planners, parts;
@@ -79,7 +80,7 @@ std::string describe_finding(std::span<const BenchmarkRow> rows) {
     parts.push_back(compare(planner, memory, uniform));
   }
   if (parts.empty()) return "";
-  return fmt::format("Arms threaded through a gap, median planning times: {}.\n\n",
+  return fmt::format("A planar arm in a gap between two circles, median planning times. {}.\n\n",
                      fmt::join(parts, "; "));
 }
 

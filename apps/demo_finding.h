@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What a demo has found, in one sentence.
+/// The findings of the demo as sentences.
 #pragma once
 
 #include "mneme/benchmark.h"
@@ -11,8 +11,11 @@
 
 namespace mneme::app {
 
-/// How long each planner took on the problems whose names begin with "threaded", from memory and
-/// uniformly: medians, in which a run without a path is longer than any other. Empty without such
+/// Compares two medians in milliseconds, without and with memory: a gain, no gain or a loss.
+[[nodiscard]] std::string compare_times(double without_ms, double with_ms);
+
+/// A sentence about each planner on the problems whose names begin with "threaded": medians with
+/// and without memory, in which a run without a path is longer than any other. Empty without such
 /// problems.
 [[nodiscard]] std::string describe_finding(std::span<const BenchmarkRow> rows);
 

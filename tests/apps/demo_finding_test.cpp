@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "demo_cell.h"
 #include "demo_finding.h"
 #include "apps/run_program.h"
 
@@ -27,12 +28,38 @@ TEST_SUITE("unit") {
         row("d", "gl", 0), row("d", "uniform", 1), row("e", "gl", 1), row("f", "gl", 2),
         row("f", "uniform", 2)});
     CHECK(finding ==
-          "Arms threaded through a gap, median planning times: a takes 2 ms from memory and 30 ms "
-          "without, 15 times faster; b takes 4 ms from memory and solves 0 of 1 runs without; c "
-          "takes 4 ms from memory and 2 ms without, 2 times slower; d solves 0 of 1 runs from "
-          "memory and 1 of 1 without; f gains nothing from memory (2 ms with, 2 ms without).\n\n");
+          "A planar arm in a gap between two circles, median planning times. a: 2 ms with memory "
+          "instead of 30 ms, 15 times faster; b: solves 1 of 1 runs with memory (4 ms), 0 of 1 "
+          "without; c: 4 ms with memory instead of 2 ms, 2 times slower; d: solves 0 of 1 runs "
+          "with memory, 1 of 1 without; f: memory gains nothing (2 ms with and 2 ms without).\n\n");
     CHECK(app::describe_finding({}).empty());
     CHECK(app::describe_finding(std::vector<BenchmarkRow>{row("a", "gl", 1, "open")}).empty());
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("the finding of a cell has medians, replays and how far paths deviate") {
+    app::CellRuns runs;
+    CHECK(app::describe_cell("Fetch", runs).empty());
+    runs.tasks = 2;
+    runs.repeats = {
+        {0.004, 0.001, 3, 0.1, true}, {0.002, 0.0005, 2, 0.2, true}, {0.006, 0.006, 4, 4, false}};
+    CHECK(app::describe_cell("Fetch", runs) ==
+          "In a cell, Fetch repeats 2 tasks with obstacles and goals moved by up to 1 cm. From the "
+          "call to the proven path, 1 ms with memory instead of 4 ms, 4 times faster. 2 of 3 "
+          "repetitions were replayed, the others planned. Paths repeat: at the median, a path from "
+          "memory stays within 0.2 rad of the first path of its task, a planned one within 3 "
+          "rad.\n\n");
+  }
+
+  TEST_CASE("paths deviate by their farthest states at equal fractions") {
+    const Robot robot = load_robot(source_file("robots/planar8.urdf")).value();
+    const Configuration zero(8, 0.0);
+    Configuration end = zero, aside = zero;
+    end[1] = 1, aside[1] = 0.5, aside[2] = 0.3;
+    CHECK(app::path_deviation(robot, {zero, end}, {zero, end}) == doctest::Approx(0));
+    CHECK(app::path_deviation(robot, {zero, end}, {zero, aside, end}) == doctest::Approx(0.3));
+    CHECK(app::path_deviation(robot, {zero, end}, {}) == 0);
   }
 }
 
