@@ -228,7 +228,7 @@ void check_problem_flags(BenchOptions& options) {
   }
 }
 
-void check_flags(const CLI::App& command, BenchOptions& options) {
+void check_bench_flags(const CLI::App& command, BenchOptions& options) {
   options.is_suite = options.arguments.size() == 1 && is_suite_file(options.arguments.front());
   if (!options.is_suite) return check_problem_flags(options);
   check_suite_flags(command);
@@ -250,7 +250,7 @@ void add_bench(CLI::App& program, Action& action) {
       group, action, "run", "Run problems x planners x samplers x seeds",
       "bench run problems/ --planners rrt_connect,prm --seeds 10 --timeout 4 "
       "--csv runs.csv\n  mneme bench run bench/suites/planar.yaml --seeds 5 --timeout 2",
-      options, run, check_flags);
+      options, run, check_bench_flags);
   add_run_flags(command, *options);
   add_bench_report(group, action);
 }

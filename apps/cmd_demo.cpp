@@ -311,8 +311,8 @@ void print_results(const DemoOptions& options, const DemoCell& cell, const DemoM
               {"rows", rows}});
 }
 
-Result<std::string> write_report(const DemoOptions& options, const DemoCell& cell,
-                                 const DemoMemory& memory, const DemoResults& results) {
+Result<std::string> write_demo_report(const DemoOptions& options, const DemoCell& cell,
+                                      const DemoMemory& memory, const DemoResults& results) {
   ReportOptions page;
   page.title = "mneme: planned with and without memory";
   page.introduction =
@@ -347,7 +347,7 @@ Result<ExitCode> run_demo(const DemoOptions& options) {
   BenchPlan plan = make_plan(options, problems, memory.database);
   const DemoResults results = MNEME_TRY(run_plan(plan, options, *memory.database));
   if (results.is_interrupted) return ExitCode::interrupted;
-  const std::string report = MNEME_TRY(write_report(options, cell, memory, results));
+  const std::string report = MNEME_TRY(write_demo_report(options, cell, memory, results));
   print_results(options, cell, memory, results, report);
   if (options.is_opened) open_in_browser(report);
   if (cell.runs.wrong > 0) {

@@ -277,7 +277,7 @@ void add_flags(CLI::App& command, LearnOptions& options) {
   add_memory_settings(command, options.source.memory);
 }
 
-void check_flags(const CLI::App& command, LearnOptions& options) {
+void check_learn_flags(const CLI::App& command, LearnOptions& options) {
   const bool has_primitives = !options.grid.empty() || !options.source.scenes.empty();
   if (has_primitives && !options.problems.empty()) {
     throw CLI::ValidationError("--problems", "excludes --primitives and --scenes");
@@ -304,7 +304,7 @@ void add_learn(CLI::App& program, Action& action) {
       "On a cluster, as an array of jobs:\n  mneme learn --robot planar8 --primitives grid.yaml "
       "--shard $SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT --db shard$SLURM_ARRAY_TASK_ID.db\n"
       "  mneme db merge planar.db shard*.db",
-      options, run_learn, check_flags);
+      options, run_learn, check_learn_flags);
   add_flags(command, *options);
   add_isa(command);
   add_json(command, options->is_json);
