@@ -189,7 +189,7 @@ Result<ExitCode> run_list(const DbOptions& options) {
 
 // query
 
-/// What to look up among the rows of one kind.
+/// Primitives to look up among the rows of one kind.
 struct Lookup {
   const MemoryKind* kind = nullptr;
   std::vector<LocalPrimitive> primitives;

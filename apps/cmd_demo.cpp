@@ -44,9 +44,9 @@ constexpr const char* kProblems[] = {"scenario1",   "scenario2",   "scenario3",
 
 struct DemoOptions {
   std::string out = "out/demo";
-  std::string scenes;  ///< empty: those that came with mneme
+  std::string scenes;  ///< empty: mneme's own
   std::optional<int> primitive_count;
-  int seed_count = 20;
+  int seed_count = 10;
   std::optional<double> timeout_s;
   bool is_json = false;
   bool is_opened = false;
@@ -59,7 +59,7 @@ struct DemoResults {
   bool is_interrupted = false;
 };
 
-/// What the arm in space did; without runs where there is no cell.
+/// The runs of the arm in space; empty without a cell.
 struct DemoCell {
   std::string robot;
   CellRuns runs;
@@ -326,16 +326,21 @@ Result<std::string> write_demo_report(const DemoOptions& options, const DemoCell
   return report;
 }
 
-/// Shows a file in the desktop's browser; a note if that fails.
+/// Shows a file in the desktop's browser, which outlives this program; a note if that fails.
 void open_in_browser(const std::string& file) {
+  constexpr useconds_t kStart = 200000;  // xdg-open that fails does so at once
   const pid_t child = fork();
   if (child == 0) {
+    setsid();
     execlp("xdg-open", "xdg-open", file.c_str(), nullptr);
     _exit(127);
   }
+  usleep(kStart);
   int status = 0;
-  const bool is_opened = child > 0 && waitpid(child, &status, 0) == child && status == 0;
-  if (!is_opened) print_note(fmt::format("xdg-open failed; open '{}' in a browser", file));
+  const bool has_ended = child < 0 || waitpid(child, &status, WNOHANG) == child;
+  if (has_ended && status != 0) {
+    print_note(fmt::format("xdg-open failed; open '{}' in a browser", file));
+  }
 }
 
 Result<ExitCode> run_demo(const DemoOptions& options) {

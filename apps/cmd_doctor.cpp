@@ -75,7 +75,7 @@ Result<std::string> try_planning(const Problem& problem, Isa isa) {
       });
 }
 
-/// A file of its own below the directory for temporary files, gone afterwards.
+/// A temporary database file, removed at the end.
 class ScratchFile {
  public:
   ScratchFile() {

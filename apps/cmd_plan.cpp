@@ -299,7 +299,7 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   Database* database = loaded->database ? &*loaded->database : nullptr;
   const SolveResult result = MNEME_TRY(solve(loaded->problem, database, settings));
 
-  // An error of the trajectory is reported last: there is a path all the same.
+  // An error of the trajectory is reported last: the path is still valid.
   const auto timed = time_path(options, *loaded, settings, result.plan.path);
   print_answer(options, *loaded, result, timed ? *timed : std::nullopt);
   ShownPlan shown{loaded->problem, result, recorder, loaded->load_time_s};

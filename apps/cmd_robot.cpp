@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme robot: looks at robots, checks configurations and makes planar arms.
+/// mneme robot: shows robots, checks configurations and writes planar arms.
 #include "mneme/collision.h"
 #include "mneme/goal.h"
 #include "mneme/robot.h"

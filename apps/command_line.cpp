@@ -8,7 +8,7 @@
 namespace mneme::app {
 namespace {
 
-/// Those for people: a hidden one has no group.
+/// Subcommands that are shown: a hidden one has no group.
 std::vector<const CLI::App*> subcommands_of(const CLI::App& command) {
   return command.get_subcommands([](const CLI::App* subcommand) {
     return !subcommand->get_name().empty() && !subcommand->get_group().empty();

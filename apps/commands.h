@@ -47,8 +47,7 @@ enum class ExitCode {
   return ExitCode::failure;
 }
 
-/// What remains to be done once the command line is parsed. An error becomes a message and an exit
-/// code.
+/// The work of a parsed command line. An error becomes a message and an exit code.
 using Action = std::function<Result<ExitCode>()>;
 
 // Each adds its flags to the program; if it is the subcommand chosen, parsing sets `action`.

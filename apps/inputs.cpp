@@ -59,7 +59,7 @@ Result<ProblemOptions> problem_options(const std::string& robot, const RobotOpti
 Result<Problem> read_problem(const std::string& where, const ProblemOptions& options) {
   Problem problem = MNEME_TRY(load_problem(where, options));
   for (const std::string& warning : problem.warnings) print_warning(warning);
-  // What checkers of a robot share is loading, too: the first plan shall be as fast as the second.
+  // Makes the tables of the robot now, so that the first plan is as fast as the second.
   static_cast<void>(CollisionChecker::make(problem.robot, {}));
   return problem;
 }
@@ -108,10 +108,9 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
   Result<Database> database = Database::open(url, make_signature(robot), mode, kept);
   if (database &&
       compare_robots(database->signature(), make_signature(robot)) == RobotDifference::shapes) {
-    print_note(
-        fmt::format("{}: was learned with another collision model of the robot, and applies "
-                    "all the same",
-                    database->info().url));
+    print_note(fmt::format(
+        "{}: was learned with another collision model of the robot, which does not matter",
+        database->info().url));
   }
   return std::move(database).map_error([&](Error error) {
     std::error_code ignored;

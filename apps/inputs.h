@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What several subcommands are given: robots by name, scenes alone or in problems, databases.
+/// Inputs of several subcommands: robots by name, scenes alone or in problems, databases.
 #pragma once
 
 #include "mneme/spheres.h"
@@ -25,8 +25,7 @@ namespace mneme::app {
 /// The same, unless it is read from one of `outputs`, which are to be written.
 [[nodiscard]] Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options,
                                              std::span<const std::string> outputs);
-/// What is said of a problem's robot on the command line; an empty `robot` leaves it to the
-/// problem.
+/// The flags that replace a problem's robot; with an empty `robot` the problem's is used.
 [[nodiscard]] Result<ProblemOptions> problem_options(const std::string& robot,
                                                      const RobotOptions& options);
 
@@ -43,7 +42,7 @@ struct Workspace {
 [[nodiscard]] Result<Workspace> load_workspace(const std::string& where,
                                                const ProblemOptions& options = {});
 
-/// A robot where it is to be looked at.
+/// A robot in a scene.
 struct PlacedRobot {
   Robot robot;
   Scene scene;                         ///< in the frame of the root link; empty without a file

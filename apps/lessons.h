@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What `mneme learn` learns from scenes and problems: their primitives.
+/// The primitives of scenes and problems, for `mneme learn`.
 #pragma once
 
 #include "mneme/learning.h"
@@ -13,7 +13,7 @@
 
 namespace mneme::app {
 
-/// Where primitives come from, as the command line says it.
+/// The sources of primitives on the command line.
 struct LessonSource {
   std::string robot;
   RobotOptions robot_options;
@@ -21,7 +21,7 @@ struct LessonSource {
   MemorySettings memory;
 };
 
-/// What is to be learned, and for which robot: that of the problems, if there are any.
+/// Primitives to learn, and their robot: the one of the problems, if there are any.
 struct PrimitiveLesson {
   Robot robot;
   std::vector<PrimitiveKey> keys;  ///< no two alike

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Primitives of problems, and how people read of them.
+/// Primitives of problems as text.
 #pragma once
 
 #include "mneme/memory.h"
@@ -13,12 +13,12 @@
 
 namespace mneme::app {
 
-/// True of whole queries, which have no obstacles.
+/// True for whole queries, which have no obstacles.
 [[nodiscard]] bool is_query(const LocalPrimitive& primitive);
 /// "a and b", or "query to goal 1" if it is a query and `index` 0.
 [[nodiscard]] std::string describe(const Scene& scene, const LocalPrimitive& primitive,
                                    std::size_t index);
-/// Of similarity errors.
+/// The unit of similarity errors.
 [[nodiscard]] std::string_view unit_of_error(const LocalPrimitive& primitive);
 
 }  // namespace mneme::app

@@ -33,7 +33,7 @@ constexpr int kMaxBoxes = 100000;
 constexpr std::uint64_t kProofIterations = 100000;
 constexpr double kMostMetres = 10;
 
-/// What the three commands have in common.
+/// Options of all three commands.
 struct GeneratorOptions {
   std::string robot;
   RobotOptions robot_options;

@@ -1,9 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "mneme/experience.h"
+
 #include "demo_cell.h"
 #include "demo_finding.h"
 #include "apps/run_program.h"
+
+#include <algorithm>
 
 namespace mneme::test {
 namespace {
@@ -50,6 +54,21 @@ TEST_SUITE("unit") {
           "repetitions were replayed, the others planned. Paths repeat: at the median, a path from "
           "memory stays within 0.2 rad of the first path of its task, a planned one within 3 "
           "rad.\n\n");
+  }
+
+  TEST_CASE("tasks of a cell are planned once and replayed, free of contact") {
+    const TemporaryDirectory files;
+    const Problem base = load_problem(source_file("scenes/shelf/thin.yaml")).value();
+    Database memory =
+        Database::open(files / "cell.db", make_signature(base.robot), OpenMode::create).value();
+    const app::CellRuns runs = app::run_cell(base, 2, 3, 1, memory).value();
+    CHECK(runs.tasks == 2);
+    CHECK(memory.size() == 2);
+    CHECK(runs.repeats.size() + static_cast<std::size_t>(runs.unsolved) == 6);
+    CHECK(runs.wrong == 0);
+    CHECK(std::ranges::count_if(runs.repeats, &app::RepeatedTask::is_replayed) >= 3);
+    CHECK(runs.longest.size() >= 2);
+    REQUIRE(runs.shown.has_value());
   }
 
   TEST_CASE("paths deviate by their farthest states at equal fractions") {
