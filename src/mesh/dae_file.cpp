@@ -189,8 +189,14 @@ class DaeReader {
       const Vec3 axis(n[0], n[1], n[2]);
       if (axis.norm() > 0)
         X.linear = rotation_about(axis.normalized(), n[3] * std::numbers::pi / 180);
-    } else if (is_named(element, "skew") || is_named(element, "lookat")) {
-      fail(element, "is not supported; expected matrix, translate, rotate or scale");
+    } else if (is_named(element, "lookat")) {
+      const std::vector<double> n = numbers_of(element, 9);
+      X.offset = {n[0], n[1], n[2]};
+      const Vec3 back = (X.offset - Vec3(n[3], n[4], n[5])).normalized();
+      const Vec3 right = Vec3(n[6], n[7], n[8]).cross(back).normalized();
+      X.linear << right, back.cross(right), back;
+    } else if (is_named(element, "skew")) {
+      fail(element, "is not supported; expected other transforms, such as <matrix>");
     } else {
       return std::nullopt;
     }

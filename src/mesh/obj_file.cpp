@@ -45,7 +45,9 @@ class ObjReader {
                              lines_.read_number(words[3]));
     } else if (words[0] == "f") {
       corners_.clear();
-      for (std::size_t i = 1; i < words.size(); ++i) corners_.push_back(corner(words[i]));
+      for (std::size_t i = 1; i < words.size() && words[i][0] != '#'; ++i) {
+        corners_.push_back(corner(words[i]));
+      }
       surface_.add_polygon(corners_);
     }
   }

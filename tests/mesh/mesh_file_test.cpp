@@ -84,7 +84,7 @@ TEST_SUITE("unit") {
   TEST_CASE("Faces of OBJ may count back, have normals, and go on in the next line") {
     const std::string obj =
         "mtllib m.mtl\r\nv 0 0 0 1.0\r\nv 2 0 0\nv 2 2 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2//1 \\\n 3/1\n"
-        "v 0 2 0\ng part\nf -4 -2 -1\nf 1 2\nl 1 2\n";
+        "v 0 2 0\ng part\nf -4 -2 -1 # back\nf 1 2\nl 1 2\n";
     CHECK(area_of(read(obj, "a.OBJ")) == doctest::Approx(4));
     CHECK(refusal("v 0 0 0\nv 1 0 0\nf 1 2 3\n", "a.obj") ==
           "mesh a.obj:3: a face has the vertex \"3\", but there are 2 before it");
@@ -154,6 +154,15 @@ TEST_SUITE("unit") {
     // x in 0..2, y in 0..6 turned to x in -6..0, y in 0..2; then moved, and halved by the unit.
     CHECK(box.low.isApprox(Vec3(2, 0, 2), 1e-9));
     CHECK(box.high.isApprox(Vec3(5, 1, 2), 1e-9));
+  }
+
+  TEST_CASE("A node that looks at a point has its z axis pointing away from it") {
+    const std::string node =
+        "<node id=\"n\"><lookat>4 0 0 0 0 0 0 0 1</lookat><instance_geometry url=\"#g\"/></node>";
+    const AxisBox box = box_around(read(make_dae(kSquare, node), "a.dae"));
+    // x to y, y to z; halved by the unit.
+    CHECK(box.low.isApprox(Vec3(2, 0, 0), 1e-9));
+    CHECK(box.high.isApprox(Vec3(2, 1, 1), 1e-9));
   }
 
   TEST_CASE("COLLADA that refers to what is not there is refused with line and element") {
