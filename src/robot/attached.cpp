@@ -6,7 +6,6 @@
 #include "base/fail.h"
 #include "robot/kinematics.h"
 #include "robot/robot_tree.h"
-#include "robot/self_pairs.h"
 
 #include <fmt/format.h>
 

@@ -115,6 +115,25 @@ std::vector<fs::path> package_folders(const fs::path& directory, const fs::path&
 
 }  // namespace
 
+/// The folders that exist, searched once per package.
+const std::vector<std::string>& MeshFinder::folders_of(const std::string& package) const {
+  const auto [entry, is_new] = folders_.try_emplace(package);
+  if (!is_new) return entry->second;
+  std::vector<fs::path> folders;
+  for (const std::string& directory : package_paths_) {
+    std::ranges::move(package_folders(as_directory(directory), package),
+                      std::back_inserter(folders));
+  }
+  for (fs::path above = urdf_directory_; above.has_relative_path(); above = above.parent_path()) {
+    if (above.filename() == package || package_name(above) == package) folders.push_back(above);
+  }
+  std::error_code ignored;
+  for (const fs::path& folder : folders) {
+    if (fs::is_directory(folder, ignored)) entry->second.push_back(folder.string());
+  }
+  return entry->second;
+}
+
 Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path) const {
   // package:///NAME is common, and means the same.
   name_and_path.remove_prefix(std::min(name_and_path.find_first_not_of('/'), name_and_path.size()));
@@ -127,18 +146,8 @@ Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path) 
   if (!stays_inside(path)) {
     return fail(ErrorCode::parse, "the path leaves the package '{}'", package.string());
   }
-  std::vector<fs::path> folders;
-  for (const std::string& directory : package_paths_) {
-    std::ranges::move(package_folders(as_directory(directory), package),
-                      std::back_inserter(folders));
-  }
-  for (fs::path above = urdf_directory_; above.has_relative_path(); above = above.parent_path()) {
-    if (above.filename() == package || package_name(above) == package) folders.push_back(above);
-  }
   std::vector<std::string> tried;
-  std::error_code ignored;
-  for (const fs::path& folder : folders) {
-    if (!fs::is_directory(folder, ignored)) continue;
+  for (const fs::path folder : folders_of(package.string())) {
     tried.push_back((folder / path).lexically_normal().string());
     if (is_file(tried.back())) return tried.back();
   }

@@ -8,7 +8,6 @@
 #include "robot/kinematics.h"
 #include "robot/planning_group.h"
 #include "robot/robot_tree.h"
-#include "robot/self_pairs.h"
 
 #include <fmt/format.h>
 

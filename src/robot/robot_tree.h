@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Checks the parts of a robot and sorts them into tree order.
+/// Checks the parts of a robot, sorts them into tree order, and derives the pairs of links to
+/// check.
 #pragma once
 
 #include "mneme/robot.h"
@@ -39,5 +40,18 @@ struct PartsFault {
 /// Checks names, numbers and the tree, makes axes unit vectors, resolves chains of mimic joints,
 /// and sorts links and joints depth first, so that joint `i` carries link `i + 1`. Idempotent.
 [[nodiscard]] tl::expected<Robot::Parts, PartsFault> sort_tree(Robot::Parts parts);
+
+using LinkPairs = std::vector<std::pair<int, int>>;
+
+/// Returns pairs of links whose rigid bodies are connected by one moving joint.
+[[nodiscard]] LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,
+                                        std::span<const int> group);
+
+/// Returns pairs of links with shapes, first < second, that move relative to each other, except
+/// `allowed` ones (in any order). Joints that do not move weld links into bodies. Only pairs whose
+/// second link is `first_second` or later.
+[[nodiscard]] LinkPairs derive_self_pairs(std::span<const Link> links,
+                                          std::span<const Joint> joints, std::span<const int> group,
+                                          const LinkPairs& allowed, int first_second = 0);
 
 }  // namespace mneme::internal

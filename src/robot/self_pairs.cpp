@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/self_pairs.h"
-
 #include "base/as_index.h"
 #include "robot/kinematics.h"
+#include "robot/robot_tree.h"
 
 #include <algorithm>
 #include <set>

@@ -265,13 +265,16 @@ std::set<std::string> SrdfLookup::all_joints(const SrdfGroup& group) {
 void SrdfLookup::add_groups() {
   const std::set<std::string_view> end_effectors = names_of(srdf_.end_effectors);
   const std::set<std::string_view> passive = names_of(srdf_.passive_joints);
+  std::set<std::string_view> moving_virtual;
+  for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
+    if (!joint.is_fixed) moving_virtual.insert(joint.name.name);
+  }
   for (const SrdfGroup& group : srdf_.groups) {
     const std::set<std::string> joints = all_joints(group);
     JointGroup added{group.name.name, {}, end_effectors.contains(group.name.name)};
-    for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
-      if (!joint.is_fixed && joints.contains(joint.name.name))
-        added.virtual_joint = joint.name.name;
-    }
+    const auto moving = std::ranges::find_if(
+        joints, [&](const std::string& joint) { return moving_virtual.contains(joint); });
+    if (moving != joints.end()) added.virtual_joint = *moving;
     for (const Joint& joint : parts_.joints) {
       if (is_free(joint) && joints.contains(joint.name) && !passive.contains(joint.name)) {
         added.joints.push_back(joint.name);

@@ -9,6 +9,7 @@
 
 #include "robot/xml_reader.h"
 
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,9 +30,11 @@ class MeshFinder {
 
  private:
   [[nodiscard]] Result<std::string> find_in_package(std::string_view name_and_path) const;
+  [[nodiscard]] const std::vector<std::string>& folders_of(const std::string& package) const;
 
   std::string urdf_directory_;
   std::vector<std::string> package_paths_;  ///< given ones, then those of variables
+  mutable std::map<std::string, std::vector<std::string>> folders_;  ///< of packages, as found
 };
 
 /// Returns the pose of the child <origin> of `element`; the identity without one.

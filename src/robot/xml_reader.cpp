@@ -16,6 +16,7 @@ namespace mneme::internal {
 namespace {
 
 constexpr std::size_t kMaxQuotedLength = 60;
+constexpr std::size_t kMostNamed = 12;  // findings
 
 /// `text` short enough for a message.
 std::string in_quotes(std::string_view text) {
@@ -97,11 +98,12 @@ std::string XmlReader::in_context(std::string_view what) const {
 void XmlReader::tolerate(int line, const std::string& what, std::string_view fault,
                          ErrorCode code) {
   if (is_strict()) fail(line, fault, code);
+  ++finding_count_;
   const auto known = std::ranges::find(findings_, what, &Finding::what);
-  if (known == findings_.end()) {
-    findings_.push_back({what, line});
-  } else {
+  if (known != findings_.end()) {
     ++known->count;
+  } else if (findings_.size() < kMostNamed) {
+    findings_.push_back({what, line});
   }
 }
 
@@ -112,20 +114,18 @@ void XmlReader::tolerate(const XmlElement& element, std::string_view what, std::
 }
 
 std::vector<std::string> XmlReader::warnings() const {
-  constexpr std::size_t kMostNamed = 12;
   if (findings_.empty()) return {};
   std::vector<std::string> named;
-  int count = 0;
+  int left = finding_count_;
   for (const Finding& finding : findings_) {
-    count += finding.count;
-    if (named.size() == kMostNamed) continue;
+    left -= finding.count;
     const std::string times =
         finding.count > 1 ? fmt::format("{} times, first in ", finding.count) : "";
     named.push_back(fmt::format("{} ({}line {})", finding.what, times, finding.line));
   }
-  if (findings_.size() > named.size()) named.emplace_back("...");
-  return {fmt::format("{}: tolerated {} {} (an error if strict): {}", source_, count,
-                      count == 1 ? "fault" : "faults", fmt::join(named, "; "))};
+  if (left > 0) named.push_back(fmt::format("and {} more", left));
+  return {fmt::format("{}: tolerated {} {} (an error if strict): {}", source_, finding_count_,
+                      finding_count_ == 1 ? "fault" : "faults", fmt::join(named, "; "))};
 }
 
 const XmlElement& XmlReader::read_root(tinyxml2::XMLDocument& document, std::string_view text,

@@ -102,7 +102,8 @@ class XmlReader {
 
   std::string source_;
   Mode mode_;
-  std::vector<Finding> findings_;
+  std::vector<Finding> findings_;  ///< the first few
+  int finding_count_ = 0;
   std::string context_;
 };
 

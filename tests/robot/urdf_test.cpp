@@ -303,6 +303,15 @@ TEST_SUITE("unit") {
           "unknown element <axle> in <joint> (line 15)");
   }
 
+  TEST_CASE("many findings are counted, and the first dozen named") {
+    std::string more;
+    for (int i = 0; i < 100'000; ++i) more += "<x" + std::to_string(i) + "/>";
+    const Robot robot = require_parsed(replaced("</robot>", more + "</robot>"));
+    REQUIRE(robot.warnings().size() == 1);
+    CHECK(contains(robot.warnings()[0], "tolerated 100000 faults"));
+    CHECK(robot.warnings()[0].ends_with("<x11> in <robot> (line 18); and 99988 more"));
+  }
+
   TEST_CASE("faults whose meaning is clear are tolerated by name, and refused if strict") {
     const std::string shape = "<sphere radius=\"0.1\"/>";
     const std::vector<Tolerated> cases{
