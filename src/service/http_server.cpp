@@ -233,7 +233,6 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     const bool is_head = parser_->get().method() == http::verb::head;
     response_ = {};
     response_.result(static_cast<unsigned>(answer.status));
-    response_.version(parser_->get().version());
     response_.set(http::field::content_type, answer.type);
     response_.set("X-Content-Type-Options", "nosniff");
     response_.set("X-Frame-Options", "DENY");
@@ -241,6 +240,8 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     response_.set("Content-Security-Policy", is_page ? kPagePolicy : kDataPolicy);
     if (answer.may_retry) response_.set(http::field::retry_after, "1");
     response_.keep_alive(keeps_alive);
+    const bool is_old = parser_->get().version() < 11;  // HTTP/1.0 must be told
+    if (keeps_alive && is_old) response_.set(http::field::connection, "keep-alive");
     response_.body() = std::move(answer.body);
     response_.prepare_payload();
     stream_.expires_after(seconds(server_.limits_.request_timeout_s));
