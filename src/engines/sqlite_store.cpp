@@ -209,6 +209,13 @@ class SqliteStore final : public Store {
  public:
   SqliteStore(Connection connection, OpenMode mode, std::optional<std::string> loss)
       : connection_(std::move(connection)), mode_(mode), loss_(std::move(loss)) {}
+  SqliteStore(const SqliteStore&) = delete;
+  SqliteStore& operator=(const SqliteStore&) = delete;
+  ~SqliteStore() override {
+    const std::string file = connection_.lasting_path();
+    { const Connection closed = std::move(connection_); }  // the last one merges the log
+    if (mode_ != OpenMode::read_only) settle_record(file);
+  }
 
   const std::string& name() const override { return connection_.path(); }
 
@@ -299,6 +306,7 @@ Result<int> identify_once(Connection& connection) {
 std::optional<std::string> find_missing_rows(Connection& connection, int version,
                                              const std::optional<StateRecord>& record) {
   if (version == kSchemaVersion) {
+    if (record && record->is_settled) return std::nullopt;
     const auto head = read_head(connection);
     return head ? describe_missing_rows(connection.path(), record, *head) : std::nullopt;
   }

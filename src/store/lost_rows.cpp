@@ -21,15 +21,16 @@ namespace {
 
 using Bytes = std::span<const std::byte>;
 
-/// "mneme ta" and the version of the layout; then the state, the time and a checksum.
-constexpr std::int64_t kRecordMagic = 0x6d6e656d65207461, kRecordVersion = 1;
-constexpr std::size_t kRecordSize = 2 + kHeadSize + 2;
+/// "mneme ta" and the version of the layout; then the state, the time, 1 if settled, a checksum.
+constexpr std::int64_t kRecordMagic = 0x6d6e656d65207461, kRecordVersion = 2;
+constexpr std::size_t kRecordSize = 2 + kHeadSize + 3;
 using Record = std::array<std::int64_t, kRecordSize>;
 
 Record to_record(const StateRecord& content) {
   Record record{kRecordMagic, kRecordVersion};
   std::ranges::copy(to_numbers(content.state), record.begin() + 2);
-  record[kRecordSize - 2] = content.time;
+  record[kRecordSize - 3] = content.time;
+  record[kRecordSize - 2] = content.is_settled ? 1 : 0;
   record.back() = hash_numbers(std::span(record).first<kRecordSize - 1>());
   return record;
 }
@@ -61,12 +62,28 @@ std::string record_path(const std::string& path) { return real_path(path) + ".ta
 
 std::string log_path(const std::string& path) { return real_path(path) + "-wal"; }
 
-void record_state(const std::string& path, const StoreState& state) {
+namespace {
+
+void write_record(const std::string& path, const StateRecord& content) {
   const Descriptor file(::open(record_path(path).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644));
   if (file.fd < 0) return;
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  const Record record = to_record({state, now / std::chrono::seconds(1)});
+  const Record record = to_record(content);
   (void)!::pwrite(file.fd, record.data(), sizeof record, 0);
+}
+
+}  // namespace
+
+void record_state(const std::string& path, const StoreState& state) {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  write_record(path, {state, now / std::chrono::seconds(1), false});
+}
+
+void settle_record(const std::string& path) {
+  std::error_code error;
+  auto record = read_record(path);
+  if (!record || record->is_settled || std::filesystem::exists(log_path(path), error)) return;
+  record->is_settled = true;
+  write_record(path, *record);
 }
 
 std::optional<StateRecord> read_record(const std::string& path) {
@@ -77,7 +94,8 @@ std::optional<StateRecord> read_record(const std::string& path) {
   }
   StateRecord content;
   content.state = to_state(std::span(record).subspan<2, kHeadSize>());
-  content.time = record[kRecordSize - 2];
+  content.time = record[kRecordSize - 3];
+  content.is_settled = record[kRecordSize - 2] == 1;
   return record == to_record(content) ? std::optional(content) : std::nullopt;
 }
 

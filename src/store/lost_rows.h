@@ -15,7 +15,8 @@ namespace mneme::internal {
 /// The state that the last acknowledged commit left, kept in `FILE.tally`.
 struct StateRecord {
   StoreState state;
-  std::int64_t time = 0;  ///< of that commit, seconds since 1970
+  std::int64_t time = 0;    ///< of that commit, seconds since 1970
+  bool is_settled = false;  ///< the log was merged into the file since, which may be replaced
 };
 
 /// Path of a database's record, next to the target of a symbolic link.
@@ -26,6 +27,9 @@ struct StateRecord {
 /// the record may be an old one, which hides a loss but never reports a false one. An error is
 /// ignored. Cost: about 10 us.
 void record_state(const std::string& path, const StoreState& state);
+/// Notes that a file was closed, if its log is merged: a copy that replaces it later is not
+/// compared with the record, except an empty one.
+void settle_record(const std::string& path);
 /// Nothing if the record is missing or damaged.
 [[nodiscard]] std::optional<StateRecord> read_record(const std::string& path);
 

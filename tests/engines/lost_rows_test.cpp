@@ -110,6 +110,18 @@ TEST_SUITE("unit") {
     CHECK(verify_database(path)->empty());
   }
 
+  TEST_CASE("an older copy may replace a file that was closed") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db";
+    Rng rng(2);
+    { REQUIRE(open_database(path).insert(random_rows(rng, 3))); }
+    const std::string copy = read_file(path);
+    { REQUIRE(open_database(path).insert(random_rows(rng, 4))); }
+    write_file(path, copy);
+    CHECK(open_database(path, OpenMode::read_only).size() == 3);
+    CHECK(verify_database(path)->empty());
+  }
+
   TEST_CASE("a log cut short and a file of no bytes are compared with the record") {
     const TemporaryDirectory directory;
     const Leftover leftover = make_leftover(directory / "sound.db");
