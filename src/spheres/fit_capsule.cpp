@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kExcessSamples = 2000;
 constexpr int kCircleSteps = 500;
+constexpr std::size_t kCirclePoints = 4000;
 /// Metres; larger than the error of turning the capsule into the link's frame.
 constexpr double kPoseRounding = 1e-6;
 /// Shares of the allowed excess that the radius is enlarged by: a larger one has flatter caps.
@@ -41,9 +42,12 @@ struct Profile {
   std::vector<double> along, away;
 };
 
-/// The centre of a circle around all points, nearly the smallest. By Badoiu and Clarkson,
-/// "Smaller core-sets for balls" (2003).
-Eigen::Vector2d circle_center(const std::vector<Eigen::Vector2d>& points) {
+/// The centre of nearly the smallest circle around the points, or some thousand of them. By Badoiu
+/// and Clarkson, "Smaller core-sets for balls" (2003).
+Eigen::Vector2d circle_center(const std::vector<Eigen::Vector2d>& all) {
+  std::vector<Eigen::Vector2d> points;
+  const std::size_t stride = 1 + all.size() / kCirclePoints;
+  for (std::size_t i = 0; i < all.size(); i += stride) points.push_back(all[i]);
   Eigen::Vector2d center = points.front();
   for (int i = 1; i <= kCircleSteps; ++i) {
     const auto farthest = std::ranges::max_element(
