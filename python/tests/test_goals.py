@@ -107,8 +107,8 @@ def test_poses_replace_the_goals_of_a_file(tmp_path):
     (lambda: mneme.PoseGoal("panda_hand", POSITION, [0, 0, 0, 0]), "length 1, got one of length 0"),
     (lambda: mneme.PoseGoal("panda_hand", POSITION, [0, 0, 0, 2]), "length 1, got one of length 2"),
     (lambda: mneme.PoseGoal("panda_hand", POSITION, TURN, axis="w"), "expected x, y or z"),
-    (lambda: mneme.PoseGoal("panda_hand", POSITION, cone=0.1), "expected quat_xyzw beside"),
-    (lambda: mneme.PoseGoal("panda_hand", POSITION, turn=0.1), "expected quat_xyzw beside"),
+    (lambda: mneme.PoseGoal("panda_hand", POSITION, cone=0.1), "expected quat_xyzw, too"),
+    (lambda: mneme.PoseGoal("panda_hand", POSITION, turn=0.1), "expected quat_xyzw, too"),
     (lambda: mneme.PoseGoal("panda_hand", POSITION, TURN, turn="any"), "turn: expected radians or 'free', got 'any'"),
 ])
 def test_poses_that_are_none_are_errors(make, message):

@@ -202,7 +202,7 @@ def test_what_a_robot_carries_is_checked(robot):
 
 
 def test_a_mesh_of_a_file_or_of_arrays_can_be_attached(robot, tmp_path):
-    corners = [[1, 0, -0.2], [1.5, 0, -0.2], [1, 0.5, -0.2], [1, 0, 0.4]]
+    corners = [[1, 0.5, -0.2], [1.5, 0.5, -0.2], [1, 1, -0.2], [1, 0.5, 0.4]]
     faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
     of_arrays = mneme.Scene()
     of_arrays.add_mesh("part", corners, faces)
@@ -210,7 +210,7 @@ def test_a_mesh_of_a_file_or_of_arrays_can_be_attached(robot, tmp_path):
                                        + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces))
     (tmp_path / "scene.yaml").write_text("obstacles: [{name: part, type: mesh, file: part.obj}]\n")
     tip = robot.link_poses(np.zeros(8))[-1, :3, 3]
-    near = mneme.Scene.from_circles([[tip[0] + 1.2, 0, 0.1]])
+    near = mneme.Scene.from_circles([[tip[0] + 1.15, 0.65, 0.1]])
     for scene in (of_arrays, mneme.Scene.load(tmp_path / "scene.yaml")):
         carrying = robot.attach(robot.link_names[-1], scene)
         assert [c["link"] for c in mneme.CollisionChecker(carrying, near).contacts(np.zeros(8))] == ["part"]
