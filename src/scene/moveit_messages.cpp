@@ -27,7 +27,7 @@ Eigen::Matrix3d read_moveit_rotation(const Input& input) {
   input.allow_keys({"x", "y", "z", "w"});
   const std::array<double, 4> xyzw = {input.at("x").finite_number(), input.at("y").finite_number(),
                                       input.at("z").finite_number(), input.at("w").finite_number()};
-  // ROS 1 leaves an orientation that nobody sets at 0, which MoveIt takes for the identity.
+  // An unset orientation of ROS 1 is all zeros; MoveIt reads it as the identity.
   const bool is_unset = std::ranges::all_of(xyzw, [](double value) { return value == 0; });
   return is_unset ? Eigen::Matrix3d::Identity() : rotation_of(input, xyzw);
 }
