@@ -278,30 +278,28 @@ Joint canonical(Joint joint) {
 }
 
 Robot::Parts reordered(Robot::Parts parts, int root, const std::vector<int>& order) {
-  Robot::Parts sorted;
-  sorted.name = std::move(parts.name);
-  sorted.groups = std::move(parts.groups);
-  sorted.allowed_pairs = std::move(parts.allowed_pairs);
-  sorted.warnings = std::move(parts.warnings);
-  sorted.states = std::move(parts.states);
-  std::vector<int> new_link(parts.links.size(), 0);
-  std::vector<int> new_joint(parts.joints.size(), 0);
-  sorted.links.push_back(std::move(parts.links[as_index(root)]));
+  std::vector<Link> links = std::move(parts.links);
+  std::vector<Joint> joints = std::move(parts.joints);
+  parts.links.clear();
+  parts.joints.clear();
+  std::vector<int> new_link(links.size(), 0);
+  std::vector<int> new_joint(joints.size(), 0);
+  parts.links.push_back(std::move(links[as_index(root)]));
   for (const int old_joint : order) {
-    Joint joint = canonical(std::move(parts.joints[as_index(old_joint)]));
-    const int link = static_cast<int>(sorted.links.size());
+    Joint joint = canonical(std::move(joints[as_index(old_joint)]));
+    const int link = static_cast<int>(parts.links.size());
     new_link[as_index(joint.child_link)] = link;
-    sorted.links.push_back(std::move(parts.links[as_index(joint.child_link)]));
-    sorted.links.back().parent_joint = link - 1;
+    parts.links.push_back(std::move(links[as_index(joint.child_link)]));
+    parts.links.back().parent_joint = link - 1;
     joint.parent_link = new_link[as_index(joint.parent_link)];
     joint.child_link = link;
     new_joint[as_index(old_joint)] = link - 1;
-    sorted.joints.push_back(std::move(joint));
+    parts.joints.push_back(std::move(joint));
   }
-  for (Joint& joint : sorted.joints) {
+  for (Joint& joint : parts.joints) {
     if (joint.mimic) joint.mimic->joint = new_joint[as_index(joint.mimic->joint)];
   }
-  return sorted;
+  return parts;
 }
 
 }  // namespace
