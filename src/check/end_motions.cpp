@@ -15,6 +15,8 @@ namespace {
 
 /// Metres that a distance may shrink by rounding while contact is left.
 constexpr double kRounding = 1e-7;
+/// Metres that a link in contact moves between checked states, at most.
+constexpr double kContactStep = 2e-4;
 constexpr double kTiltRounding = 1e-9;  ///< radians
 /// States of a motion that leaves contact, at least.
 constexpr double kLeastStates = 64;
@@ -127,6 +129,10 @@ bool EndMotions::is_left_by(const Configuration& end, const Configuration& insid
   };
   if (!std::ranges::all_of(open, may_leave_it)) return false;
   const PosedLinks at_end = links_.posed(robot_.link_poses(end));
+  const PosedLinks at_inside = links_.posed(robot_.link_poses(inside));
+  double farthest = 0;
+  for (const Touch& touch : open) farthest = std::max(farthest, travel(at_end, at_inside, touch));
+  steps = std::max(steps, static_cast<int>(std::ceil(farthest / kContactStep)));
   for (int i = 1; i <= steps; ++i) {
     const Configuration q = between(robot_, end, inside, static_cast<double>(i) / steps);
     const PosedLinks posed = links_.posed(robot_.link_poses(q));
