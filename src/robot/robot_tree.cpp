@@ -10,6 +10,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <utility>
 
 namespace mneme::internal {
 std::optional<int> find_link(std::span<const Link> links, std::string_view name) {
@@ -278,10 +279,8 @@ Joint canonical(Joint joint) {
 }
 
 Robot::Parts reordered(Robot::Parts parts, int root, const std::vector<int>& order) {
-  std::vector<Link> links = std::move(parts.links);
-  std::vector<Joint> joints = std::move(parts.joints);
-  parts.links.clear();
-  parts.joints.clear();
+  std::vector<Link> links = std::exchange(parts.links, {});
+  std::vector<Joint> joints = std::exchange(parts.joints, {});
   std::vector<int> new_link(links.size(), 0);
   std::vector<int> new_joint(joints.size(), 0);
   parts.links.push_back(std::move(links[as_index(root)]));
