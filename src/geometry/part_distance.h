@@ -42,6 +42,13 @@ inline constexpr double kLeastSine2 = 1e-14;
 /// Distance between two triangles, 0 if they meet. `limit` if they are at least that far apart.
 [[nodiscard]] double distance_between(const Triangle& s, const Triangle& t, double limit);
 
+/// Distance between a triangle and a convex solid or a part: 0 if they meet. To a cylinder it is
+/// exact to within 1e-9 m.
+[[nodiscard]] double distance_between(const Triangle& t, const Box& box);
+[[nodiscard]] double distance_between(const Triangle& t, const Cylinder& cylinder);
+[[nodiscard]] double distance_between(const Triangle& t, const CloudPoint& point);
+[[nodiscard]] double distance_between(const Triangle& t, const Cube& cube);
+
 /// The part nearest to the segment ab, without the radius, if closer than `limit`. The segment is
 /// in the parts' frame.
 template <class Part>

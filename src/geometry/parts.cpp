@@ -5,13 +5,22 @@
 #include "base/as_index.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <numeric>
+#include <unordered_map>
 
 namespace mneme::internal {
 namespace {
 
-std::vector<Vec3> corner_of_each_piece(const std::vector<Triangle>& triangles) {
+struct CornerHash {
+  std::size_t operator()(const std::array<double, 3>& p) const {
+    const std::hash<double> hash{};
+    return (hash(p[0]) * 31 + hash(p[1])) * 31 + hash(p[2]);
+  }
+};
+
+std::vector<PieceCorners> corners_of_each_piece(const std::vector<Triangle>& triangles) {
   // Union-find: triangles that share a corner belong to one piece.
   std::vector<int> piece(triangles.size());
   std::iota(piece.begin(), piece.end(), 0);
@@ -19,7 +28,7 @@ std::vector<Vec3> corner_of_each_piece(const std::vector<Triangle>& triangles) {
     while (piece[as_index(i)] != i) i = piece[as_index(i)] = piece[as_index(piece[as_index(i)])];
     return i;
   };
-  std::map<std::array<double, 3>, int> first_at;
+  std::unordered_map<std::array<double, 3>, int, CornerHash> first_at(triangles.size());
   for (int i = 0; i < std::ssize(triangles); ++i) {
     const Triangle& t = triangles[as_index(i)];
     for (const Vec3& corner : {t.a, t.b, t.c}) {
@@ -27,21 +36,35 @@ std::vector<Vec3> corner_of_each_piece(const std::vector<Triangle>& triangles) {
       piece[as_index(root_of(i))] = root_of(first->second);
     }
   }
-  std::vector<Vec3> corners;
+  std::map<int, PieceCorners> pieces;
   for (int i = 0; i < std::ssize(triangles); ++i) {
-    if (piece[as_index(i)] == i) corners.push_back(triangles[as_index(i)].a);
+    const Triangle& t = triangles[as_index(i)];
+    PieceCorners filled;
+    filled.fill(t.a);
+    PieceCorners& corners = pieces.try_emplace(root_of(i), filled).first->second;
+    for (const Vec3& corner : {t.a, t.b, t.c}) {
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        Vec3 &low = corners[as_index(2 * axis)], &high = corners[as_index(2 * axis + 1)];
+        if (corner[axis] < low[axis]) low = corner;
+        if (corner[axis] > high[axis]) high = corner;
+      }
+    }
   }
-  return corners;
+  std::vector<PieceCorners> result;
+  for (const auto& [root, corners] : pieces) result.push_back(corners);
+  return result;
 }
 
 }  // namespace
 
-std::shared_ptr<const std::vector<Vec3>> PartsAccess::corners(const Parts<Triangle>& surface) {
+std::shared_ptr<const std::vector<PieceCorners>> PartsAccess::pieces(
+    const Parts<Triangle>& surface) {
   const std::lock_guard lock(surface.mutex_);
   if (!surface.corners_) {
-    surface.corners_ = std::make_shared<std::vector<Vec3>>(corner_of_each_piece(surface.list_));
+    surface.corners_ =
+        std::make_shared<std::vector<PieceCorners>>(corners_of_each_piece(surface.list_));
   }
-  return std::static_pointer_cast<const std::vector<Vec3>>(surface.corners_);
+  return std::static_pointer_cast<const std::vector<PieceCorners>>(surface.corners_);
 }
 
 void PartsAccess::replace(PointCloud& cloud, std::size_t first,

@@ -9,10 +9,14 @@
 #include "geometry/compound_grids.h"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <mutex>
 
 namespace mneme::internal {
+
+/// Corners of a piece of a surface: least and greatest along each axis.
+using PieceCorners = std::array<Vec3, 6>;
 
 struct PartsAccess {
   /// A box around all parts: the smallest one until points are replaced. Empty if the box of any
@@ -32,8 +36,8 @@ struct PartsAccess {
     return std::static_pointer_cast<const BoxTree>(parts.tree_);
   }
 
-  /// One corner of each connected piece of a surface. Computed at the first call.
-  static std::shared_ptr<const std::vector<Vec3>> corners(const Parts<Triangle>& surface);
+  /// Extreme corners of each connected piece of a surface. Found at the first call.
+  static std::shared_ptr<const std::vector<PieceCorners>> pieces(const Parts<Triangle>& surface);
 
   /// Replaces points from index `first` on, in place, or in a copy if the parts are shared.
   static void replace(PointCloud& cloud, std::size_t first, std::span<const CloudPoint> points);

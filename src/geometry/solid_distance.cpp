@@ -33,7 +33,7 @@ Vec3 support(const Cylinder& s, const Vec3& direction) {
 /// the solid's support point towards the triangle is nearest, or the segment between both supports
 /// crosses the triangle.
 template <class Convex>
-double gap(const Triangle& t, const Convex& solid) {
+double distance_to_convex(const Triangle& t, const Convex& solid) {
   const Shape shape = solid;
   const double least =
       std::min({distance_to_segment(t.a, t.b, shape), distance_to_segment(t.b, t.c, shape),
@@ -41,14 +41,6 @@ double gap(const Triangle& t, const Convex& solid) {
   if (least == 0) return 0;
   const Vec3 normal = (t.b - t.a).cross(t.c - t.a);
   return std::min(least, distance_between(support(solid, normal), support(solid, -normal), t));
-}
-
-double gap(const Triangle& t, const CloudPoint& p) {
-  return distance_between(to_vec3(p), to_vec3(p), t);
-}
-
-double gap(const Triangle& t, const Cube& cube) {
-  return gap(t, Box{{Eigen::Matrix3d::Identity(), cube.center}, Vec3::Constant(cube.half_extent)});
 }
 
 template <class Convex>
@@ -156,6 +148,13 @@ class SurfaceGap {
   double least_ = 0;
 };
 
+/// A box around another one that stands at X.
+AxisBox around(const Transform& X, const AxisBox& box) {
+  const Vec3 middle = X * Vec3(0.5 * (box.low + box.high));
+  const Vec3 half = X.rotation.cwiseAbs() * (0.5 * (box.high - box.low));
+  return {middle - half, middle + half};
+}
+
 /// Distances to shapes in the surface's frame.
 class FromSurface {
  public:
@@ -175,11 +174,29 @@ class FromSurface {
     return least > s.radius && !may_enclose(s) ? least - s.radius : 0;
   }
 
-  /// False if the test of enclosure shows that each piece of another surface is outside. The
-  /// surfaces must not meet.
+  /// True unless lines show that no piece of the shape, which does not meet the surface, is inside.
+  bool may_enclose(const Shape& shape) const {
+    return std::visit([this](const auto& s) { return may_enclose(s); }, shape);
+  }
+  bool may_enclose(const Sphere& s) const { return !is_outside(s.center); }
+  bool may_enclose(const Capsule& s) const { return !is_outside(s.a); }
+  bool may_enclose(const Box& s) const { return !is_outside(s.pose.translation); }
+  bool may_enclose(const Cylinder& s) const { return !is_outside(s.pose.translation); }
   bool may_enclose(const Mesh& s) const {
-    return std::ranges::any_of(*PartsAccess::corners(*s.parts),
-                               [&](const Vec3& corner) { return !is_outside(s.pose * corner); });
+    const AxisBox box = around(s.pose, PartsAccess::tree(*s.parts)->nodes().front().box);
+    if (distance2(tree_->nodes().front().box, box) > 0) return false;
+    const auto is_in_box = [&](const Vec3& p) {
+      const Vec3 q = s.pose * p;
+      return distance2(tree_->nodes().front().box, {q, q}) == 0;
+    };
+    return std::ranges::any_of(*PartsAccess::pieces(*s.parts), [&](const PieceCorners& corners) {
+      return std::ranges::all_of(corners, is_in_box) && !is_outside(s.pose * corners[0]);
+    });
+  }
+  template <class Part>
+  bool may_enclose(const CompoundShape<Part>& s) const {
+    return std::ranges::any_of(
+        s.parts->list(), [&](const Part& part) { return !is_outside(s.pose * point_of(part)); });
   }
 
   template <class Part>
@@ -191,13 +208,10 @@ class FromSurface {
     for (const int i : tree_->order()) {
       const Triangle& t = surface_.parts->list()[as_index(i)];
       const Triangle own{X * t.a, X * t.b, X * t.c};
-      const auto distance_to = [&](int k) { return gap(own, parts[as_index(k)]); };
+      const auto distance_to = [&](int k) { return distance_between(own, parts[as_index(k)]); };
       least = tree->nearest(box_of(own), distance_to, least).distance;
     }
-    const bool is_apart = least > s.radius && std::ranges::all_of(parts, [&](const Part& part) {
-                            return is_outside(s.pose * point_of(part));
-                          });
-    return is_apart ? least - s.radius : 0;
+    return least > s.radius && !may_enclose(s) ? least - s.radius : 0;
   }
 
  private:
@@ -208,7 +222,7 @@ class FromSurface {
     const auto distance_to = [&](int i) {
       const Triangle& t = surface_.parts->list()[as_index(i)];
       const double bound = distance(t.centroid(), solid) - radius_of(t);
-      if (bound < least) least = std::min(least, gap(t, s));
+      if (bound < least) least = std::min(least, distance_between(t, s));
       return least;
     };
     static_cast<void>(tree_->nearest(bounds(s), distance_to));
@@ -239,6 +253,22 @@ class FromSurface {
 
 }  // namespace
 
+double distance_between(const Triangle& t, const Box& box) { return distance_to_convex(t, box); }
+double distance_between(const Triangle& t, const Cylinder& cylinder) {
+  return distance_to_convex(t, cylinder);
+}
+double distance_between(const Triangle& t, const CloudPoint& point) {
+  return distance_between(to_vec3(point), to_vec3(point), t);
+}
+double distance_between(const Triangle& t, const Cube& cube) {
+  const Box box{{Eigen::Matrix3d::Identity(), cube.center}, Vec3::Constant(cube.half_extent)};
+  return distance_to_convex(t, box);
+}
+
+bool may_enclose(const Mesh& surface, const Shape& shape) {
+  return FromSurface(surface).may_enclose(transformed(surface.pose.inverse(), shape));
+}
+
 double distance_to_solid(const Mesh& surface, const Shape& shape) {
   return std::visit(FromSurface(surface), transformed(surface.pose.inverse(), shape));
 }
@@ -246,8 +276,8 @@ double distance_to_solid(const Mesh& surface, const Shape& shape) {
 double distance_between_solids(const Mesh& a, const Mesh& b, double enough) {
   const double least = SurfaceGap(a, b).less_than(enough);
   const Transform X_AB = a.pose.inverse() * b.pose;
-  const bool is_one_inside = FromSurface(a).may_enclose({X_AB, b.parts, 0}) ||
-                             FromSurface(b).may_enclose({X_AB.inverse(), a.parts, 0});
+  const bool is_one_inside = FromSurface(a).may_enclose(Mesh{X_AB, b.parts, 0}) ||
+                             FromSurface(b).may_enclose(Mesh{X_AB.inverse(), a.parts, 0});
   return is_one_inside ? 0 : least;
 }
 

@@ -53,6 +53,10 @@ struct Moments {
 /// that is a mesh counts as its surface. Exact, for cylinders to within 1e-9 m.
 [[nodiscard]] double distance_to_solid(const Mesh& surface, const Shape& shape);
 
+/// True unless it is proven that no piece of `shape`, which does not touch the surface, is inside
+/// it.
+[[nodiscard]] bool may_enclose(const Mesh& surface, const Shape& shape);
+
 /// Metres between the solids that two meshes enclose, without their radii. Exact if less than
 /// `enough` > 0, otherwise any value of at least `enough`.
 [[nodiscard]] double distance_between_solids(const Mesh& a, const Mesh& b, double enough);
