@@ -48,6 +48,17 @@ double ExactLink::distance_to(const ExactLink& other, const Transform& X_LO, dou
   return least;
 }
 
+bool ExactLink::may_enclose(const Shape& shape) const {
+  return std::ranges::any_of(
+      surfaces_, [&](const Mesh& surface) { return internal::may_enclose(surface, shape); });
+}
+
+bool ExactLink::may_enclose(const ExactLink& other, const Transform& X_LO) const {
+  const auto encloses = [&](const auto& shape) { return may_enclose(transformed(X_LO, shape)); };
+  return !surfaces_.empty() && (std::ranges::any_of(other.shapes_, encloses) ||
+                                std::ranges::any_of(other.surfaces_, encloses));
+}
+
 }  // namespace mneme::internal
 
 namespace mneme {

@@ -79,7 +79,8 @@ Result<void> check_named_links(const Robot& robot, const Scene& scene) {
 }
 
 std::vector<LinkPair> link_pairs(const Robot& robot, const Scene& scene) {
-  std::vector<std::pair<int, int>> exact_pairs;
+  std::vector<std::pair<int, int>> exact_pairs(robot.exact_pairs().begin(),
+                                               robot.exact_pairs().end());
   for (const auto& [one, two] : scene.exact_pairs) {
     const auto first = robot.find_link(one), second = robot.find_link(two);
     if (!first || !second) continue;

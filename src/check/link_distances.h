@@ -34,7 +34,7 @@ struct ObstacleShape {
 /// Two links that are checked against each other.
 struct LinkPair {
   int first = 0, second = 0;
-  bool is_exact = false;  ///< (Scene::exact_pairs)
+  bool is_exact = false;  ///< checked by exact geometry (Scene::exact_pairs, Robot::exact_pairs)
 };
 /// Returns the checked pairs of the robot, in its order. Ignores names of links that it lacks.
 [[nodiscard]] std::vector<LinkPair> link_pairs(const Robot& robot, const Scene& scene);
@@ -65,6 +65,13 @@ class ExactLink {
   /// Metres from a link at the pose X_LO. Exact up to `enough`, otherwise any larger value.
   [[nodiscard]] double distance_to(const ExactLink& other, const Transform& X_LO,
                                    double enough) const;
+  /// True unless it is proven that no piece of `shape`, in the link's frame, is inside the surface.
+  /// Expects a shape that does not touch it.
+  [[nodiscard]] bool may_enclose(const Shape& shape) const;
+  [[nodiscard]] bool may_enclose(const ExactLink& other, const Transform& X_LO) const;
+
+  [[nodiscard]] std::span<const Capsule> shapes() const { return shapes_; }
+  [[nodiscard]] std::span<const Mesh> surfaces() const { return surfaces_; }
 
  private:
   std::vector<Capsule> shapes_;
@@ -88,11 +95,7 @@ class LinkDistances {
   /// True if a joint of the group moves the link.
   [[nodiscard]] bool is_moving(int link) const { return at(link).is_moving; }
 
-  /// Radius about the link's origin, metres, that encloses its shapes.
-  [[nodiscard]] double reach(int link) const {
-    return at(link).bound.center.norm() + at(link).bound.radius;
-  }
-
+  [[nodiscard]] const ExactLink& exact(int link) const { return at(link).exact; }
   /// Metres between the surfaces of a link and an obstacle. Exact up to `enough`, otherwise any
   /// larger value. Negative in contact, by at most the radius of the link's shape. Infinite for a
   /// link that may touch the obstacle. Takes the exact geometry of pairs that are checked by it.
@@ -156,45 +159,24 @@ struct Clearance {
                                        std::span<const ObstacleShape> obstacles,
                                        double within = std::numeric_limits<double>::infinity());
 
-/// All pairs of a scene that are checked by exact geometry (Obstacle::exact_links,
-/// Scene::exact_pairs), in double precision. Exact distances are found only where spheres are
-/// close. Const and parallel-safe.
+/// All pairs that are checked by exact geometry (Obstacle::exact_links, Scene::exact_pairs,
+/// Robot::exact_pairs), in double precision. Const and parallel-safe.
 class ExactPairs {
  public:
   /// Keeps a reference to the robot's `links`. Obstacles are inflated by `margin` metres.
   ExactPairs(const Robot& robot, const LinkDistances& links, const Scene& scene, double margin);
 
-  [[nodiscard]] bool empty() const { return pairs_.empty(); }
+  [[nodiscard]] bool empty() const;
   /// True if no pair touches at `q`.
   [[nodiscard]] bool are_apart(std::span<const float> q) const;
-  /// True if no pair comes closer than `extra` metres on the motion from `from` by `delta`. Checks
-  /// states one by one; each proves the stretch on which the displacement bound is smaller than the
-  /// pair's distance. States closer than `extra` + 1e-4 m fail.
+  /// True if no pair comes closer than `extra` metres on the motion from `from` by `delta`. Motions
+  /// that come closer than `extra` + 5e-5 m may fail.
   [[nodiscard]] bool stay_apart(std::span<const float> from, std::span<const float> delta,
                                 double extra) const;
 
  private:
-  /// A link and a shape of an obstacle, or two links.
-  struct Pair {
-    int link = 0;
-    double margin = 0;
-    std::shared_ptr<const Shape> shape = {};
-    ObstacleShape obstacle = {};
-    LinkPair links = {};
-  };
-  [[nodiscard]] double between(const PosedLinks& posed, const Pair& pair, double enough) const;
-  [[nodiscard]] double room(const PosedLinks& posed, const Pair& pair, double margin,
-                            double most) const;
-  [[nodiscard]] PosedLinks pose(const Configuration& q) const;
-  [[nodiscard]] double displacement_bound(const Pair& pair, const Configuration& from,
-                                          const Configuration& to) const;
-  [[nodiscard]] double displacement_bound(int link, std::span<const int> joints,
-                                          const std::vector<double>& from,
-                                          const std::vector<double>& to) const;
-
-  Robot robot_;
-  const LinkDistances& links_;
-  std::vector<Pair> pairs_;
+  struct Pair;
+  std::shared_ptr<const std::vector<Pair>> pairs_;
 };
 
 }  // namespace mneme::internal
