@@ -30,7 +30,8 @@ void store(const Matrix& m, float* out) {
   }
 }
 
-/// Error: more moving joints than kMaxFrames.
+/// Pairs that the robot checks by exact geometry are left to ExactPairs. Error: more moving joints
+/// than kMaxFrames.
 [[nodiscard]] Result<RobotTables> make_robot_tables(const Robot& robot);
 
 /// The same for a robot with attached objects, from the tables of the bare robot.
@@ -46,13 +47,11 @@ void store(const Matrix& m, float* out) {
 [[nodiscard]] Result<SceneTables> make_scene_tables(
     const Scene& scene, double reach = std::numeric_limits<double>::infinity());
 
-/// Finds the groups that may touch each obstacle (SceneTables::may_touch). With `allows_exact`,
-/// this includes links that are checked by exact geometry. Error: an obstacle names a link that the
-/// robot lacks.
+/// Finds the groups that kernels do not check against each obstacle (SceneTables::may_touch): of
+/// links that may touch it, and of links that are checked by exact geometry.
 [[nodiscard]] std::vector<std::uint16_t> find_allowed_contacts(const Robot& robot,
                                                                const RobotTables& tables,
-                                                               const Scene& scene,
-                                                               bool allows_exact);
+                                                               const Scene& scene);
 
 /// Finds the displacement bounds on the straight motion between two configurations. The radius of a
 /// turn is at most the length of the links and slides between joint and point.

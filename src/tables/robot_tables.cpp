@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 namespace mneme::internal {
@@ -87,7 +88,11 @@ class RobotTablesBuilder {
     }
     add_links();
     add_bodies();
-    add_pairs(robot_.self_pairs(), [this](int link_a, int link_b) {
+    std::vector<std::pair<int, int>> pairs;
+    std::ranges::copy_if(robot_.self_pairs(), std::back_inserter(pairs), [this](const auto& pair) {
+      return std::ranges::find(robot_.exact_pairs(), pair) == robot_.exact_pairs().end();
+    });
+    add_pairs(pairs, [this](int link_a, int link_b) {
       const Linkage linkage(robot_, tables_, placements_[as_index(link_a)].frame,
                             placements_[as_index(link_b)].frame);
       return [this, linkage](int a, int b) { return can_groups_meet(linkage, a, b); };

@@ -212,7 +212,7 @@ Result<SceneTables> make_scene_tables(const Scene& scene, double reach) {
 }
 
 std::vector<std::uint16_t> find_allowed_contacts(const Robot& robot, const RobotTables& tables,
-                                                 const Scene& scene, bool allows_exact) {
+                                                 const Scene& scene) {
   std::vector<std::uint16_t> bits;
   std::size_t shape_count = 0;
   for (const Obstacle& obstacle : scene.obstacles) shape_count += obstacle.shapes.size();
@@ -221,7 +221,7 @@ std::vector<std::uint16_t> find_allowed_contacts(const Robot& robot, const Robot
   for (const Obstacle& obstacle : scene.obstacles) {
     NamedLinks named = find_named_links(robot, obstacle);
     std::vector<int>& links = named.may_touch;
-    if (allows_exact) links.insert(links.end(), named.exact_links.begin(), named.exact_links.end());
+    links.insert(links.end(), named.exact_links.begin(), named.exact_links.end());
     if (!links.empty()) bits.resize(words * tables.groups.size());
     for (std::size_t group = 0; group < tables.groups.size() && !links.empty(); ++group) {
       if (std::ranges::find(links, tables.link_of_group[group]) == links.end()) continue;
