@@ -95,16 +95,17 @@ struct Displacements {
   float farthest_reach = 0;  ///< for one radian of any joint
 };
 
-/// Returns the tables of all pairs, or without the pairs that are checked by exact geometry.
+/// Returns the tables without the pairs that are checked by exact geometry.
 World make_world(const std::shared_ptr<const internal::CheckedRobot>& checked, const Robot& robot,
-                 const Scene& scene, internal::SceneTables tables, bool with_exact) {
-  tables.may_touch = internal::find_allowed_contacts(robot, checked->tables, scene, !with_exact);
+                 const Scene& scene, internal::SceneTables tables) {
+  tables.may_touch = internal::find_allowed_contacts(robot, checked->tables, scene);
   World world{{checked, &checked->tables}, std::move(tables)};
+  // The robot's own exact pairs are not in its tables.
+  if (scene.exact_pairs.empty()) return world;
   std::set<std::pair<int, int>> exact;
   for (const internal::LinkPair& pair : internal::link_pairs(robot, scene)) {
     if (pair.is_exact) exact.insert(std::minmax(pair.first, pair.second));
   }
-  if (exact.empty() || with_exact) return world;
   world.robot = std::make_shared<const internal::RobotTables>(
       internal::without_pairs(checked->tables, exact));
   return world;
@@ -122,18 +123,11 @@ struct CollisionChecker::Tables {
   internal::JointSpace space;
   std::shared_ptr<const internal::CheckedRobot> checked_robot;
   World world;
-  World all_spheres;  ///< includes pairs that are checked by exact geometry; empty if none are
   const internal::CollisionKernels* kernels = nullptr;
   const internal::ShortcutKernels* shortcut_kernels = nullptr;
   internal::WalkKernel walk_kernel = nullptr;
   internal::Cones cones;
   internal::ExactPairs exact_pairs;
-
-  /// Checks by kernels first (`is_free(world)`), by exact geometry only where spheres touch.
-  template <class IsFree, class IsExactlyFree>
-  [[nodiscard]] bool judge(const IsFree& is_free, const IsExactlyFree& is_exactly_free) const {
-    return is_free(world) && (exact_pairs.empty() || is_free(all_spheres) || is_exactly_free());
-  }
 
   [[nodiscard]] std::size_t joints() const { return internal::as_index(space.joint_count()); }
 
@@ -164,12 +158,11 @@ struct CollisionChecker::Tables {
                                  : with(tables.reaches);
   }
 
-  [[nodiscard]] bool is_sweep_free(const World& of, std::span<const float> from,
-                                   std::span<const float> delta, const SweepDetail& detail,
-                                   std::uint64_t& states_checked) const {
+  [[nodiscard]] bool is_sweep_free(std::span<const float> from, std::span<const float> delta,
+                                   const SweepDetail& detail, std::uint64_t& states_checked) const {
     FloatConfiguration end;
     for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
-    Displacements moved = find_displacements(*of.robot, from, {end.data(), from.size()}, delta);
+    Displacements moved = find_displacements(*world.robot, from, {end.data(), from.size()}, delta);
     if (!(moved.longest > 0)) return true;
     // The kernel skips pairs that do not approach.
     if (detail.are_links_apart) std::ranges::fill(moved.pairs, 0.0f);
@@ -190,7 +183,7 @@ struct CollisionChecker::Tables {
                                        detail.is_to_goal,
                                        static_cast<int>(intervals),
                                        std::max(finest / moved.longest, kLeastShare / intervals)};
-    return kernels->is_sweep_free(*of.robot, of.scene, motion, states_checked);
+    return kernels->is_sweep_free(*world.robot, world.scene, motion, states_checked);
   }
 };
 
@@ -215,9 +208,7 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   auto scene_tables =
       MNEME_TRY(internal::make_scene_tables(scene, checked->reach + settings.margin));
   internal::ExactPairs exact_pairs(robot, checked->links, scene, settings.margin);
-  World all_spheres;
-  if (!exact_pairs.empty()) all_spheres = make_world(checked, robot, scene, scene_tables, true);
-  World world = make_world(checked, robot, scene, std::move(scene_tables), false);
+  World world = make_world(checked, robot, scene, std::move(scene_tables));
   for (const OrientationConstraint& constraint : settings.constraints) {
     if (const auto fault = describe_fault(robot, constraint)) {
       return fail(ErrorCode::invalid, *fault);
@@ -228,9 +219,9 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, resolution, !settings.resolution, static_cast<float>(settings.margin),
              isa, internal::JointSpace(robot), std::move(checked), std::move(world),
-             std::move(all_spheres), &internal::collision_kernels(isa),
-             &internal::shortcut_kernels(isa), internal::walk_kernel(isa),
-             internal::Cones(robot, settings.constraints), std::move(exact_pairs)});
+             &internal::collision_kernels(isa), &internal::shortcut_kernels(isa),
+             internal::walk_kernel(isa), internal::Cones(robot, settings.constraints),
+             std::move(exact_pairs)});
   return CollisionChecker(std::move(tables));
 }
 
@@ -259,19 +250,14 @@ void CollisionChecker::check_states(std::span<const float> configurations,
                                     std::span<std::uint8_t> is_valid) const {
   const Tables& t = *tables_;
   assert(configurations.size() == is_valid.size() * t.joints());
-  const auto check_in = [&](const World& world, std::span<const float> rows,
-                            std::span<std::uint8_t> is_free) {
-    t.kernels->check_states(*world.robot, world.scene, rows.data(),
-                            static_cast<int>(is_free.size()), t.margin, is_free.data());
-  };
-  check_in(t.world, configurations, is_valid);
+  t.kernels->check_states(*t.world.robot, t.world.scene, configurations.data(),
+                          static_cast<int>(is_valid.size()), t.margin, is_valid.data());
   const std::size_t joints = t.joints();
   for (std::size_t i = 0; i < is_valid.size(); ++i) {
     const auto q = configurations.subspan(i * joints, joints);
-    if (!is_within_reach(q) || !t.cones.contain(q)) is_valid[i] = 0;
-    if (is_valid[i] == 0 || t.exact_pairs.empty()) continue;
-    check_in(t.all_spheres, q, is_valid.subspan(i, 1));
-    if (is_valid[i] == 0 && t.exact_pairs.are_apart(q)) is_valid[i] = 1;
+    const bool is_free =
+        is_valid[i] != 0 && is_within_reach(q) && t.cones.contain(q) && t.exact_pairs.are_apart(q);
+    is_valid[i] = is_free ? 1 : 0;
   }
 }
 
@@ -285,13 +271,9 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   FloatConfiguration delta;
   const float length = t.space.difference(from.data(), to.data(), delta.data());
   const int states = t.count_states(length, detail.refinement);
-  const auto is_free = [&](const World& world) {
-    return t.kernels->is_motion_free(*world.robot, world.scene, from.data(), delta.data(), states,
-                                     margin, counters.states);
-  };
-  return t.judge(is_free, [&] {
-    return t.exact_pairs.stay_apart(from, {delta.data(), from.size()}, detail.margin);
-  });
+  return t.kernels->is_motion_free(*t.world.robot, t.world.scene, from.data(), delta.data(), states,
+                                   margin, counters.states) &&
+         t.exact_pairs.stay_apart(from, {delta.data(), from.size()}, detail.margin);
 }
 
 bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
@@ -321,18 +303,14 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
       states[i] = std::max(1, t.count_states(length, detail.refinement));
     }
     const internal::MotionChain chain{points, deltas.data(), states.data(), static_cast<int>(some)};
-    const auto is_free = [&](const World& world) {
-      return t.kernels->is_chain_free(*world.robot, world.scene, chain, margin, counters.states);
-    };
-    const auto is_exactly_free = [&] {
-      for (std::size_t i = 0; i < some; ++i) {
-        const std::span<const float> delta(deltas.data() + i * joints, joints);
-        if (!t.exact_pairs.stay_apart({points + i * joints, joints}, delta, detail.margin))
-          return false;
-      }
-      return true;
-    };
-    if (!t.judge(is_free, is_exactly_free)) return false;
+    if (!t.kernels->is_chain_free(*t.world.robot, t.world.scene, chain, margin, counters.states)) {
+      return false;
+    }
+    for (std::size_t i = 0; i < some && !t.exact_pairs.empty(); ++i) {
+      const std::span<const float> delta(deltas.data() + i * joints, joints);
+      if (!t.exact_pairs.stay_apart({points + i * joints, joints}, delta, detail.margin))
+        return false;
+    }
   }
   return true;
 }
@@ -359,12 +337,9 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
   if (!keeps_constraints(from, to)) return false;
   FloatConfiguration delta;
   t.space.difference(from.data(), to.data(), delta.data());
-  const auto is_free = [&](const World& world) {
-    return t.is_sweep_free(world, from, {delta.data(), from.size()}, detail, counters.states);
-  };
-  return t.judge(is_free, [&] {
-    return t.exact_pairs.stay_apart(from, {delta.data(), from.size()}, detail.margin);
-  });
+  const std::span<const float> moved(delta.data(), from.size());
+  return t.is_sweep_free(from, moved, detail, counters.states) &&
+         t.exact_pairs.stay_apart(from, moved, detail.margin);
 }
 
 bool CollisionChecker::keeps_constraints(std::span<const float> from, std::span<const float> to,

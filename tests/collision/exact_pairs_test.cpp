@@ -3,6 +3,7 @@
 
 // Pairs that are checked by exact geometry, against FCL.
 #include "mneme/collision.h"
+#include "mneme/spheres.h"
 
 #include "collision/random_worlds.h"
 #include "geometry/box_surface.h"
@@ -239,22 +240,29 @@ void compare_states(const SolidWorld& world, double margin, Rng& rng, StateTally
   }
 }
 
-bool do_solids_touch(const SolidWorld& world, const Configuration& from, const Configuration& to) {
-  const Configuration way = world.robot().difference(from, to);
-  for (int k = 0; k <= 300; ++k) {
+/// The least of both at states of a motion.
+Gaps least_gaps(const SolidWorld& world, const Configuration& from, const Configuration& to) {
+  const Configuration delta = world.robot().difference(from, to);
+  Gaps least;
+  for (int k = 0; k <= 300 && least.solids > 0; ++k) {
     Configuration q = from;
-    for (std::size_t j = 0; j < q.size(); ++j) q[j] += way[j] * k / 300;
-    if (world.gaps_at(q).solids <= 0) return true;
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] += delta[j] * k / 300;
+    const Gaps gaps = world.gaps_at(q);
+    least.solids = std::min(least.solids, gaps.solids);
+    least.spheres = std::min(least.spheres, gaps.spheres);
   }
-  return false;
+  return least;
 }
 
 struct MotionTally {
   int free = 0, blocked = 0;   ///< by exact geometry; of those blocked contact is found
   int only_spheres_touch = 0;  ///< of those free
+  int clear = 0;               ///< with room for what lies between states
 };
 
 void compare_motions(const SolidWorld& world, Rng& rng, MotionTally& tally) {
+  // No link moves farther than this between two states.
+  constexpr double kRoom = 0.06;
   const auto checker = require_checker(world.robot(), world.scene);
   const auto by_spheres = require_checker(world.robot(), world.scene_of_spheres());
   const std::vector<float> rows = random_states(world.robot(), 12, rng);
@@ -265,12 +273,15 @@ void compare_motions(const SolidWorld& world, Rng& rng, MotionTally& tally) {
     const bool is_motion = checker.is_motion_valid(from, to, counters);
     const bool is_sweep = checker.is_sweep_valid(from, to, counters, {.margin = 1e-4});
     const bool are_spheres_free = by_spheres.is_motion_valid(from, to, counters);
-    const bool touches = do_solids_touch(world, configuration_of(from), configuration_of(to));
+    const Gaps least = least_gaps(world, configuration_of(from), configuration_of(to));
+    const bool touches = least.solids <= 0, is_clear = least.least() > kRoom;
     INFO("motion " << i);
     if (are_spheres_free) REQUIRE(is_motion);
     if (is_chain || is_motion || is_sweep) REQUIRE_FALSE(touches);
+    if (is_clear) REQUIRE((is_chain && is_motion && is_sweep));
     tally.free += is_sweep ? 1 : 0;
     tally.blocked += touches ? 1 : 0;
+    tally.clear += is_clear ? 1 : 0;
     tally.only_spheres_touch += is_sweep && !are_spheres_free ? 1 : 0;
   }
 }
@@ -301,11 +312,57 @@ TEST_SUITE("oracle") {
       CHECK(tally.free > 20);
       CHECK(tally.only_spheres_touch > 10);
       CHECK(tally.blocked > 40);
+      CHECK(tally.clear > 10);
     }
   }
 }
 
+/// A plate that tilts on a spacer above a block: its underside reaches the block's edge at 0.08
+/// rad, while the spheres of both overlap at any tilt.
+constexpr std::string_view kSeesaw = R"(
+<robot name="seesaw">
+  <link name="block"><collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link>
+  <link name="spacer"><collision><origin xyz="0 0 0.004"/>
+    <geometry><cylinder radius="0.015" length="0.008"/></geometry></collision></link>
+  <link name="plate"><collision><geometry><box size="0.3 0.05 0.01"/></geometry></collision></link>
+  <joint name="spin" type="revolute"><parent link="block"/><child link="spacer"/>
+    <origin xyz="0 0 0.05"/><axis xyz="0 0 1"/>
+    <limit lower="-0.5" upper="0.5" effort="1" velocity="1"/></joint>
+  <joint name="tilt" type="revolute"><parent link="spacer"/><child link="plate"/>
+    <origin xyz="0 0 0.013"/><axis xyz="0 1 0"/>
+    <limit lower="-0.2" upper="0.2" effort="1" velocity="1"/></joint>
+</robot>)";
+
 TEST_SUITE("unit") {
+  TEST_CASE("links whose spheres always overlap are checked by exact geometry") {
+    for (const bool has_srdf : {false, true}) {
+      const TemporaryDirectory files;
+      write_file(files / "seesaw.urdf", std::string(kSeesaw));
+      if (has_srdf) {
+        write_file(files / "seesaw.srdf",
+                   "<robot name='seesaw'><disable_collisions link1='block' link2='spacer'/>"
+                   "<disable_collisions link1='spacer' link2='plate'/></robot>");
+      }
+      const auto loaded = load_approximated_robot(files / "seesaw.urdf");
+      REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
+      REQUIRE(loaded->robot.exact_pairs().size() == 1);
+      CHECK(loaded->robot.warnings().empty());
+      CHECK(loaded->notes.back() ==
+            "the spheres of links 'block' and 'plate' always overlap; they are checked by exact "
+            "geometry");
+      const CollisionChecker checker = require_checker(loaded->robot, Scene{});
+      const auto is_valid = [&](double tilt) { return checker.is_valid(Configuration{0, tilt}); };
+      // The plate's underside: 0.013 - 0.1 tan(tilt) - 0.005 / cos(tilt) above the block.
+      CHECK(is_valid(0));
+      CHECK(is_valid(0.079));
+      CHECK_FALSE(is_valid(0.081));
+      CHECK_FALSE(is_valid(-0.2));
+      CHECK(checker.contacts(Configuration{0, 0.2}).size() == 1);
+      CHECK(checker.is_motion_valid(Configuration{-0.5, 0.07}, Configuration{0.5, -0.07}));
+      CHECK_FALSE(checker.is_motion_valid(Configuration{0, 0.07}, Configuration{0.3, 0.09}));
+    }
+  }
+
   TEST_CASE("an obstacle that is checked by the exact geometry of an unknown link is refused") {
     Scene scene = make_circle_scene("one", {{3, 3, 1}});
     scene.obstacles[0].exact_links = {"hand"};
