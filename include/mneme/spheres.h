@@ -140,8 +140,9 @@ struct ApproximatedRobot {
 
 /// Loads a robot with any collision geometry: as load_robot(), and solids become spheres, at a cost
 /// of CPU seconds per arm, with progress on a terminal. The cache makes that milliseconds. Without
-/// an SRDF, pairs that are adjacent or always in contact are allowed. Pairs that an SRDF checks
-/// although they are in contact in every sample are allowed, too, with a warning.
+/// an SRDF, adjacent pairs are allowed. Pairs that random configurations and a search never part by
+/// their exact geometry are allowed, too: with a warning if an SRDF checks them. Where only the
+/// spheres of a pair always overlap, it is one of Robot::exact_pairs().
 [[nodiscard]] Result<ApproximatedRobot> load_approximated_robot(
     const std::string& path, const RobotOptions& options = {}, const SphereSettings& settings = {},
     const SphereProgress& on_approximated = terminal_progress());

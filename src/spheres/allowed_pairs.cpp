@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <set>
 
 namespace mneme {
@@ -110,6 +112,40 @@ void sample(const Robot& robot, const LinkDistances& links, const PairSettings& 
   }
 }
 
+/// Tries to part two links whose spheres touched in all samples: their exact geometry at random
+/// configurations, then on a random search for the largest distance between their spheres.
+bool can_part(const Robot& robot, const LinkDistances& links, const Pair& pair) {
+  const auto is_approximated = [&](int link) {
+    return robot.links()[as_index(link)].approximation.has_value();
+  };
+  if (!is_approximated(pair.first) && !is_approximated(pair.second)) return false;
+  constexpr int kSamples = 1000, kSteps = 500;
+  Rng rng(1);
+  Configuration best, q(as_index(robot.joint_count()));
+  double largest = -std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kSamples + kSteps; ++i) {
+    const double width = i < kSamples ? 1 : std::pow(0.99, i - kSamples) / 4;
+    for (int j = 0; j < robot.joint_count(); ++j) {
+      const auto [lower, upper] = std::pair(robot.group_joint(j).lower, robot.group_joint(j).upper);
+      double& value = q[as_index(j)];
+      value = i < kSamples
+                  ? rng.uniform(lower, upper)
+                  : std::clamp(best[as_index(j)] + rng.uniform(-width, width) * (upper - lower),
+                               lower, upper);
+    }
+    const PosedLinks posed = links.posed(robot.link_poses(q));
+    const double distance = links.between_spheres(posed, pair.first, pair.second, 0);
+    const bool is_largest = distance > largest;
+    if (i >= kSamples && !is_largest) continue;
+    if (is_largest) {
+      largest = distance;
+      best = q;
+    }
+    if (links.between(posed, {pair.first, pair.second, true}, 0) > 0) return true;
+  }
+  return false;
+}
+
 std::optional<AllowedReason> reason_for(const Record& record, bool allow_at_rest) {
   if (!record.has_been_apart) return AllowedReason::always;
   if (!record.has_touched) return AllowedReason::never;
@@ -154,6 +190,11 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
   }
   sample(robot, links, settings, records,
          [](const Record& record) { return record.has_touched && record.has_been_apart; });
+  for (Record& record : records) {
+    if (settings.is_exact && !record.has_been_apart) {
+      record.has_been_apart = can_part(robot, links, record.links);
+    }
+  }
 
   std::vector<AllowedPair> allowed;
   auto record = records.begin();
@@ -169,20 +210,21 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
   return allowed;
 }
 
-std::vector<std::pair<std::string, std::string>> internal::find_inseparable_pairs(
-    const Robot& robot) {
+internal::InseparablePairs internal::find_inseparable_pairs(const Robot& robot) {
   constexpr PairSettings kSettings{.samples = 1000};
   std::vector<Record> records;
   for (const Pair& pair : robot.self_pairs()) records.push_back({pair});
-  sample(robot, LinkDistances(robot), kSettings, records,
+  const LinkDistances links(robot);
+  sample(robot, links, kSettings, records,
          [](const Record& record) { return record.has_been_apart; });
-  std::vector<std::pair<std::string, std::string>> names;
+  InseparablePairs result;
   for (const Record& record : records) {
     if (record.has_been_apart) continue;
-    names.emplace_back(robot.links()[as_index(record.links.first)].name,
-                       robot.links()[as_index(record.links.second)].name);
+    (can_part(robot, links, record.links) ? result.only_spheres : result.always)
+        .emplace_back(robot.links()[as_index(record.links.first)].name,
+                      robot.links()[as_index(record.links.second)].name);
   }
-  return names;
+  return result;
 }
 
 }  // namespace mneme

@@ -301,13 +301,14 @@ Result<RobotSpheres> approximate_robot(Robot::Parts parts, const SphereSettings&
 
 namespace {
 
-/// The pairs that may touch if there is no SRDF: adjacent ones and those that are never apart.
-Result<std::vector<std::pair<std::string, std::string>>> derive_pairs(const Robot::Parts& parts) {
-  return derive_allowed_pairs(parts).map([](const std::vector<AllowedPair>& allowed) {
+/// The pairs that may touch if there is no SRDF. make_usable() adds pairs that always touch.
+Result<std::vector<std::pair<std::string, std::string>>> find_adjacent_pairs(
+    const Robot::Parts& parts) {
+  constexpr PairSettings kNoContacts{.samples = 1};
+  return derive_allowed_pairs(parts, kNoContacts).map([](const std::vector<AllowedPair>& allowed) {
     std::vector<std::pair<std::string, std::string>> pairs;
     for (const AllowedPair& pair : allowed) {
-      if (pair.reason == AllowedReason::never) continue;
-      pairs.emplace_back(pair.first, pair.second);
+      if (pair.reason == AllowedReason::adjacent) pairs.emplace_back(pair.first, pair.second);
     }
     return pairs;
   });
@@ -325,22 +326,33 @@ std::vector<std::string> describe_missing_shapes(const Robot& robot) {
                   robot.name())};
 }
 
-/// make_robot() that also allows inseparable pairs: no configuration would be valid otherwise.
-Result<Robot> make_usable(Robot::Parts parts, const RobotOptions& options) {
+/// make_robot. Pairs that always touch are allowed, and pairs of which only the spheres do are
+/// checked by exact geometry: no configuration would be valid otherwise. An SRDF that does not
+/// allow a pair that always touches is a warning.
+Result<Robot> make_usable(Robot::Parts parts, RobotOptions options, bool has_srdf,
+                          std::vector<std::string>& notes) {
   auto robot = make_robot(parts, options);
   if (!robot) return robot;
-  const auto inseparable = internal::find_inseparable_pairs(*robot);
+  internal::InseparablePairs inseparable = internal::find_inseparable_pairs(*robot);
   auto missing = describe_missing_shapes(*robot);
-  if (inseparable.empty() && missing.empty()) return robot;
+  if (inseparable.always.empty() && inseparable.only_spheres.empty() && missing.empty()) {
+    return robot;
+  }
   std::ranges::move(missing, std::back_inserter(parts.warnings));
-  RobotOptions allowing = options;
-  for (const auto& pair : inseparable) {
-    allowing.allowed_pairs.push_back(pair);
+  for (const auto& pair : inseparable.always) {
+    options.allowed_pairs.push_back(pair);
+    if (!has_srdf) continue;
     parts.warnings.push_back(
         fmt::format("links '{}' and '{}' touch in every configuration; this pair is not checked",
                     pair.first, pair.second));
   }
-  return make_robot(std::move(parts), allowing);
+  for (const auto& [first, second] : inseparable.only_spheres) {
+    notes.push_back(fmt::format(
+        "the spheres of links '{}' and '{}' always overlap; they are checked by exact geometry",
+        first, second));
+  }
+  parts.exact_pairs = std::move(inseparable.only_spheres);
+  return make_robot(std::move(parts), options);
 }
 
 }  // namespace
@@ -358,17 +370,20 @@ Result<ApproximatedRobot> load_approximated_robot(const std::string& path,
   MNEME_TRY(internal::choose_group(parts, options).map_error(with_path));
   const auto has_solids = [](const Link& link) { return !link.solids.empty(); };
   std::vector<std::string> notes;
+  bool has_srdf = true;
   if (std::ranges::any_of(parts.links, has_solids)) {
     RobotSpheres made = MNEME_TRY(
         approximate_robot(std::move(parts), settings, on_approximated).map_error(with_path));
     notes = std::move(made.notes);
     parts = std::move(made.parts);
     if (!parts.allowed_pairs) {
-      auto pairs = MNEME_TRY(derive_pairs(parts).map_error(with_path));
+      has_srdf = false;
+      auto pairs = MNEME_TRY(find_adjacent_pairs(parts).map_error(with_path));
       parts.allowed_pairs = std::move(pairs);
     }
   }
-  Robot robot = MNEME_TRY(make_usable(std::move(parts), options).map_error(with_path));
+  Robot robot =
+      MNEME_TRY(make_usable(std::move(parts), options, has_srdf, notes).map_error(with_path));
   return ApproximatedRobot{std::move(robot), std::move(notes)};
 }
 

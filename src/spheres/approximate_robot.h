@@ -62,9 +62,12 @@ struct CachedSpheres {
                                                       const SphereCache& cache,
                                                       const SphereProgress& on_approximated = {});
 
-/// Returns the checked pairs of links that touch in each of 1000 random configurations, so that no
-/// configuration would be valid. Cost: a few configurations if there are none.
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> find_inseparable_pairs(
-    const Robot& robot);
+/// Names of checked pairs of links whose spheres overlapped in every sampled configuration.
+struct InseparablePairs {
+  std::vector<std::pair<std::string, std::string>> always;        ///< so does their exact geometry
+  std::vector<std::pair<std::string, std::string>> only_spheres;  ///< their exact geometry can part
+};
+/// Cost: a few configurations if there are none, up to a second per pair otherwise.
+[[nodiscard]] InseparablePairs find_inseparable_pairs(const Robot& robot);
 
 }  // namespace mneme::internal
