@@ -72,9 +72,7 @@ PlanResult plan_with(PlanResult (*planner)(const PlanTask&), const CollisionChec
                      const PlanQuery& query, const Sampler& sampler, const PlanSettings& settings) {
   if (auto refused = refuse_query(checker, query)) return *std::move(refused);
   PathFinisher shorten_and_verify(checker, settings.finish());
-  PlanResult result = planner({checker, query, sampler, settings, shorten_and_verify});
-  result.path = unwrapped(checker.robot(), std::move(result.path), query.start);
-  return result;
+  return planner({checker, query, sampler, settings, shorten_and_verify});
 }
 
 double default_range(const Robot& robot) {
