@@ -24,7 +24,8 @@ constexpr double kNanosecondsPerSecond = 1e9;
 Result<void> check_path(const Robot& robot, const Path& path) {
   if (path.empty()) return fail(ErrorCode::invalid, "a path without configurations has no timing");
   constexpr double kAny = std::numeric_limits<double>::infinity();
-  const bool may_be_outside = internal::is_near_limits(robot, path.front(), {kAny, kAny, 0, 0});
+  const bool may_be_outside =
+      path.size() > 1 && internal::is_near_limits(robot, path.front(), {kAny, kAny, 0, 0});
   for (std::size_t i = may_be_outside ? 1 : 0; i < path.size(); ++i) {
     if (auto flaw = robot.describe_violation(path[i], fmt::format("waypoint {}", i + 1))) {
       return fail(ErrorCode::invalid, *std::move(flaw));
