@@ -45,7 +45,10 @@ Path solve_or_fail(const Problem& problem, Database* database, const SolveSettin
   const auto result = solve(problem, database, settings);
   REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
   REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
-  return result->plan.path;
+  // Without whole turns, which depend on the start alone.
+  Path path = result->plan.path;
+  for (Configuration& q : path) q = problem.robot.normalized(q);
+  return path;
 }
 
 /// Remembers one path of the problem.

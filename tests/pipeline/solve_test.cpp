@@ -234,7 +234,7 @@ TEST_SUITE("law") {
       CHECK(result.total_time_s > 0);
       CHECK(result.planning_time_s > 0);
       CHECK(result.planning_time_s <= result.total_time_s);
-      CHECK(result.planning_time_s + result.plan.simplification_time_s +
+      CHECK(result.preparation_time_s + result.planning_time_s + result.plan.simplification_time_s +
                 result.plan.verification_time_s ==
             doctest::Approx(result.total_time_s));
       CHECK(result.plan.planning_time_s <= result.planning_time_s);

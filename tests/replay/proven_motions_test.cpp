@@ -165,6 +165,7 @@ TEST_SUITE("unit") {
     StaticCell cell;
     cell.put(0.5);
     REQUIRE(cell.states() > 0);
+    cell.settings.start_tolerance = 0;
     const auto status_from = [&](const Configuration& start) {
       cell.problem.start = start;
       return solve(cell.problem, &cell.database, cell.settings).value().plan.status;
