@@ -146,7 +146,7 @@ class Endpoints::Work {
   }
 
   [[nodiscard]] bool has_turn() const { return turn_.has_value(); }
-  /// Waits for a turn of so many threads instead.
+  /// Gives the turn back and waits for one of `threads` threads.
   void wait_again(int threads, bool is_alone) {
     turn_.reset();
     if (auto turn = queue_.wait_for_turn(call_.is_cancelled, threads, is_alone)) {
