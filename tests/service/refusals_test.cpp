@@ -52,7 +52,8 @@ TEST_SUITE("flow") {
     refused(with("attached", {{{"name", "a"}, {"link", "moon"}}}), "expected a link of robot");
     const Json ball = {{"type", "sphere"}, {"p", {0.1, 0, 0}}, {"radius", 0.01}};
     const Json balls = {{"name", "a"}, {"link", "link_8"}, {"shapes", Json(257, ball)}};
-    refused(with("attached", {balls}), "expected at most 256 shapes, the limit of this service");
+    refused(with("attached", Json::array({balls})),
+            "expected at most 256 shapes, the limit of this service");
     refused(with("settings", {{"remember-after", 1}}), "unknown key");
     refused(with("circles", {{1, 2}}), "x, y, radius");
     refused(with("trace", 1), "key trace");
