@@ -100,7 +100,7 @@ Result<DemoCell> run_demo_cell(const DemoOptions& options) {
   const Problem base = MNEME_TRY(read_problem(*path));
   const std::string file = options.out + "/cell.db";
   std::error_code ignored;
-  for (const char* ending : {"", "-wal", "-shm"}) {
+  for (const char* ending : {"", "-wal", "-shm", ".tally", ".index"}) {
     std::filesystem::remove(file + ending, ignored);
   }
   Database memory = MNEME_TRY(Database::open(file, make_signature(base.robot), OpenMode::create));
