@@ -24,6 +24,10 @@ constexpr double kHalvingRatio = 1.0 / 16;
 /// Metres, added to limits of distances, so that contact is found and not cut off.
 constexpr double kBeyondLimit = 1e-6;
 
+AxisBox around(const Triangle& t) {
+  return {t.a.cwiseMin(t.b).cwiseMin(t.c), t.a.cwiseMax(t.b).cwiseMax(t.c)};
+}
+
 Triangle moved(const Transform& X, const Triangle& t) { return {X * t.a, X * t.b, X * t.c}; }
 
 std::shared_ptr<const BoxTree> tree_of_one(const Vec3& half_extents) {
@@ -123,7 +127,7 @@ class SweptGap {
       const double reach = b_.pose().translation.norm() + b.reach();
       swept = sweep(at.half, speed.cwiseAbs() + at.spin_b * b.half, motion_.of_b, reach);
     }
-    if (update(gap_a, swept, result)) return result;
+    if (update(gap_a, swept, at.half, result)) return result;
     const double moved = result.moved;
     const Vec3 gap_b =
         (at.X.rotation.transpose() * apart).cwiseAbs() - b.half - at.extent.transpose() * a.half;
@@ -133,14 +137,15 @@ class SweptGap {
       const double reach = a_.pose().translation.norm() + a.reach();
       swept = sweep(at.half, speed.cwiseAbs() + at.spin_a * a.half, motion_.of_a, reach);
     }
-    update(gap_b, swept, result);
+    update(gap_b, swept, at.half, result);
     result.moved = std::min(result.moved, moved);
     return result;
   }
 
   /// Returns true if gaps along three axes prove the boxes apart although points move by `swept`.
-  bool update(const Vec3& gap, const Vec3& swept, Separation& result) const {
+  bool update(const Vec3& gap, const Vec3& swept, double half, Separation& result) const {
     result.is_proven = (gap - swept).cwiseMax(0.0).squaredNorm() > reach_ * reach_;
+    if (half == 0) return result.is_proven;
     result.moved = swept.norm();
     const Eigen::Array3d ratios = (gap.array() - reach_) / swept.array().max(1e-12);
     result.ratio = std::max(result.ratio, ratios.maxCoeff());
@@ -155,25 +160,29 @@ class SweptGap {
     return half * (speed.array() + bend).cwiseMin(most).matrix();
   }
 
-  /// Metres between the parts of two leaves in the middle of an interval. Exact up to `enough`,
-  /// otherwise any larger value.
+  /// Metres between the parts of two leaves in the middle of an interval. Any value below `enough`
+  /// if two parts are closer, otherwise any value of at least `enough`.
   double leaf_distance(const BoxTree::Node& a, const BoxTree::Node& b, const Snapshot& at,
                        double enough) const {
     const Transform X_ba = at.X.inverse();
     const double radii = a_.radius() + b_.radius();
     double least = enough + kBeyondLimit;
-    for (int i = a.first; i < a.first + a.count; ++i) {
+    for (int i = a.first; i < a.first + a.count && least >= enough; ++i) {
       const int own = a_.tree().order()[as_index(i)];
       const Triangle t = moved(X_ba, a_.triangle(own));
-      const AxisBox box = box_of(t);
-      const double reach = least + radii + a_.own_radius(own);
+      const AxisBox box = around(t);
+      const double own_radii = radii + a_.own_radius(own);
+      const double reach = least + own_radii;
       if (distance2(box, b.box) > reach * reach) continue;
-      for (int k = b.first; k < b.first + b.count; ++k) {
+      for (int k = b.first; k < b.first + b.count && least >= enough; ++k) {
         const int other = b_.tree().order()[as_index(k)];
-        const double thickness = radii + a_.own_radius(own) + b_.own_radius(other);
-        const double apart = b_.distance_to(t, other, least + thickness);
+        const double thickness = own_radii + b_.own_radius(other), limit = least + thickness;
+        if (b_.has_triangles() && distance2(box, around(b_.triangle(other))) > limit * limit) {
+          continue;
+        }
+        const double apart = b_.distance_to(t, other, limit);
         // Where cores meet, contact is deeper than their radii say.
-        least = std::min(least, apart > 0 ? apart - thickness : std::min(-thickness, 0.0));
+        least = std::min(least, apart > 0 ? apart - thickness : -thickness - kBeyondLimit);
       }
     }
     return least;

@@ -78,6 +78,7 @@ class SweptSolid {
   /// Metres by which parts exceed the boxes of the tree.
   [[nodiscard]] double radius() const { return radius_; }
 
+  [[nodiscard]] bool has_triangles() const { return std::holds_alternative<Triangles>(parts_); }
   /// Triangle of a mesh, or the axis of a capsule as a triangle without area.
   [[nodiscard]] const Triangle& triangle(int part) const {
     return (*std::get<Triangles>(parts_))[static_cast<std::size_t>(part)];
