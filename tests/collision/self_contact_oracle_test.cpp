@@ -25,8 +25,8 @@ using Pair = std::pair<int, int>;
 
 std::vector<std::string> robot_files() {
   std::vector<std::string> files;
-  for (const char* name : {"panda", "ur5", "fetch"}) {
-    files.push_back(source_file(std::string("robots/source/") + name + ".urdf"));
+  for (const char* name : {"source/ur5", "panda", "fetch"}) {
+    files.push_back(source_file(std::string("robots/") + name + ".urdf"));
   }
   const char* more = std::getenv("MNEME_ROBOTS");
   std::istringstream names(more == nullptr ? "" : more);
