@@ -40,6 +40,7 @@ TEST_SUITE("unit") {
                                      {"path_length", json.at("path_length")},
                                      {"straight_length", json.at("straight_length")},
                                      {"total_time_s", 2.0},
+                                     {"preparation_time_s", 0.0},
                                      {"planning_time_s", 1.0},
                                      {"retrieval_time_s", 0.25},
                                      {"learning_time_s", 0.125},
