@@ -115,10 +115,9 @@ TEST_SUITE("unit") {
     CHECK(refusal(carrying(bare, {ball("cup", "l1")}), ball("cup", "l3")) ==
           "attached object 'cup': there is a link or another attached object of this name");
     CHECK(refusal(bare, ball("", "l3")) == "attached object '': it has no name");
-    CHECK(
-        refusal(bare, ball("cup", "l3", {"thumb"})) ==
-        "attached object 'cup': it may touch 'thumb', but there is no link and no attached object "
-        "of this name");
+    CHECK(refusal(bare, ball("cup", "l3", {"thumb"})) ==
+          "attached object 'cup': it may touch 'thumb', but no link or attached object has this "
+          "name");
     CHECK(
         refusal(bare, {{"cup", "l3", {Sphere{}}}, {}, {}}) ==
         "attached object 'cup': it has no spheres and no capsules; approximate_object makes them");
