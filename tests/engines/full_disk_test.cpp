@@ -81,8 +81,11 @@ TEST_SUITE("flow") {
       std::signal(SIGXFSZ, SIG_IGN);
       const rlimit full{10 * 1024, RLIM_INFINITY};
       ::setrlimit(RLIMIT_FSIZE, &full);
-      const auto database = Database::open(path, arm_signature(), OpenMode::create);
-      return !database && database.error().code == ErrorCode::io ? 0 : 1;
+      auto database = Database::open(path, arm_signature(), OpenMode::create);
+      if (!database) return 1;
+      Rng rng(95);
+      const auto inserted = database->insert(random_rows(rng, 1));
+      return !inserted && inserted.error().code == ErrorCode::io ? 0 : 2;
     }));
     CHECK(status == 0);
     CHECK(open_database(path).size() == 0);

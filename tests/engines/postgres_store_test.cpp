@@ -443,6 +443,9 @@ TEST_SUITE("flow") {
       CHECK(database->insert(random_rows(rng, 1)).error().code == ErrorCode::io);
       CHECK(!database->flush(0.1).has_value());
       CHECK(stopwatch.elapsed_s() < 5);
+      while (database->queued_rows().failure.empty() && stopwatch.elapsed_s() < 10) {
+        std::this_thread::yield();
+      }
       CHECK(database->queued_rows().waiting == 4);
       CHECK(database->queued_rows().failure.find("did not answer") != std::string::npos);
     }

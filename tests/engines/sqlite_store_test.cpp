@@ -82,8 +82,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a file that is no database of ours is refused") {
     check_refused("PRAGMA user_version = 0", ErrorCode::corrupt, "user_version is 0");
-    check_refused("PRAGMA application_id = 5", ErrorCode::corrupt, "no mneme database");
-    check_refused("PRAGMA application_id = 0", ErrorCode::corrupt, "no mneme database");
+    check_refused("PRAGMA application_id = 5", ErrorCode::corrupt, "not a mneme database");
+    check_refused("PRAGMA application_id = 0", ErrorCode::corrupt, "not a mneme database");
   }
 
   TEST_CASE(
@@ -95,11 +95,11 @@ TEST_SUITE("unit") {
   TEST_CASE("tables that are not as they were created are damage") {
     check_refused("DROP INDEX tombstone_row", ErrorCode::corrupt,
                   "table 'tombstone_row' is missing");
-    check_refused("CREATE TABLE more (a)", ErrorCode::corrupt, "'more' is not one");
+    check_refused("CREATE TABLE more (a)", ErrorCode::corrupt, "'more' is not a table of mneme");
     check_refused("CREATE TRIGGER t AFTER INSERT ON experience BEGIN DELETE FROM experience; END",
-                  ErrorCode::corrupt, "'t' is not one");
+                  ErrorCode::corrupt, "'t' is not a table of mneme");
     check_refused("ALTER TABLE experience RENAME COLUMN key TO key2", ErrorCode::corrupt,
-                  "'experience' is not one");
+                  "'experience' is not a table of mneme");
   }
 
   TEST_CASE("a database of an older schema is refused, and told what to do") {

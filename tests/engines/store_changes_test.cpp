@@ -37,6 +37,7 @@ TEST_SUITE("unit") {
   TEST_CASE("only what came since a state is read") {
     const TemporaryDirectory directory;
     Rng rng(21);
+    write_file(directory / "a.db", "");
     Database writer = open_database(directory / "a.db");
     const auto opened = open(directory / "a.db");
     StoreState state;

@@ -81,6 +81,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("rows that do not fit are refused, and with them the whole batch") {
     const TemporaryDirectory directory;
+    write_file(directory / "a.db", "");
     Rng rng(54);
     Database database = open_database(directory / "a.db");
     auto rows = random_rows(rng, 3);
@@ -95,6 +96,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a database that was opened for reading refuses rows") {
     const TemporaryDirectory directory;
+    write_file(directory / "a.db", "");
     Rng rng(55);
     open_database(directory / "a.db");
     Database database = open_database(directory / "a.db", OpenMode::read_only);
@@ -106,6 +108,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("the database of another robot is refused with both names and hashes") {
     const TemporaryDirectory directory;
+    write_file(directory / "a.db", "");
     open_database(directory / "a.db");
     RobotSignature other = arm_signature();
     other.robot_name = "panda";
@@ -119,6 +122,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("each part of the space but the robot's name decides whether a database fits") {
     const TemporaryDirectory directory;
+    write_file(directory / "a.db", "");
     open_database(directory / "a.db");
     RobotSignature other = arm_signature();
     other.robot_name = "the same arm by another name";
@@ -351,6 +355,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("refresh reads what another process added, and only that") {
     const TemporaryDirectory directory;
+    write_file(directory / "a.db", "");
     Rng rng(65);
     Database writer = open_database(directory / "a.db");
     Database reader = open_database(directory / "a.db", OpenMode::read_only);

@@ -112,8 +112,7 @@ TEST_SUITE("flow") {
     const LearnSummary summary = learn_well(std::span(problems).first(2), database, two_paths());
     CHECK(summary.learned == 2);
     CHECK(summary.rows == 4);
-    CHECK(database.get(0)->provenance.settings.starts_with("2 paths of problem " +
-                                                           problems[0].name + " ("));
+    CHECK(database.get(0)->provenance.settings == "2 paths of problem " + problems[0].name);
     SolveSettings settings;
     settings.retrieve_after = 0;
     for (const Problem& problem : std::span(problems).last(2)) {

@@ -264,6 +264,7 @@ TEST_SUITE("unit") {
     CHECK(wrong.error().code == ErrorCode::invalid);
     CHECK(small.size() == 0);
 
+    write_file(directory / "a.db", "");
     make_database(directory / "a.db", robot);
     Database reader = make_database(directory / "a.db", robot, OpenMode::read_only);
     const auto refused = learn_primitives(robot, random_keys(3, 48), reader, cheap_job());

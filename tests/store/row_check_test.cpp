@@ -42,7 +42,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a kind is a short text without control characters") {
     for (const std::string kind : {"", "a\tb", "\x7f", "\xc2\x85", "caf\xe9", "a\xff"}) {
-      CHECK(flaw_after([&](Experience& e) { e.kind = kind; }).find("its kind is no text") == 0);
+      CHECK(flaw_after([&](Experience& e) { e.kind = kind; }).find("its kind is not a text") == 0);
     }
     CHECK(!flaw_after([](Experience& e) { e.kind = std::string(65, 'k'); }).empty());
     CHECK(!flaw_after([](Experience& e) { e.kind = std::string("a\0b", 3); }).empty());
@@ -56,9 +56,9 @@ TEST_SUITE("unit") {
     CHECK(!internal::describe_flaw(row, arm_signature()));
     row.kind = "pairs/1";
     CHECK(internal::describe_flaw(row, arm_signature()) ==
-          "it holds a path, which rows of kind 'pairs/1' does");
+          "it holds a path, which rows of kind 'pairs/1' cannot");
     CHECK(flaw_after([](Experience& e) { e.kind = "paths/1"; }) ==
-          "it holds a sampler, which rows of kind 'paths/1' does");
+          "it holds a sampler, which rows of kind 'paths/1' cannot");
   }
 
   TEST_CASE("a key of the wrong size or with a number that is no length is a flaw") {

@@ -45,8 +45,8 @@ TEST_SUITE("unit") {
       return parsed ? std::string() : parsed.error().message;
     };
     CHECK(error_of(sound).empty());
-    CHECK(error_of("[1]").find("no JSON object") != std::string::npos);
-    CHECK(error_of(sound.substr(1)).find("no JSON object") != std::string::npos);
+    CHECK(error_of("[1]").find("not a JSON object") != std::string::npos);
+    CHECK(error_of(sound.substr(1)).find("not a JSON object") != std::string::npos);
     for (const std::string name : {"kind", "key", "means", "factor_rows", "factors", "sources",
                                    "is_complete", "settings", "seed", "tool", "time"}) {
       CHECK(error_of(replaced(sound, "\"" + name + "\"", "\"x\"")).find("'" + name + "'") !=

@@ -175,7 +175,7 @@ TEST_SUITE("unit") {
     const std::string before = read_file(directory / "a.db");
     const auto damages = verify_database(directory / "a.db", VerifyMode::quarantine);
     REQUIRE(damages->size() == 2);
-    CHECK(damages->at(0).what.find("no mneme database") != std::string::npos);
+    CHECK(damages->at(0).what.find("not a mneme database") != std::string::npos);
     CHECK(damages->at(1).what.find("nothing was set aside") == 0);
     CHECK(!std::filesystem::exists(directory / "a.db.damaged"));
     CHECK(open_error(directory / "a.db", OpenMode::create).code == ErrorCode::corrupt);
