@@ -312,7 +312,7 @@ void read_key(const std::string& text, DbOptions& options) {
 }
 
 void check_query_flags(const CLI::App&, DbOptions& options) {
-  if (options.key.has_value() != options.problem.empty()) return;
+  if (options.key.has_value() == options.problem.empty()) return;
   throw CLI::RequiredError("either --key or --problem");
 }
 
