@@ -271,7 +271,7 @@ def test_threads_that_share_a_client_get_their_own_answers(client, problem):
             goal = np.array(problem.goals[0])
             goal[7] = turn
             plan = client.plan(problem.with_goal(goal), seed=seed)
-            if not plan.is_solved or plan.path[-1][7] != turn:
+            if not plan.is_solved or np.abs(problem.robot.difference(plan.path[-1], goal)).max() > 1e-6:
                 wrong.append((turn, seed))
 
     wrong = []

@@ -183,7 +183,8 @@ def test_control_c_leaves_a_valid_database(robot, tmp_path):
         with pytest.raises(KeyboardInterrupt):
             mneme.learn(robot, database, primitives=grid, jobs=1)
         timer.join()
-    assert mneme.Database.verify(path) == []
+    # A file is made with its first row.
+    assert not path.exists() or mneme.Database.verify(path) == []
 
 
 def test_paths_teach_an_arm_in_space(tmp_path):

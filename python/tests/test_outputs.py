@@ -61,6 +61,7 @@ def test_robots_and_scenes_know_their_files_whatever_problem_they_are_put_into(c
 def test_no_output_is_written_over_a_memory(robot, problem, tmp_path):
     path = tmp_path / "memory.db"
     with mneme.Database.open(path, robot, mode="create") as database:
+        mneme.learn(robot, database, scenes=[problem], starts_per_link=1, paths_per_start=1, jobs=1)
         check_kept(mneme.plan(problem, database).view, path, "the memory")
         check_kept(lambda csv: mneme.bench(problem, database, csv=csv), path, "the memory")
     assert raised(mneme.plan(problem).view, path)[1] == f"'{path}' is a memory; choose another output"

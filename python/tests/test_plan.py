@@ -17,7 +17,8 @@ def test_a_plan_is_an_array_from_start_to_goal(problem):
     assert plan.is_solved and plan.status == "solved" and plan.message == ""
     assert plan.path.dtype == np.float64 and plan.path.shape[1] == 8
     np.testing.assert_allclose(plan.path[0], problem.start, atol=1e-6)
-    np.testing.assert_allclose(plan.path[-1], problem.goals[0], atol=1e-6)
+    # Continuous joints do not wrap along a path.
+    np.testing.assert_allclose(problem.robot.difference(plan.path[-1], problem.goals[0]), 0, atol=1e-6)
     assert plan.path_length == pytest.approx(problem.robot.path_length(plan.path))
     assert plan.to_row().is_path_valid
     assert mneme.CollisionChecker(problem.robot, problem.scene).is_path_free(plan.path)
@@ -206,7 +207,7 @@ def test_control_c_ends_batches_checks_and_trajectories(robot, problem):
     plan = mneme.plan(problem)
     calls = (lambda: checker.is_valid(many),
              lambda: checker.is_path_free(plan.path, resolution=1e-5),
-             lambda: plan.trajectory(dt=1e-4, velocity_scale=0.001, acceleration_scale=0.001))
+             lambda: plan.trajectory(dt=1e-3, velocity_scale=0.001, acceleration_scale=0.001))
     for call in calls:
         timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
         timer.start()
