@@ -356,7 +356,11 @@ bool CollisionChecker::project(std::span<float> q) const {
 
 double CollisionChecker::displacement_bound(std::span<const float> from, std::span<const float> to,
                                             std::span<const float> delta) const {
-  return Tables::find_displacements(tables_->checked_robot->tables, from, to, delta).longest;
+  const Displacements moved =
+      Tables::find_displacements(tables_->checked_robot->tables, from, to, delta);
+  if (tables_->robot.exact_pairs().empty()) return moved.longest;
+  // The tables lack the robot's exact pairs, whose links each move by a body's bound at most.
+  return std::max(moved.longest, 2 * largest(moved.bodies));
 }
 
 bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<const double> to,
