@@ -219,8 +219,8 @@ TEST_SUITE("unit") {
          2,
          {"--csv", "cannot be combined with a suite"}},
         {{"bench", "run", suite, "--setting", "wit"}, 1, {"small", "no setting 'wit'"}},
-        {{"bench", "run", files.problem(), "--out", "a"}, 2, {"--out", "suite only"}},
-        {{"bench", "run", files.problem(), "--setting", "a"}, 2, {"--setting", "suite only"}},
+        {{"bench", "run", files.problem(), "--out", "a"}, 2, {"--out", "needs a suite"}},
+        {{"bench", "run", files.problem(), "--setting", "a"}, 2, {"--setting", "needs a suite"}},
         {{"bench", "run", files.problem(), "--jobs", "2", "--learn-budget", "1"}, 2, {"--jobs"}},
     });
   }
