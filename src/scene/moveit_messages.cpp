@@ -7,7 +7,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
@@ -25,20 +24,27 @@ Vec3 read_moveit_point(const Input& input) {
 Eigen::Matrix3d read_moveit_rotation(const Input& input) {
   if (!input.is_map()) return read_rotation(input, false);
   input.allow_keys({"x", "y", "z", "w"});
-  const std::array<double, 4> xyzw = {input.at("x").finite_number(), input.at("y").finite_number(),
-                                      input.at("z").finite_number(), input.at("w").finite_number()};
-  // An unset orientation of ROS 1 is all zeros; MoveIt reads it as the identity.
-  const bool is_unset = std::ranges::all_of(xyzw, [](double value) { return value == 0; });
-  return is_unset ? Eigen::Matrix3d::Identity() : rotation_of(input, xyzw);
+  return rotation_of(input, {input.at("x").finite_number(), input.at("y").finite_number(),
+                             input.at("z").finite_number(), input.at("w").finite_number()});
 }
 
 namespace {
+
+/// An unset orientation of a pose in ROS 1 is all zeros; MoveIt reads it as the identity.
+bool is_unset(const Input& rotation) {
+  const auto is_zero = [&](std::string_view key) {
+    const auto value = rotation.find(key);
+    return value && value->is_number() && value->number() == 0;
+  };
+  return rotation.is_map() && is_zero("x") && is_zero("y") && is_zero("z") && is_zero("w");
+}
 
 Transform read(const Input& input, std::string_view vector, std::string_view quaternion) {
   input.allow_keys({vector, quaternion});
   Transform X;
   X.translation = read_moveit_point(input.at(vector));
-  if (const auto rotation = input.find(quaternion)) X.rotation = read_moveit_rotation(*rotation);
+  const auto rotation = input.find(quaternion);
+  if (rotation && !is_unset(*rotation)) X.rotation = read_moveit_rotation(*rotation);
   return X;
 }
 
