@@ -14,8 +14,10 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <iterator>
 #include <memory>
+#include <vector>
 
 namespace mneme::app {
 namespace {
@@ -233,7 +235,10 @@ Result<ExitCode> run_srdf(const SrdfOptions& options) {
   const std::string path = MNEME_TRY(robot_file(options.robot));
   if (options.output != "-") {
     const std::array outputs = {options.output};
-    MNEME_TRY(check_files_to_write(outputs, robot_files(path, options.reading.srdf_path)));
+    std::vector<ReadFile> inputs = robot_files(path, options.reading.srdf_path);
+    // An SRDF beside the robot is an input only if there is one.
+    std::erase_if(inputs, [](const ReadFile& file) { return !std::filesystem::exists(file.path); });
+    MNEME_TRY(check_files_to_write(outputs, inputs));
   }
   PairSettings pairs = options.pairs;
   pairs.allow_at_rest = !options.checks_rest;
