@@ -358,7 +358,7 @@ TEST_SUITE("unit") {
       CHECK_FALSE(is_valid(0.081));
       CHECK_FALSE(is_valid(-0.2));
       CHECK(checker.contacts(Configuration{0, 0.2}).size() == 1);
-      CHECK(checker.is_motion_valid(Configuration{-0.5, 0.07}, Configuration{0.5, -0.07}));
+      CHECK(checker.is_motion_valid(Configuration{-0.5, 0.05}, Configuration{0.5, -0.05}));
       CHECK_FALSE(checker.is_motion_valid(Configuration{0, 0.07}, Configuration{0.3, 0.09}));
     }
   }
