@@ -40,8 +40,8 @@ Link approximated_link(const std::string& name, const Box& box) {
   Link link;
   link.name = name;
   link.spheres = {{box.pose.translation, radius}};
-  link.approximation =
-      SphereApproximation{{{}, std::make_shared<Parts<Triangle>>(surface_of(box)), 0}, 1, radius};
+  link.approximation = SphereApproximation{
+      {{}, std::make_shared<Parts<Triangle>>(surface_of(box)), 0}, 1, 0, radius};
   return link;
 }
 

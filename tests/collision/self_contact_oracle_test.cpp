@@ -48,7 +48,9 @@ class FclRobot {
       const auto approximated =
           static_cast<std::size_t>(link.approximation ? link.approximation->sphere_count : 0);
       for (std::size_t i = 0; i + approximated < link.spheres.size(); ++i) add(link.spheres[i]);
-      for (const Capsule& capsule : link.capsules) add(capsule);
+      const auto replaced =
+          static_cast<std::size_t>(link.approximation ? link.approximation->capsule_count : 0);
+      for (std::size_t i = 0; i + replaced < link.capsules.size(); ++i) add(link.capsules[i]);
       if (link.approximation) add(link.approximation->surface);
     }
   }
