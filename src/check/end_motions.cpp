@@ -54,7 +54,6 @@ bool is_near_limits(const Robot& robot, std::span<const double> q,
 EndMotions::EndMotions(const Robot& robot, const Scene& scene, double margin,
                        const EndTolerances& tolerances)
     : robot_(robot),
-      scene_(scene),
       margin_(margin),
       tolerances_(tolerances),
       links_(robot),
@@ -104,9 +103,17 @@ bool EndMotions::is_held(const Touch& touch) const {
   return touch.link >= first_attached || (touch.is_self && touch.other >= first_attached);
 }
 
+double EndMotions::deepest(const Touch& touch) const {
+  double least = tolerances_.depth;
+  for (const int link : {touch.link, touch.is_self ? touch.other : touch.link}) {
+    for (const Capsule& shape : links_.shapes(link)) least = std::min(least, 0.5 * shape.radius);
+  }
+  return least;
+}
+
 bool EndMotions::may_leave(const Touch& touch, bool is_start) const {
   return (tolerances_.stretch > 0 && is_held(touch)) ||
-         (is_start && touch.distance > -tolerances_.depth);
+         (is_start && touch.distance > -deepest(touch));
 }
 
 double EndMotions::travel(const PosedLinks& from, const PosedLinks& to, const Touch& touch) const {

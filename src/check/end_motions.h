@@ -62,13 +62,15 @@ class EndMotions {
 
  private:
   [[nodiscard]] bool is_held(const Touch& touch) const;
+  /// Metres that the contact may be deep at the start. A thin link's distance ends at its radius,
+  /// however deep it is: half of that is the limit.
+  [[nodiscard]] double deepest(const Touch& touch) const;
   [[nodiscard]] double distance(const PosedLinks& posed, const Touch& touch) const;
   /// Metres that shapes of the pair's links have moved between two poses, at most.
   [[nodiscard]] double travel(const PosedLinks& from, const PosedLinks& to,
                               const Touch& touch) const;
 
   Robot robot_;
-  const Scene& scene_;
   double margin_;
   EndTolerances tolerances_;
   LinkDistances links_;
