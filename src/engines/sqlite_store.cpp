@@ -349,6 +349,8 @@ Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, OpenMo
   const bool is_writer = mode != OpenMode::read_only;
   std::error_code error;
   const bool is_new = !std::filesystem::exists(path, error);
+  // A file that was deleted on purpose begins anew.
+  if (is_new && is_writer) std::filesystem::remove(record_path(path), error);
   const auto record = is_new ? std::nullopt : read_record(path);
   auto loss = describe_damaged_log(path, record);
   if (loss && check == LossCheck::refuse) return refuse_loss(path, *loss);
