@@ -145,8 +145,10 @@ TEST_SUITE("flow") {
     write_file(files / "thin.urdf", *thin);
     write_file(files / "given.yaml",
                "problems: [{file: problem.yaml, robot: thin.urdf}]\nseeds: 1\nsamplers: [gl]\n"
-               "memories: {m: {problems: [{file: problem.yaml, robot: thin.urdf}], paths: 1}}\n"
-               "settings: {a: {memory: m}}\n");
+               "memories: {m: {problems: [{file: " +
+                   source_file("scenes/planar/threaded_b2.yaml") +
+                   ", robot: thin.urdf}], paths: 1}}\n"
+                   "settings: {a: {memory: m}}\n");
     const ProgramRun run =
         run_program({"bench", "run", files / "given.yaml", "--out", files / "out"});
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
