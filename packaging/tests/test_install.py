@@ -8,6 +8,8 @@ import subprocess
 import pytest
 from conftest import BUILD, SOURCE, environment, run
 
+GUIDE = SOURCE / "docs/cpp.md"
+
 
 def test_the_program_finds_its_robots_and_scenes(installed):
     info = json.loads(run([installed / "bin/mneme", "robot", "info", "planar8", "--json"], cwd="/"))
@@ -31,12 +33,14 @@ def test_manual_and_completions_are_there(installed):
     assert "complete -c mneme" in (installed / "share/fish/vendor_completions.d/mneme.fish").read_text()
 
 
+def guide_program():
+    return re.search(r"^```cpp\n(.*?)^```", GUIDE.read_text(), re.MULTILINE | re.DOTALL).group(1)
+
+
 def test_another_project_finds_and_links_the_library(installed, tmp_path):
-    readme = re.search(r"^```cpp\n(.*?)^```", (SOURCE / "README.md").read_text(),
-                       re.MULTILINE | re.DOTALL)
-    (tmp_path / "readme.cpp").write_text(readme.group(1))
+    (tmp_path / "guide.cpp").write_text(guide_program())
     run(["cmake", "-S", SOURCE / "packaging/tests/consumer", "-B", tmp_path / "build",
-         f"-DCMAKE_PREFIX_PATH={installed}", f"-DREADME_PROGRAM={tmp_path}/readme.cpp",
+         f"-DCMAKE_PREFIX_PATH={installed}", f"-DGUIDE_PROGRAM={tmp_path}/guide.cpp",
          "-DCMAKE_CXX_FLAGS=-O0"])
     run(["cmake", "--build", tmp_path / "build"])
     printed = run([tmp_path / "build/consumer", tmp_path / "memory.db"], cwd="/")
@@ -46,22 +50,21 @@ def test_another_project_finds_and_links_the_library(installed, tmp_path):
         assert run([tmp_path / "build/serves"], cwd="/").startswith("serves at http://127.0.0.1:")
 
 
-def compile_readme(folder, packages):
-    """Runs the README's line for whoever builds without CMake."""
-    readme = (SOURCE / "README.md").read_text()
-    program = re.search(r"^```cpp\n(.*?)^```", readme, re.MULTILINE | re.DOTALL).group(1)
-    (folder / "first_plan.cpp").write_text(program)
-    line = re.search(r"^g\+\+ .*pkg-config.*$", readme, re.MULTILINE).group(0)
-    run(["sh", "-c", line], cwd=folder, env=environment(PKG_CONFIG_PATH=str(packages)))
-    assert subprocess.run([folder / "first_plan"], cwd=folder, timeout=60).returncode == 1  # there is no memory
+def compile_guide(folder, packages):
+    """Runs the guide's line for builds without CMake."""
+    (folder / "first_plan.cpp").write_text(guide_program())
+    line = re.search(r"^g\+\+ .*pkg-config.*$", GUIDE.read_text(), re.MULTILINE).group(0)
+    (folder / "scenes").symlink_to(SOURCE / "scenes")
+    printed = run(["sh", "-c", line], cwd=folder, env=environment(PKG_CONFIG_PATH=str(packages)))
+    assert re.fullmatch(r"\d+ configurations in \d+\.\d+ ms\n", printed)
 
 
 def test_pkg_config_finds_the_built_library(tmp_path):
-    compile_readme(tmp_path, BUILD)
+    compile_guide(tmp_path, BUILD)
 
 
 def test_pkg_config_finds_the_installed_library(installed, tmp_path):
-    compile_readme(tmp_path, installed / "lib/pkgconfig")
+    compile_guide(tmp_path, installed / "lib/pkgconfig")
     for path in (installed / "lib/pkgconfig").glob("*.pc"):
         assert str(SOURCE) not in path.read_text()
 

@@ -305,7 +305,7 @@ def test_clouds_of_too_many_points_are_errors(robot):
 def test_arrays_that_are_no_points_are_named_by_their_shape():
     scene = mneme.Scene()
     for points, shape in ((np.ones(3), "(3,)"), (np.ones((5, 4)), "(5, 4)"), (np.ones((4, 5, 3)), "(4, 5, 3)"), ([], "(0,)")):
-        assert raised(scene.add_points, "a", points, 0.1)[1] == f"points: expected an array of shape (n, 3), got {shape}"
+        assert raised(scene.add_points, "a", points, 0.1)[1] == f"points: expected an array of shape (n, 3), got shape {shape}"
     for points in (np.ones((4, 3), complex), np.ones((4, 3), bool), [["x", "y", "z"]], None):
         with pytest.raises(TypeError, match="points: expected an array of real numbers"):
             scene.add_points("a", points, 0.1)

@@ -26,9 +26,13 @@ constexpr double kLimitTolerance = 1e-9;
 /// What is wrong with the path apart from contact.
 std::optional<std::string> flaw_of(const Problem& problem, const Path& path) {
   if (path.size() < 2) return "fewer than two waypoints";
-  if (path.front() != problem.robot.normalized(problem.start)) return "another start";
-  if (path.back() != problem.robot.normalized(problem.goals[0])) return "another goal";
-  for (const Configuration& q : path) {
+  if (path.front() != problem.start) return "another start";
+  // Continuous joints are unwrapped.
+  if (problem.robot.distance(path.back(), problem.goals[0]) > kLimitTolerance) {
+    return "another goal";
+  }
+  for (const Configuration& waypoint : path) {
+    const Configuration q = problem.robot.normalized(waypoint);
     for (std::size_t i = 0; i < q.size(); ++i) {
       const Joint& joint = problem.robot.group_joint(static_cast<int>(i));
       const bool is_inside =

@@ -76,7 +76,7 @@ Result<Round> run_round(const Robot& robot, const std::string& path, std::uint64
       if (!done) return tl::unexpected(done.error());
     }
   }
-  for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(path + suffix);
+  for (const char* suffix : {"", "-wal", "-shm", ".tally"}) std::filesystem::remove(path + suffix);
   round.cpu_s = cpu_s() - begin;
   round.rss = resident_bytes();
   round.open_files = open_files();
