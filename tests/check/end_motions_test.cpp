@@ -67,6 +67,16 @@ TEST_SUITE("unit") {
     CHECK_FALSE(deep.is_free({touching, away}));
   }
 
+  TEST_CASE("a thin link deep in an obstacle is not barely in contact") {
+    const Robot robot = planar8();
+    const Scene scene = make_circle_scene("scene", {{5, 0, 1}});
+    const Configuration across(8, 0.0);
+    Configuration away = across;
+    away[0] = 1;
+    CHECK(is_path_free(robot, scene, {away}, kFine, EndTolerances()));
+    CHECK_FALSE(is_path_free(robot, scene, {across, away}, kFine, EndTolerances()));
+  }
+
   TEST_CASE("a held object may leave contact and enter it within the stretch") {
     const Beside world(0.002);
     const Configuration touching = {0, 0, 0}, away = {-0.05, 0, 0}, deeper = {0.0001, 0, 0};
