@@ -48,7 +48,8 @@ struct ExactContact {
 struct EndTolerances {
   double angle = 0.05;    ///< radians that a start may be beyond limits of joints and cones
   double length = 0.005;  ///< metres that a start may be beyond limits of prismatic joints
-  double depth = 0.001;   ///< metres that any pair may overlap at the start
+  /// Metres that any pair may overlap at the start; at most half the radius of its thinnest shape.
+  double depth = 0.001;
   /// Metres that an attached object may move while it is in contact at start or goal.
   double stretch = 0.005;
 };
