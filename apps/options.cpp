@@ -309,6 +309,10 @@ void add_robot_flags(CLI::App& app, RobotOptions& options) {
                  "SRDF file with groups and allowed collisions (default: next to the URDF)");
   app.add_option("--group", options.group,
                  "joints to plan for: a group of the SRDF, or the chain BASE_LINK:TIP_LINK");
+  add_reading_flags(app, options);
+}
+
+void add_reading_flags(CLI::App& app, RobotOptions& options) {
   app.add_option("--package-path", options.package_paths,
                  "directory of the packages of package:// URLs; repeatable")
       ->allow_extra_args(false)

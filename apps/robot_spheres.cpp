@@ -201,14 +201,7 @@ void add_robot_spheres(CLI::App& group, Action& action) {
                      "SRDF file to write: groups, and pairs that need no check");
   command.add_option("--srdf", options->reading.srdf_path,
                      "SRDF with groups and pairs to keep (default: next to ROBOT)");
-  command
-      .add_option("--package-path", options->reading.package_paths,
-                  "directory of package:// meshes; repeatable")
-      ->type_name("DIR");
-  command.add_flag("--strict", options->reading.strict,
-                   "refuse unknown elements and attributes in URDF and SRDF");
-  command.add_flag("--hard-limits", options->reading.hard_limits,
-                   "use the limits of <limit>, not those of <safety_controller>");
+  add_reading_flags(command, options->reading);
   add_settings(command, options->spheres);
   command
       .add_option("--link-excess", options->link_excess,
@@ -266,12 +259,7 @@ void add_robot_srdf(CLI::App& group, Action& action) {
                      "SRDF file to write (default: standard output)");
   command.add_option("--srdf", options->reading.srdf_path,
                      "SRDF with groups, states and pairs to keep (default: next to ROBOT)");
-  command
-      .add_option("--package-path", options->reading.package_paths,
-                  "directory of package:// meshes; repeatable")
-      ->type_name("DIR");
-  command.add_flag("--strict", options->reading.strict,
-                   "refuse unknown elements and attributes in URDF and SRDF");
+  add_reading_flags(command, options->reading);
   add_number(command, "--samples", options->pairs.samples, 1, 100'000'000,
              "random configurations that decide which pairs need no check");
   command.add_flag("--check-rest", options->checks_rest,
