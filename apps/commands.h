@@ -16,12 +16,12 @@ namespace mneme::app {
 
 /// Part of the interface: never renumber.
 enum class ExitCode {
-  done = 0,          ///< done, or solved
-  failure = 1,       ///< a file or the world is wrong
-  usage = 2,         ///< a wrong command line
-  no_path = 3,       ///< no path within the limit
-  invalid_ends = 4,  ///< the start or goal is in contact, outside the limits or not a configuration
-  bad_database = 5,  ///< a database of another robot, or a corrupt one
+  done = 0,          ///< Done, or solved.
+  failure = 1,       ///< An error in a file, the robot or the scene.
+  usage = 2,         ///< A wrong command line.
+  no_path = 3,       ///< No path within the limits.
+  invalid_ends = 4,  ///< Start or goal is in contact, outside the limits or not a configuration.
+  bad_database = 5,  ///< A database of another robot, or a corrupt one.
   interrupted = 130,
 };
 

@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What people read while they wait, on standard error; results go to standard output. And
-/// Control-C, which asks a command that heeds it to come to an orderly end; a second one ends the
-/// program.
+/// Progress and Control-C. Progress is written to standard error; results go to standard output.
+/// The first Control-C lets a command end in order; a second one ends the program at once.
 #pragma once
 
 #include <nlohmann/json.hpp>

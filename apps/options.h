@@ -155,7 +155,7 @@ void add_memory_settings(CLI::App& app, MemorySettings& settings);
 void add_isa(CLI::App& app);
 /// Adds --srdf, --group, --package-path, --strict and --hard-limits.
 void add_robot_flags(CLI::App& app, RobotOptions& options);
-/// Those that say how URDF and SRDF are read.
+/// Adds the flags that control how URDF and SRDF are read.
 void add_reading_flags(CLI::App& app, RobotOptions& options);
 /// The required argument ROBOT and the same flags.
 void add_robot_argument(CLI::App& app, std::string& robot, RobotOptions& options);

@@ -102,7 +102,7 @@ void time_poses(const std::string& what, const Robot& robot, std::span<const Pos
 }
 
 #ifdef MNEME_HAS_KDL
-/// Of KDL's solvers, which start from one configuration: random ones after the first.
+/// Attempts with KDL's solvers, which start from one configuration: a random one after the first.
 constexpr int kMostStarts = 100;
 
 template <class Solver>
@@ -180,7 +180,7 @@ int time_robot(const std::string& name, const std::string& link, int count, int 
   return 0;
 }
 
-/// Of solve(), so that what is counted as solved does not depend on the machine's load.
+/// Iteration limit of solve(), so that the solved count does not depend on the machine's load.
 constexpr std::uint64_t kMostIterations = 100000;
 
 /// The goal's pose among the obstacles: inverse kinematics alone, and solve() to the pose and to

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kQueries = 200;
 
-/// What the benchmarks look into, and what they look for.
+/// A set of random configurations, and other ones whose nearest neighbours are searched.
 template <class Set>
 struct Trial {
   internal::JointSpace space;

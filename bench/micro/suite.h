@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the micro-benchmarks share: one file per room registers its own.
+/// Tools that the micro-benchmarks share. One file per room registers its own benchmarks.
 #pragma once
 
 #include "mneme/robot.h"

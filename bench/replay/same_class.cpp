@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// mneme_same_class TASKS.json REPEATS.json MEMORY.db: how many of the paths that are replayed, and
-// of those that are planned, can be led into the path that the memory has of the same task, without
-// contact, while the obstacles go from where they were to where they are. A problem of REPEATS is
-// one of TASKS up to an underscore in its name.
+// mneme_same_class TASKS.json REPEATS.json MEMORY.db
+//
+// Counts the replayed and the planned paths that are of the same homotopy class as the path in
+// memory of the same task. A path counts if it can be deformed into the stored one without contact
+// while the obstacles move from their present to their former poses. The name of a problem of
+// REPEATS, up to an underscore, is that of a problem of TASKS.
 #include "mneme/benchmark.h"
 #include "mneme/mneme.h"
 

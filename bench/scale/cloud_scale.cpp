@@ -67,7 +67,7 @@ struct OnSurface {
     return Vec3::Zero();
   }
 
-  /// Of the faces across each axis.
+  /// Returns the area of both faces across each axis.
   static Vec3 areas_of(const Box& box) {
     const Vec3& h = box.half_extents;
     return 8 * Vec3(h.y() * h.z(), h.x() * h.z(), h.x() * h.y());

@@ -30,7 +30,7 @@ constexpr int kJoints = 8;
 constexpr std::size_t kRowsPerInsert = 10000;
 constexpr double kThreshold = 1;
 
-/// Of this thread: other programs on the machine do not count, nor does waiting for the disk.
+/// Returns the CPU time of this thread: without other programs and without waiting for the disk.
 double processor_seconds() {
   timespec time{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

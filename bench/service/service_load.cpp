@@ -1,13 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Plans of one problem in this process and over HTTP on loopback, with the same threads:
+// mneme_service_load PROBLEM.yaml [--clients N] [--plans N] [--threads N] [--iterations N]
 //
-//   mneme_service_load PROBLEM.yaml [--clients N] [--plans N] [--threads N] [--iterations N]
-//
-// prints the median of what HTTP adds to a plan on a connection that is kept, plans per second of
-// both ways, and the requests that failed. For a soak: --plans in the hundred thousands; memory is
-// told before and after.
+// Plans one problem in this process and over HTTP on loopback, with the same threads. Prints the
+// median time that HTTP adds to a plan on a kept connection, plans per second of both ways, and the
+// requests that failed. Memory use is printed before and after; for a soak test set --plans to some
+// hundred thousands.
 #include "mneme/mneme.h"
 #include "mneme/service.h"
 
@@ -76,10 +75,10 @@ std::string body_of(const Problem& problem, const Options& options, int plan) {
   return body.dump();
 }
 
-/// Runs `work(thread)` in so many threads; wall and CPU time.
 struct Spent {
   double wall_s = 0, cpu_s = 0;
 };
+/// Runs `work(thread)` in `count` threads. Returns wall and CPU time.
 template <class Work>
 Spent run_threads(int count, const Work& work) {
   const double cpu_before = cpu_s();

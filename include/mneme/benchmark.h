@@ -30,20 +30,20 @@ namespace mneme {
 
 /// Problems of a benchmark, as arguments of `mneme bench run` or entries of a suite.
 struct SuiteProblems {
-  std::string where;       ///< a file, FILE.json#NAME, SCENE.yaml,REQUEST.yaml or a directory
-  std::string set;         ///< name of their group; empty: the name of the file
-  std::string part;        ///< "I/N": every N-th, from the I-th on; empty: all
-  std::string robot = {};  ///< URDF that replaces the problems' robot; may be empty
-  std::string srdf = {};   ///< SRDF of `robot`; empty: the one next to it
+  std::string where;       ///< A file, FILE.json#NAME, SCENE.yaml,REQUEST.yaml or a directory.
+  std::string set;         ///< Name of their group. Empty: the name of the file.
+  std::string part;        ///< "I/N": every N-th problem, from the I-th on. Empty: all.
+  std::string robot = {};  ///< URDF that replaces the problems' robot. Empty: theirs.
+  std::string srdf = {};   ///< SRDF of `robot`. Empty: the one next to it.
 };
-/// Lists the single problems of `arguments` in order, or the share `part` "I/N" with 1 <= I <= N,
-/// to separate problems for learning from those for measuring. A compact file has all its problems,
-/// a directory all problems below it, sorted by path. A file of many problems is a set, and so is a
-/// directory of files with one problem.
+/// Lists the single problems of `arguments` in order. A compact file stands for all its problems, a
+/// directory for all problems below it, sorted by path. `part` "I/N", with 1 <= I <= N, selects a
+/// share: learn from one and measure on another. Problems of one file form a set; so do files of
+/// one problem in the same directory.
 [[nodiscard]] Result<std::vector<SuiteProblems>> find_bench_problems(
     const std::vector<std::string>& arguments, const std::string& part = "");
 
-/// The share "I/N" of a list.
+/// The share "I/N" of a list: every N-th entry, from the I-th on.
 struct Part {
   std::size_t index = 0;
   std::size_t count = 1;
@@ -65,7 +65,8 @@ struct LoadedProblem {
 [[nodiscard]] Result<std::vector<LoadedProblem>> load_bench_problems(
     const std::vector<SuiteProblems>& found, const ProblemOptions& overrides,
     const OnNote& on_note);
-/// Loads problems to learn from, named "SET#NAME". Errors: also if their robots differ.
+/// Loads problems to learn from, named "SET#NAME". Errors: as load_bench_problems(), and problems
+/// with different robots.
 [[nodiscard]] Result<std::vector<Problem>> load_lesson_problems(
     const std::vector<SuiteProblems>& found, const ProblemOptions& overrides,
     const OnNote& on_note);
@@ -79,7 +80,7 @@ struct BenchCase {
   std::string memory;             ///< name of the memory
   std::vector<std::string> sets;  ///< sets of problems; empty: all
   SolveSettings settings;         ///< with planner and sampler
-  std::string description;        ///< of the settings, for BenchmarkRow::settings
+  std::string description;        ///< the settings as text, for BenchmarkRow::settings
   bool is_serial = false;         ///< never two runs at once: PlannerEntry::is_exclusive
 
   [[nodiscard]] bool is_of_set(const std::string& set) const {
@@ -107,9 +108,9 @@ struct BenchPlan {
   int seed_count = 1;
   std::uint64_t first_seed = 1;
   int jobs = 1;  ///< threads; with one, all callbacks come from the caller's
-  /// Time runs cold: all problems with one seed before the next seed, with the exact check of each
-  /// path before the next run. It evicts caches and makes each phase slower. Otherwise the runs of
-  /// a problem follow each other, and their paths are checked afterwards.
+  /// True, cold: runs all problems with one seed before the next seed, and checks each path exactly
+  /// before the next run. This evicts caches, so that each phase takes longer. False, warm: all
+  /// runs of a problem follow each other, and their paths are checked afterwards.
   bool is_cold = false;
   /// Reverse the order of cases with every other seed, because the first case of a problem has cold
   /// caches.
@@ -162,7 +163,7 @@ class RowFile {
 };
 /// Reads the CSV file of a RowFile.
 [[nodiscard]] Result<std::vector<BenchmarkRow>> read_rows(const std::string& path);
-/// Receives all rows so far after each run, and their final number.
+/// Called after each run with all rows so far and the number of rows at the end.
 using OnRows = std::function<void(std::span<const BenchmarkRow> rows, std::size_t total)>;
 /// Runs the part of the plan that `file` lacks and adds the rows. False if cancelled. Errors: also
 /// check_same_settings().
@@ -171,14 +172,14 @@ using OnRows = std::function<void(std::span<const BenchmarkRow> rows, std::size_
 /// A database of a suite: an existing file, or one that is learned first.
 struct SuiteMemory {
   std::string name;
-  std::string file;                     ///< an existing database; empty: learned
-  std::string robot;                    ///< for `primitives`: a URDF file or a name
-  std::string primitives;               ///< file of a grid of primitives (load_grid)
-  std::optional<int> count;             ///< number of primitives; default: the grid's
-  std::vector<SuiteProblems> problems;  ///< solved with uniform samples and learned from
-  std::optional<std::string> kind;      ///< for `problems`; default: default_kind_of_paths()
-  int paths = 5;                        ///< per problem
-  double path_timeout_s = 10;           ///< per path
+  std::string file;                     ///< An existing database. Empty: learned.
+  std::string robot;                    ///< Robot of `primitives`: a URDF file or a name.
+  std::string primitives;               ///< File of a grid of primitives (load_grid()).
+  std::optional<int> count;             ///< Number of primitives. Default: the grid's.
+  std::vector<SuiteProblems> problems;  ///< Problems to solve with uniform samples and learn from.
+  std::optional<std::string> kind;      ///< Kind for `problems`. Default: default_kind_of_paths().
+  int paths = 5;                        ///< Paths per problem.
+  double path_timeout_s = 10;           ///< Time limit per path, seconds.
   std::uint64_t seed = 1;
   LearnSettings learn;
 };
@@ -194,7 +195,7 @@ struct SuiteSetting {
 };
 
 struct Suite {
-  std::string name;  ///< of the file, without its extension
+  std::string name;  ///< name of the file, without its extension
   std::vector<SuiteProblems> problems;
   std::vector<SuiteMemory> memories;
   std::vector<SuiteSetting> settings;
@@ -218,7 +219,7 @@ struct SuiteRun {
   std::string out;       ///< directory; empty for out/bench/NAME
   std::string memories;  ///< directory; empty for OUT/memories
   std::optional<int> seed_count;
-  std::optional<double> timeout_s;    ///< of all settings
+  std::optional<double> timeout_s;    ///< replaces the time limit of all settings
   std::vector<std::string> settings;  ///< names; empty for all
   int jobs = 1;
   bool is_resumed = false;

@@ -21,7 +21,7 @@ struct Contact {
   std::string link;
   std::string other;     ///< name of an obstacle or of another link
   bool is_self = false;  ///< true if `other` is a link
-  double distance = 0;   ///< metres between the surfaces; negative by at most the sum of the radii
+  double distance = 0;   ///< metres between the surfaces; negative: depth of overlap
 };
 
 /// The exact geometry behind a contact of spheres.
@@ -43,11 +43,12 @@ struct ExactContact {
 [[nodiscard]] bool is_path_free(const Robot& robot, const Scene& scene,
                                 const std::vector<Configuration>& path, double resolution);
 
-/// Exceptions for the ends of a path. Its first motion must lead from a start within them to where
-/// everything is kept; its last motion likewise to a goal in contact. 0 allows no exception.
+/// Exceptions for the ends of a path. At the start limits may be exceeded and contact may exist; an
+/// attached object may be in contact at the goal, too. The first motion must end where all limits
+/// and distances are kept, and the last one must begin there. 0: no exception.
 struct EndTolerances {
-  double angle = 0.05;    ///< radians that a start may be beyond limits of joints and cones
-  double length = 0.005;  ///< metres that a start may be beyond limits of prismatic joints
+  double angle = 0.05;    ///< Radians that a start may be beyond limits of joints and cones.
+  double length = 0.005;  ///< Metres that a start may be beyond limits of prismatic joints.
   /// Metres that any pair may overlap at the start; at most half the radius of its thinnest shape.
   double depth = 0.001;
   /// Metres that an attached object may move while it is in contact at start or goal.

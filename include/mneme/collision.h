@@ -69,13 +69,13 @@ struct WalkStep {
   float clearance = 0;  ///< distance from obstacles that the push aims at, metres, >= 0
   /// joint_count values: the motion of joints that are not pulled, radians per metre of the step.
   std::span<const float> drift;
-  /// 3 values per candidate, added to the unit vectors of the pulls, in the axes of most of the
-  /// scene's boxes.
+  /// 3 values per candidate: a vector added to the unit vector of each pull. Its axes are those
+  /// that most boxes of the scene are aligned with.
   std::span<const float> jitter;
 };
 
-/// A path as candidates for its shortening are rated on it: continuous joints unwrapped, so that
-/// motions are straight between rows.
+/// A path prepared for rating shortcuts. Continuous joints are unwrapped, so that motions are
+/// straight between rows.
 struct PathView {
   std::span<const float> rows;         ///< waypoints, joint_count values each; at least two
   std::span<const float> arc_lengths;  ///< of each waypoint from the first, L2 joint distance
@@ -83,7 +83,7 @@ struct PathView {
                                        ///< that begins at the waypoint
 };
 
-/// Candidates that are rated together, whatever the machine's vectors.
+/// Number of candidates that one call rates, the same for all instruction sets.
 inline constexpr int kShortcuts = 16;
 
 /// A stretch of a path in which a subset of joints goes straight from one end to the other.
@@ -133,12 +133,10 @@ struct LimbInfo {
 /// Copies share their tables. All functions are const and parallel-safe.
 class CollisionChecker {
  public:
-  /// Errors:
-  /// - the scene names a link that the robot lacks;
-  /// - an obstacle is empty, not finite, without positive size or beyond 10 km (kFarthestShape);
-  /// - points beyond 10 km, triangles or cubes beyond 10000 km, in their shape's frame;
-  /// - this machine lacks the instruction set;
-  /// - a constraint does not pass describe_fault().
+  /// Errors: the scene names a link that the robot lacks; this machine lacks the instruction set; a
+  /// constraint does not pass describe_fault(). An obstacle is an error if it is empty, not finite,
+  /// without positive size or beyond 10 km (kFarthestShape). In a compound shape's own frame,
+  /// points may be up to 10 km away, triangles and cubes up to 10000 km.
   [[nodiscard]] static Result<CollisionChecker> make(const Robot& robot, const Scene& scene,
                                                      const CheckerSettings& settings = {});
 
@@ -173,8 +171,9 @@ class CollisionChecker {
   [[nodiscard]] bool is_chain_valid(std::span<const float> configurations, CheckCounters& counters,
                                     const MotionDetail& detail = {}) const;
 
-  /// Writes gain and promise of each shortcut; one that gains less than `least_gain` promises
-  /// nothing. A filter: exact geometry, constraints and all but the middle are not checked.
+  /// Writes `gain` and `is_promising` of each shortcut. A shortcut that gains less than
+  /// `least_gain` is not promising. A filter: only the middle is checked, without exact geometry
+  /// and constraints.
   void rate_shortcuts(const PathView& path, float least_gain,
                       std::span<Shortcut, kShortcuts> shortcuts) const;
   /// Writes how much shorter the path becomes by each candidate; 0 if it is in contact. A filter,
@@ -182,9 +181,10 @@ class CollisionChecker {
   void rate_relaxations(const PathView& path, const Relaxation& relaxation,
                         std::span<float, kShortcuts> gains) const;
 
-  /// True if nothing touches anywhere on the motion. Bounds on the displacement of links decide
-  /// around ever more states, until they fall below half the margin (5e-6 m without a margin, or
-  /// where an end is exempt from it). Links that do not move are assumed free.
+  /// True if nothing touches anywhere on the motion. Halves intervals of the motion until bounds on
+  /// the displacement of links exclude contact in each. False if they do not once they are below
+  /// half the margin (5e-6 m without a margin, or next to an exempt end). Links that do not move
+  /// are assumed free.
   /// Conservative advancement: Schwarzer, Saha and Latombe, DOI 10.1109/TRO.2004.838012.
   [[nodiscard]] bool is_sweep_valid(std::span<const float> from, std::span<const float> to,
                                     CheckCounters& counters, const SweepDetail& detail = {}) const;

@@ -70,8 +70,8 @@ struct DatabaseInfo {
 /// Settings of an open database.
 struct DatabaseSettings {
   /// Memory for rows, bytes, without their keys; at least 0. A smaller database is read and checked
-  /// as a whole when it is opened. Of a larger one only the keys are read at first, and each row
-  /// when it first matches; least recently used rows are dropped.
+  /// as a whole when it is opened. A larger one is opened with its keys only. Each row is read when
+  /// it first matches, and the least recently used rows are dropped from memory.
   std::int64_t memory_bytes = std::int64_t{256} << 20;
   /// Seconds that a call waits for a server that does not answer; more than 0. Work that takes a
   /// server long, such as migration, may take longer.
@@ -146,8 +146,8 @@ class Database {
   Result<std::vector<std::int64_t>> insert(std::vector<Experience> rows,
                                            std::vector<bool>* is_new = nullptr);
 
-  /// Returns the lessons (Provenance::lesson) whose rows are all live in the database. Errors: io,
-  /// corrupt. Cost: reads all marks of lessons.
+  /// Returns the lessons (Provenance::lesson) that were completed and whose rows are all in the
+  /// database, not set aside. Errors: io, corrupt. Cost: reads all marks of lessons.
   [[nodiscard]] Result<std::unordered_set<std::uint64_t>> finished_lessons() const;
 
   /// Queues rows for a thread that inserts them, many in one transaction; they are found once they
@@ -165,7 +165,8 @@ class Database {
   void stop_waiting();
 
   /// Rate limit on insertion. Returns true, and resets, once `price` iterations have accumulated in
-  /// this process. With one row per true, K iterations insert at most K / price rows.
+  /// this process. A caller that inserts one row per true result inserts at most K / price rows
+  /// in K iterations.
   [[nodiscard]] bool earns_row(std::uint64_t iterations, std::uint64_t price);
 
   /// Reads rows that other processes added, and drops rows that were set aside. Matches stay valid.

@@ -33,7 +33,7 @@ struct IkSettings {
   std::function<bool()> is_over;
 };
 
-/// Declares settings once, as for PlanSettings.
+/// Declares each setting once: name, range, meaning.
 template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, IkSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
@@ -53,8 +53,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
 }
 
 struct IkResult {
-  /// Within the limits and apart from each other; nearest to the start of the search first, and at
-  /// its turn of continuous joints.
+  /// Within the limits and apart from each other, nearest to the start of the search first.
+  /// Continuous joints are shifted by whole turns to where they are nearest to that start.
   std::vector<Configuration> solutions;
   /// The first few configurations that reach the goal, but are in contact or within the margin.
   std::vector<Configuration> blocked;
@@ -106,7 +106,7 @@ class PoseGoalSource final : public GoalSource {
   /// while there are none it tries more seeds. Each later call tries a few seeds for the next
   /// regions.
   [[nodiscard]] std::vector<Configuration> more() override;
-  /// Returns a few solutions per region that were found first and are in contact.
+  /// Returns the first few solutions of each region that are in contact.
   [[nodiscard]] std::vector<Configuration> blocked() const;
   /// Explains for the first regions why no call found a configuration: out of reach by a distance,
   /// not with this rotation, only in contact, or no solution from a number of seeds. Tries some

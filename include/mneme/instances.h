@@ -29,10 +29,10 @@ struct Spread {
 
 /// Variation of an obstacle, or of the scene as a whole.
 struct Variation {
-  std::string name;  ///< name of the obstacles, with `*` for any characters; unused for the scene
-  Spread position;   ///< x, y, z, metres
-  Spread rpy;        ///< radians, about fixed axes through the obstacle's middle or `center`
-  Spread scale;      ///< one number, added to the scale factor 1, about the same point
+  std::string name;  ///< Name of the obstacles, with `*` for any characters. Unused for the scene.
+  Spread position;   ///< Translation along x, y and z, metres.
+  Spread rpy;        ///< Radians, about fixed axes through the obstacle's middle or `center`.
+  Spread scale;      ///< One number, added to the scale factor 1, about the same point.
   /// Added to the sizes, metres: full extents of a box; radius and length of a cylinder or capsule;
   /// radius of a sphere. Only for obstacles of one shape.
   Spread size;
@@ -67,12 +67,13 @@ struct RepeatSettings {
 
 /// Settings of make_threaded_instances().
 struct ThreadedSettings {
-  std::array<double, 2> gap = {0.1, 0.3};  ///< range of metres between the two circles
-  std::array<int, 2> depth = {3, 5};  ///< range of links from the first that crosses the gap on
+  std::array<double, 2> gap = {0.1, 0.3};  ///< Range of distances between the two circles, metres.
+  /// Range of the number of links from the first that crosses the gap to the last.
+  std::array<int, 2> depth = {3, 5};
   /// Pairs of circles. 1: the arm leaves a gap. 2: it also enters another one. 3: another pair is
   /// in the arm's reach.
   int passages = 1;
-  std::uint64_t proof_iterations = 2000000;  ///< limit of the planner that proves feasibility
+  std::uint64_t proof_iterations = 2000000;  ///< Limit of the planner that proves feasibility.
   const std::atomic<bool>* cancel = nullptr;
   std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
 };
@@ -81,8 +82,8 @@ struct ThreadedSettings {
 /// to enter the gap of the second pair, if any.
 struct ThreadedInstance {
   std::vector<std::array<double, 3>> circles;  ///< x, y, radius; pair by pair
-  double gap = 0;                              ///< of the first pair, metres
-  int depth = 0;                               ///< of the start
+  double gap = 0;                              ///< between the circles of the first pair, metres
+  int depth = 0;                               ///< ThreadedSettings::depth of the start
   Configuration start;
   Configuration goal;  ///< no link crosses the first gap
   Path witness;        ///< a path from start to goal
@@ -96,9 +97,9 @@ struct ThreadedInstances {
 /// Changes whenever the same arguments give other instances.
 inline constexpr std::string_view kThreadedVersion = "threaded/1";
 
-/// Random instances with a path by RRT-Connect with uniform samples and an iteration limit.
-/// Unsolved candidates are dropped and counted. Experience is never used, so that measurements are
-/// not biased towards it. Deterministic for equal robot, settings, seed and instruction set.
+/// Random instances, each with a path that RRT-Connect found with uniform samples. Unsolved
+/// candidates are dropped and counted. Experience is never used, so that measurements are not
+/// biased towards it. Deterministic for equal robot, settings, seed and instruction set.
 /// Errors: a robot that is no planar arm; empty ranges; ranges without any instance; passages other
 /// than 1 to 3.
 [[nodiscard]] Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,

@@ -26,9 +26,9 @@ struct PrimitiveGrid {
   std::array<double, 2> radius = {1, 2};    ///< of each circle, metres
   std::array<double, 2> gap = {0.1, 1};     ///< between the circles, metres
   std::array<double, 2> distance = {1, 9};  ///< from the base to the midpoint of the gap, metres
-  double max_similarity_error =
-      3;          ///< covered: every primitive of the range has a match closer than this, m^2
-  int count = 0;  ///< at least this many primitives
+  /// Every primitive of the range must have a chosen one with a smaller similarity error, m^2.
+  double max_similarity_error = 3;
+  int count = 0;  ///< least number of primitives to choose
 };
 [[nodiscard]] Result<PrimitiveGrid> load_grid(const std::string& path);
 
@@ -72,11 +72,12 @@ struct LearnRun {
 };
 
 struct LearnSummary {
-  std::int64_t learned = 0;  ///< primitives or problems learned in this run
-  std::int64_t skipped = 0;  ///< already in the database with the same seed and settings, or
-                             ///< learned by other processes that share the work
-  std::int64_t empty = 0;    ///< learned ones without any component
-  std::vector<std::string> unsolved;  ///< problems without a path: "NAME: not solved: REASON"
+  std::int64_t learned = 0;  ///< Primitives or problems learned in this run.
+  /// Already in the database with the same seed and settings, or learned by other processes that
+  /// share the work.
+  std::int64_t skipped = 0;
+  std::int64_t empty = 0;             ///< Primitives or problems learned without any component.
+  std::vector<std::string> unsolved;  ///< Problems without a path: "NAME: not solved: REASON".
   std::int64_t rows = 0;
   std::int64_t components = 0;
   bool is_cancelled = false;

@@ -33,9 +33,9 @@ namespace mneme {
 /// kind of memory.
 using PrimitiveKey = std::vector<double>;
 
-/// A motion of the workspace that the leading joints can follow: the mirror image y -> -y (which
-/// negates all joints of a planar arm), then a rotation about the axis of the turning joint, then a
-/// shift along it.
+/// A motion of the workspace that the leading joints can follow. In this order: the mirror image
+/// y -> -y, which negates all joints of a planar arm; a rotation about the axis of the turning
+/// joint; a shift along that axis.
 struct Symmetry {
   double rotation = 0;  ///< radians
   bool is_mirrored = false;
@@ -55,29 +55,29 @@ struct SymmetricJoints {
                                   ///< metres
 };
 /// Finds the symmetric joints of the chain from the root: a prismatic joint along the root's z and
-/// a revolute or continuous one about it, in either order, that carry all further joints of the
-/// group. A planar arm has joint 1; Fetch has torso lift and shoulder pan. O(links).
+/// a revolute or continuous one about it, in either order. All further joints of the group must
+/// follow them. A planar arm has joint 1; Fetch has torso lift and shoulder pan. O(links).
 [[nodiscard]] SymmetricJoints find_symmetric_joints(const Robot& robot);
 
-/// The configuration that moves the links of `q` by `motion`. The turning joint is wrapped to [-pi,
-/// pi); limits are not checked.
+/// Returns the configuration that moves the links of `q` by `motion`. The turning joint is wrapped
+/// to [-pi, pi); limits are not checked.
 [[nodiscard]] Configuration moved_configuration(const SymmetricJoints& joints,
                                                 const Symmetry& motion, std::span<const double> q);
-/// The pair of circles `key` moved by `motion`.
+/// Returns the pair of circles `key`, moved by `motion`.
 [[nodiscard]] PrimitiveKey moved_key(const Symmetry& motion, const PrimitiveKey& key);
 
 /// A local primitive lw_i of a query.
 struct LocalPrimitive {
-  std::vector<int> obstacles;   ///< indices into the scene; into make_scene(key) for a primitive of
-                                ///< make_primitive()
-  std::string kind;             ///< MemoryKind::version of the key's kind
-  PrimitiveKey key;             ///< canonical: the midpoint of the two centres is on the positive x
-                                ///< axis from the axis of the turning joint and, with a lift, at z
-                                ///< = 0
-  Symmetry to_scene;            ///< motion from the canonical primitive to the scene
-  double gap = 0;               ///< metres between the two obstacles
-  bool is_whole_query = false;  ///< a start and a goal without obstacles (kind "paths")
-  std::uint64_t constraints = 0;  ///< hash of the constraints on a whole path; 0: none
+  /// Indices into the scene; into make_scene(key) for a primitive of make_primitive().
+  std::vector<int> obstacles;
+  std::string kind;  ///< MemoryKind::version of the key's kind.
+  /// Canonical: seen from the axis of the turning joint, the midpoint of the two centres is on the
+  /// positive x axis. With a lift it is also at z = 0.
+  PrimitiveKey key;
+  Symmetry to_scene;              ///< Motion from the canonical primitive to the scene.
+  double gap = 0;                 ///< Distance between the two obstacles' surfaces, metres.
+  bool is_whole_query = false;    ///< A start and a goal without obstacles (kind "paths").
+  std::uint64_t constraints = 0;  ///< Hash of the constraints on a whole path. 0: none.
 };
 
 /// One of several equivalent keys of a canonical primitive, such as the other order of a pair. A
@@ -161,8 +161,8 @@ struct MemoryShare {
 /// Best measured settings of one kind. SolveSettings and MemorySettings explain each.
 struct MemoryDefaults {
   MemoryShare share = {};
-  /// Used with planners with escape walks, which solve easy problems without memory. Default:
-  /// `share`.
+  /// Replaces `share` for planners with escape walks (PlanSettings::walk), which solve easy
+  /// problems without memory. Default: `share`.
   std::optional<MemoryShare> share_with_walks = std::nullopt;
   double sigma = 0.1;
   double similarity = 1;
@@ -326,8 +326,9 @@ inline constexpr std::size_t kCirclePairKeySize = 6;
 
 /// Numbers per obstacle in a key of the kind "body_pairs".
 inline constexpr int kBodyKeySize = 9;
-/// An obstacle of any shapes as numbers in metres: its centroid (x, y, z), then the square root S
-/// of three times the covariance of its volume (xx, yy, zz, and sqrt(2) times xy, xz, yz). For a
+/// Returns an obstacle of any shapes as numbers in metres: its centroid (x, y, z), then six entries
+/// of a matrix S (xx, yy, zz, and sqrt(2) times xy, xz, yz). S is the square root of three times
+/// the covariance of the obstacle's volume. For a
 /// box with half extents h and rotation R, S is R diag(h) R^T, independent of the order and sign of
 /// its axes. Eigenvalues of S for a cylinder: sqrt(3)/2 of its radius and half its length; for a
 /// sphere: sqrt(3/5) of its radius. Shapes of one obstacle are weighted by volume.

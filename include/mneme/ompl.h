@@ -110,7 +110,7 @@ struct WorkCounters {
 
 namespace mneme {
 
-/// Adds OMPL's planners to planners(), as "ompl:RRTConnect" and so on, and its samplers of valid
+/// Adds OMPL's planners to planners(), such as "ompl:RRTConnect", and OMPL's samplers of valid
 /// states to samplers(). Call it before planning.
 ///
 /// Planners stop at their first path. If it fails verification, they plan again within the limits,

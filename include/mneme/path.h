@@ -82,8 +82,8 @@ class MotionVerifier {
 
 /// Limits the cost of shortening.
 struct ShortenEffort {
-  /// Number of consecutive vectors of 16 states checked without gain after which shortening ends; 0
-  /// only drops waypoints.
+  /// Shortening ends after this number of consecutive checks, of 16 states each, without a gain.
+  /// 0: only drops waypoints.
   double patience = 40;
   double least_gain = 0.007;  ///< smallest gain that counts, as a share of the path's length
   double refinement = 1;      ///< MotionDetail::refinement of new motions

@@ -180,9 +180,9 @@ struct QueryChecker {
   std::vector<std::string> notes;  ///< a sentence for each pair that is checked by exact geometry
   bool are_ends_clear = false;     ///< True if start and goals are valid and free of contact.
 };
-/// Makes the checker of a query. If only spheres of links are in contact at the start or a goal,
-/// and the exact geometry is kSolidClearance away, those pairs are checked by exact geometry
-/// everywhere: see Obstacle::exact_links and Scene::exact_pairs in the checker's scene. Errors:
+/// Makes the checker of a query. Pairs whose spheres touch at the start or a goal, but whose exact
+/// geometry is at least kSolidClearance apart there, are checked by exact geometry in the whole
+/// query. The checker's scene lists them in Obstacle::exact_links and Scene::exact_pairs. Errors:
 /// those of CollisionChecker::make.
 [[nodiscard]] Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
                                                       const CheckerSettings& settings,

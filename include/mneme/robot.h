@@ -164,8 +164,8 @@ class Robot {
   [[nodiscard]] std::span<const std::pair<int, int>> self_pairs() const {
     return model_->self_pairs;
   }
-  /// Those of self_pairs() that are checked by exact geometry, because their spheres overlap in
-  /// every configuration.
+  /// The pairs among self_pairs() that are checked by exact geometry, because their spheres overlap
+  /// in every configuration.
   [[nodiscard]] std::span<const std::pair<int, int>> exact_pairs() const {
     return model_->exact_pairs;
   }

@@ -120,9 +120,9 @@ struct Widening {
     const Robot& robot, std::shared_ptr<const GaussianMixture> mixture, double sigma,
     const Widening& widening = {});
 
-/// Returns a sampler whose streams take the first `count` samples from `first`, and then call
-/// `make_rest`, once per stream, for the sampler of all others: queries that are solved quickly do
-/// not pay for its preparation. Sources are not changed.
+/// Returns a sampler whose streams take the first `count` samples from `first`. Then each stream
+/// calls `make_rest` once and takes all further samples from its result. Queries that are solved
+/// quickly thus never pay for `make_rest`. Sources are not changed.
 [[nodiscard]] std::unique_ptr<Sampler> make_lazy_sampler(
     std::shared_ptr<const Sampler> first, int count,
     std::function<std::shared_ptr<const Sampler>()> make_rest);
@@ -131,8 +131,8 @@ struct Widening {
 /// relevance; within a group they are equally likely. Const is parallel-safe.
 class ComponentSource {
  public:
-  /// Number of samples after which the next group joins: relevant groups are tried first, and fewer
-  /// components are computed in vain.
+  /// Number of samples after which the next group joins. Relevant groups are thus tried first, and
+  /// components of others are computed only for long searches.
   static constexpr int kSamplesPerGroup = 1000;
 
   virtual ~ComponentSource() = default;

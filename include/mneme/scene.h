@@ -80,8 +80,8 @@ struct Scene {
   [[nodiscard]] Obstacle* find(std::string_view obstacle);
 
   // Edits either succeed or leave the scene unchanged. Search structures of clouds, meshes and
-  // octrees are kept, except for one wider than the robot's reach that is moved. Errors: an unknown
-  // obstacle, a name that is taken, a shape without size or parts.
+  // octrees are kept; only those of a moved shape that is wider than the robot's reach are built
+  // again. Errors: an unknown obstacle, a name that is taken, a shape without size or parts.
 
   /// Constant cost on average. A name that was changed in `obstacles` by hand may go unnoticed.
   [[nodiscard]] Result<void> add(Obstacle obstacle);

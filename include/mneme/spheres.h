@@ -48,12 +48,12 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// use.
 struct LinkSpheres {
   std::string link;
-  std::vector<Sphere> spheres;  ///< in the link's frame
+  std::vector<Sphere> spheres;  ///< In the link's frame.
   std::vector<Capsule>
-      capsules;            ///< in the link's frame; one instead of spheres, if it fits as well
-  double uncovered = 0;    ///< fraction of the surface outside all spheres; 0 is promised
-  double mean_excess = 0;  ///< mean over the surface of the spheres' union, metres
-  double max_excess = 0;   ///< largest distance that a sphere sticks out, metres
+      capsules;            ///< In the link's frame: one instead of spheres if it fits as well.
+  double uncovered = 0;    ///< Fraction of the surface outside all spheres: 0 as promised.
+  double mean_excess = 0;  ///< Mean over the surface of the spheres' union, metres.
+  double max_excess = 0;   ///< Largest distance that a sphere sticks out, metres.
 };
 
 /// Computes spheres that contain the surface of a link's solids and all that it encloses. Gaps of

@@ -16,8 +16,8 @@
 
 namespace mneme {
 
-/// A local sampler p_i(x | lw_i) in the canonical frame of its primitive. No components: learning
-/// was tried and found no passage.
+/// A local sampler p_i(x | lw_i) in the canonical frame of its primitive. Without components:
+/// learning was tried and solved no local query.
 struct LocalSampler : GaussianMixture {
   /// False if a time limit ended its learning. A query that retrieves it continues learning.
   bool is_complete = true;
@@ -37,15 +37,16 @@ struct RememberedPath {
   }
 };
 
-/// Origin of a row, as text for people; the program never parses it. A merge keeps the row with the
-/// smaller provenance of two equal rows.
+/// Where a row comes from, as text for people; the program never parses it. If two databases hold
+/// equal rows, a merge keeps the earlier provenance.
 struct Provenance {
   std::string tool;      ///< such as "mneme 0.2.0"
   std::string settings;  ///< learning settings as text
   std::uint64_t seed = 0;
   std::string time;  ///< UTC, ISO 8601; filled in by insert() if empty
-  /// Hash of the inputs of the lesson that taught the row; 0: none. Written only: insert() marks
-  /// the lesson as done (Database::finished_lessons()), also if the row is stored already.
+  /// Hash of the lesson that taught the row: a primitive or problem with learning settings and
+  /// seed. 0: none. Written only: insert() marks the lesson as done (Database::finished_lessons()),
+  /// also if the row is stored already.
   std::uint64_t lesson = 0;
 };
 

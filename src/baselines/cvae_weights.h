@@ -16,9 +16,9 @@ struct CvaeWeights {
   std::string robot_hash;  ///< Robot::hash()
   int joints = 0;
   int latents = 0;
-  int cells = 0;                    ///< pixels along a side of an image
-  int hidden = 0;                   ///< neurons of a hidden layer
-  double half_extent = 0;           ///< metres from the middle of an image to its side
+  int cells = 0;                    ///< Pixels along a side of an image.
+  int hidden = 0;                   ///< Neurons of a hidden layer.
+  double half_extent = 0;           ///< Metres from the middle of an image to its side.
   std::vector<float> latent_layer;  ///< hidden x latents
   std::vector<float> image_layer;   ///< hidden x cells^2
   std::vector<float> first_bias;    ///< hidden

@@ -52,9 +52,9 @@ class EndMotions {
   /// True if a path may begin, or otherwise end, in this contact.
   [[nodiscard]] bool may_leave(const Touch& touch, bool is_start) const;
   /// True if the straight motion from `end`, the start or goal of a path, to `inside` only leaves
-  /// contact that may be left: its pairs come no closer, held objects touch only within the
-  /// stretch, and all other pairs keep `extra` metres. At `inside` nothing touches. Checks at least
-  /// `steps` states.
+  /// contact that may be left. The pairs in contact come no closer, and held objects touch only
+  /// within the stretch. All other pairs keep `extra` metres, and at `inside` nothing touches.
+  /// Checks at least `steps` states.
   [[nodiscard]] bool is_left_by(const Configuration& end, const Configuration& inside,
                                 bool is_start, int steps, double extra) const;
   /// The unit vector along which the link of the contact leaves it at `q`; 0 if there is none.

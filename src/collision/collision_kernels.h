@@ -26,7 +26,7 @@ struct SweptMotion {
   const float* from = nullptr;
   const float* delta = nullptr;
   /// Displacement bounds of the motion, metres, for each moving body and for the approach of each
-  /// pair of bodies. Those with a bound of 0 are not checked.
+  /// pair of bodies. Bodies and pairs with a bound of 0 are not checked.
   const float* body_displacements = nullptr;
   const float* pair_displacements = nullptr;
   float obstacle_margin = 0;  ///< metres to obstacles

@@ -31,8 +31,8 @@ inline constexpr std::string_view kOldColumns =
 /// Passes all old rows to its argument, in batches, in order of ids.
 using OldRows =
     std::function<Result<void>(const std::function<Result<void>(std::span<const StoredRow>)>&)>;
-/// Copies the live rows into `to`, under their ids. Of rows that become equal in the new schema
-/// only the first is copied. Damaged rows stay damaged. Dead rows and tombstones are dropped. `to`
+/// Copies the live rows into `to`, under their ids. If rows become equal in the new schema, only
+/// the first is copied. Damaged rows stay damaged. Dead rows and tombstones are dropped. `to`
 /// has new tables, except for the old head and tombstones. Error: corrupt if rows are missing.
 [[nodiscard]] Result<void> migrate_rows(const std::string& store, const OldRows& old_rows,
                                         StoreTransaction& to);

@@ -159,7 +159,7 @@ class ExperienceIndex {
 
   [[nodiscard]] int key_size() const { return key_size_; }
   [[nodiscard]] std::int64_t size() const { return size_; }
-  /// Of all rows together.
+  /// Number of components of all rows.
   [[nodiscard]] std::int64_t components() const { return components_; }
   /// Id of the row at a position in order of insertion, 0 to size() - 1.
   [[nodiscard]] std::int64_t id(std::int64_t position) const;

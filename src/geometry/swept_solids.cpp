@@ -64,10 +64,10 @@ struct Snapshot {
 
   int interval;
   double half;
-  Transform X;                     ///< of b's tree in the frame of a's
-  Eigen::Matrix3d extent;          ///< of a box of b along the axes of a
-  Vec3 turn, speed;                ///< as in MovingPose, in the frame of a's tree
-  Eigen::Matrix3d spin_a, spin_b;  ///< speeds of the ends of unit axes, seen from the other solid
+  Transform X;                     ///< Pose of b's tree in the frame of a's tree.
+  Eigen::Matrix3d extent;          ///< Extent of a box of b along the axes of a.
+  Vec3 turn, speed;                ///< As in MovingPose, in the frame of a's tree.
+  Eigen::Matrix3d spin_a, spin_b;  ///< Speeds of the ends of unit axes, seen from the other solid.
 };
 
 /// Searches the trees of two solids and the intervals of a motion together.

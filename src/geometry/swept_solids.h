@@ -105,8 +105,8 @@ class SweptSolid {
 
 /// True if no part of `a`, of triangles or capsules, comes closer than `margin` metres to a part of
 /// `b` on the motion of their bodies. Motions that come closer than `margin` + 5e-5 m may fail.
-/// What one surface encloses is not in contact with it. Cost: prunes boxes by the space that they
-/// sweep in an interval of the motion, and halves intervals only for boxes that are close;
+/// A body enclosed by a surface is not in contact with it. Cost: prunes boxes by the space that
+/// they sweep in an interval of the motion, and halves intervals only for boxes that are close;
 /// microseconds where a few boxes are. After Tang, Kim and Manocha, "C2A: Controlled conservative
 /// advancement", ICRA 2009.
 [[nodiscard]] bool stay_apart(const SweptSolid& a, const SweptSolid& b, BodyMotion& motion,

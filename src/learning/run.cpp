@@ -201,7 +201,7 @@ class Run {
   const Tasks& tasks_;
   const LearnRun& run_;
 
-  // Of the thread that serves.
+  // Used by the serving thread only.
   std::size_t thread_count_;
   LearnSummary summary_;
   std::size_t in_work_ = 0;  ///< taken, and no result yet

@@ -14,12 +14,12 @@ namespace mneme::internal {
 /// The first link of an arm that crosses a gap, with directions and bases of it and up to two links
 /// before it. Kept because a query fits some hundred configurations.
 struct GapCrossing {
-  int link = -1;                       ///< -1: none
-  double fraction = 0;                 ///< position of the crossing from the gap's a (0) to b (1)
-  double entry = 0;                    ///< length of the link before the gap, metres
-  double tilt = 0;                     ///< angle from the gap's normal to the link, radians
-  std::array<double, 4> directions{};  ///< radians; the crossing link's is the last
-  std::array<Vec2, 3> bases{};         ///< bases of the links, in the same order
+  int link = -1;                       ///< Index of the link; -1: none.
+  double fraction = 0;                 ///< Position of the crossing from the gap's a (0) to b (1).
+  double entry = 0;                    ///< Length of the link before the gap, metres.
+  double tilt = 0;                     ///< Angle from the gap's normal to the link, radians.
+  std::array<double, 4> directions{};  ///< Radians; the crossing link's is the last.
+  std::array<Vec2, 3> bases{};         ///< Bases of the links, in the same order.
 };
 [[nodiscard]] GapCrossing find_gap_crossing(const PlanarChain& chain, const GapSegment& gap,
                                             std::span<const double> q);

@@ -59,8 +59,8 @@ class EndMover {
   }
 
  private:
-  /// What is in contact at `q`: where only spheres are, as long as the exact geometry is too near
-  /// to be checked instead.
+  /// Returns the contacts at `q`. A contact of spheres alone counts only if the exact geometry is
+  /// too near to be checked instead.
   std::vector<Touch> find_touches(const Configuration& q) {
     const std::vector<Touch> spheres = motions_.touching(q);
     motions_.check_exactly(spheres);

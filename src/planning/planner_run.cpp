@@ -26,8 +26,8 @@ std::uint64_t work_per_clock_check(const Scene& scene) {
   return std::max(work, std::uint64_t{1});
 }
 
-/// Long steps lead arms of few joints to their goal sooner. What coarse checks miss, verification
-/// must find.
+/// Long steps lead arms of few joints to their goal faster. Verification must find contact that
+/// coarse checks miss.
 bool begins_coarse(const CollisionChecker& checker, const PlanSettings& settings) {
   constexpr int kMostJoints = 10;
   return !settings.range && checker.has_default_resolution() &&

@@ -49,12 +49,10 @@ template <class Items, class Member>
 /// Letters, digits, '-' and '.'; anything else becomes '_'.
 [[nodiscard]] std::string file_name(std::string_view text);
 
-/// Compares, within a panel:
-/// each sampler with `baseline` under the same planner and setting, or under another setting if
-/// that one has no baseline;
-/// each setting with the first one;
-/// mneme's planners with OMPL's of the same name.
-/// Comparisons without pairs are omitted.
+/// Compares samplers, settings and planners within a panel. Each sampler is compared with
+/// `baseline` under the same planner and setting, or under another setting if that one has no
+/// baseline. Each setting is compared with the first one, and each of mneme's planners with OMPL's
+/// of the same name. Comparisons without pairs are omitted.
 [[nodiscard]] std::vector<SeriesRatio> compare_series(const Panel& panel,
                                                       const std::string& baseline);
 

@@ -85,10 +85,10 @@ class StoreTransaction {
   [[nodiscard]] virtual Result<void> commit() = 0;
 };
 
-/// What opening does if acknowledged rows are missing.
+/// Reaction of opening a store to missing rows that were acknowledged as stored.
 enum class LossCheck {
   refuse,  ///< error: corrupt
-  note,    ///< open it all the same; Store::loss() says what is missing
+  note,    ///< open it nevertheless; Store::loss() describes what is missing
 };
 
 /// How long calls wait for a server.

@@ -147,9 +147,9 @@ enum class ObstacleKind { sphere, aligned_box, box, upright_cylinder, cylinder, 
 /// An obstacle's shape in the scene's frame.
 struct ObstacleRow {
   ObstacleKind kind = ObstacleKind::sphere;
-  float center[3] = {};       ///< a capsule's first end
-  float along[3] = {};        ///< from a capsule's first end to the other
-  float inverse_length2 = 0;  ///< of a capsule; 0 if its length is 0
+  float center[3] = {};       ///< For a capsule: its first end.
+  float along[3] = {};        ///< For a capsule: from its first end to the other.
+  float inverse_length2 = 0;  ///< For a capsule: 1 / length^2, or 0 if its length is 0.
   /// Row-major, from the scene's frame to the frame of a box or cylinder that is not aligned.
   float rotation[9] = {};
   float half_extents[3] = {};  ///< for a cylinder: radius, radius, half the length
