@@ -229,7 +229,7 @@ void add_sharing(CLI::App& command, Sharing& sharing) {
                    "share the work with all processes that have the same command line, through the "
                    "PostgreSQL database; ends when everything is learned");
   add_number(command, "--lease", sharing.lease_s, 0.1, 86400.0,
-             "with --worker: silence after which a process loses its primitives, seconds");
+             "with --worker: seconds of silence after which others take a process's primitives");
 }
 
 /// Throws a usage error for flags that contradict each other.

@@ -291,7 +291,7 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   SolveSettings settings = options.settings;
   settings.plan.cancel = interrupt_flag();
   if (needs_memory(settings.sampler) && options.db.empty()) {
-    print_note(fmt::format("without --db there is no memory: the sampler '{}' draws uniformly",
+    print_note(fmt::format("without --db there is no memory: the sampler '{}' is uniform",
                            settings.sampler));
   }
   PlanRecorder recorder;

@@ -51,7 +51,7 @@ ExitCode report(const UpkeepOptions& options, const std::vector<Damage>& damages
     const bool is_empty = opened && opened->info().schema_version == 0;
     fmt::print("the database is {}\n", is_empty ? "empty" : "sound");
   } else if (damages.front().is_quarantined) {
-    fmt::print("what is left is sound\n");
+    fmt::print("the remaining rows are sound\n");
   }
   return damages.empty() ? ExitCode::done : ExitCode::bad_database;
 }
@@ -126,7 +126,7 @@ Result<ExitCode> run_adopt(const UpkeepOptions& options) {
                       {"kinematics_hash", signature.kinematics_hash},
                       {"kinematics_hash_before", before.kinematics_hash}});
         } else {
-          fmt::print("the experience of robot '{}' is now that of robot '{}' (kinematics {})\n",
+          fmt::print("the experience of robot '{}' now belongs to robot '{}' (kinematics {})\n",
                      printable(before.robot_name), printable(signature.robot_name),
                      signature.kinematics_hash);
         }

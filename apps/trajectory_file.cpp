@@ -42,10 +42,10 @@ void add_trajectory_flags(CLI::App& command, TrajectoryOptions& options) {
     }
     options.file = file;
   };
-  CLI::Option* trajectory = add_text(
-      command, "--trajectory", read,
-      "write the motion in time, rounded corners and all: .csv, .json, or .yaml in the shape of "
-      "trajectory_msgs/JointTrajectory");
+  CLI::Option* trajectory =
+      add_text(command, "--trajectory", read,
+               "write the timed motion with rounded corners: .csv, .json, or .yaml in the shape of "
+               "trajectory_msgs/JointTrajectory");
   trajectory->type_name("FILE");
   command
       .add_option("--joint-limits", options.limits,

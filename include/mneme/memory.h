@@ -102,8 +102,8 @@ template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, LearnSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("starts-per-link", s.starts_per_link, 1, 1000,
-        "Local queries per link that can be in the gap. More make the sampler richer and slower to "
-        "learn.");
+        "Local queries, which plan among the primitive's obstacles alone, per link that can be in "
+        "the gap. More make the sampler richer and slower to learn.");
   visit("paths-per-start", s.paths_per_start, 1, 1000,
         "Paths per local query. More make the sampler robust to obstacles outside the primitive.");
   visit("learn-iterations", s.max_iterations, 1, 100000000,
@@ -112,8 +112,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("learn-resolution", s.resolution, 1e-4, 1.0,
         "Resolution of local queries, radians. Default: the robot's.");
   visit("merge-cliques", s.merge_cliques, false, true,
-        "Merge groups of means that see each other into one component with their covariance "
-        "(section V-A of the paper). Makes a smaller database.");
+        "Merge components whose means are all connected by free straight motions into one with "
+        "their covariance (section V-A of the paper). Makes a smaller database.");
 }
 /// The settings as one line of text, equal for equal settings; part of a row's provenance.
 [[nodiscard]] std::string describe(const LearnSettings& settings);

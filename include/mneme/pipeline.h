@@ -83,14 +83,15 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "joints). Smaller repeats the past, larger explores. Default: by kind (see table). The "
         "paper: 0.1.");
   visit("similarity", s.similarity, 0.0, 1e9,
-        "Retrieve samplers whose squared key distance is below this, m^2 (rad^2 for whole paths), "
-        "or whose key is the same. Default: by kind (see table). The paper: 3.");
+        "Retrieve stored samplers whose key is closer than this to that of a primitive of the "
+        "query, squared distance, m^2 (rad^2 for whole paths); equal keys always match. Larger "
+        "retrieves less similar ones. Default: by kind (see table). The paper: 3.");
   visit("max-matches", s.max_matches, 1, 1000000,
         "Nearest samplers to retrieve per primitive. More take longer and are less similar. "
         "Default: by kind (see table). The paper: all, which is the largest value.");
   visit("drop-invalid-means", s.drop_invalid_means, false, true,
-        "Drop retrieved means that are in contact. Samples around a mean just inside an obstacle "
-        "may help. Default: by kind (see table). The paper: off.");
+        "Drop retrieved components whose mean is in contact. Off may help: samples around a mean "
+        "just inside an obstacle can be free. Default: by kind (see table). The paper: off.");
   visit("retarget", s.retarget, false, true,
         "Fit each remembered mean to the query's gap when it is first sampled, the most similar "
         "match first and one more match every 1000 samples. Off: the robot's symmetry moves all "
@@ -105,14 +106,15 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Progressive widening: components to add per iteration.");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
         "Time per query to learn primitives without a match, seconds. It is part of planning time "
-        "and ends with the time limit. A primitive whose lesson was cut short is learned further. "
+        "and ends with the time limit. A later query continues learning that was cut short. "
         "Needs a kind of memory that learns primitives.");
   visit("remember-after", s.remember_after, 0, 1000000000,
         "Insert what a solved problem teaches once this many iterations have accumulated since the "
         "last insertion; 0: after each solved problem. Default: never.");
   visit("replay", s.replay, 0.0, 1e6,
         "Before any search, try remembered paths whose ends are closer than this to the query's "
-        "(key distance, radians), fitted and repaired. 0: none; 0.5 suits tasks that repeat.");
+        "(key distance, radians). Each is fitted to the query's ends and repaired where it is in "
+        "contact. 0: none; 0.5 suits tasks that repeat.");
   visit("resolution", s.resolution, 1e-4, 10.0,
         "Largest L2 joint distance between checked states of a motion, radians. Default: the "
         "robot's (0.02 for a planar arm, 1/32 otherwise).");

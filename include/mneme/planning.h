@@ -88,8 +88,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("range", s.range, 1e-3, 1e3,
         "Longest single extension of a tree, radians of L2 joint distance. Longer ones are "
         "rejected more often, shorter ones explore slowly. Default: the robot's (0.64 for a planar "
-        "arm, 0.5 otherwise; with up to 10 joints 1 in the first 100 iterations, which are checked "
-        "at half the resolution).");
+        "arm, 0.5 otherwise). With up to 10 joints the first 100 iterations use 1 instead, checked "
+        "at half the resolution.");
   visit("timeout", s.timeout_s, 0.0, 1e6, "Time limit, seconds, kept within 10 ms.");
   visit("max-iterations", s.max_iterations, std::uint64_t{1}, ~std::uint64_t{0},
         "Iteration limit. With a seed it makes a run repeatable under any load of the machine. "
@@ -103,16 +103,17 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Shorten the path: drop and relax waypoints, straighten random joints over random "
         "stretches.");
   visit("patience", s.patience, 0, 1000000,
-        "Shortening ends after this many checks of 16 states in vain. More takes longer for a "
-        "shorter path; 0 only drops waypoints.");
+        "Shortening ends after this many checks of 16 states without a gain. More takes longer for "
+        "a shorter path; 0 only drops waypoints.");
   visit("improve", s.improve, 0.0, 1e6,
         "Time to look for shorter paths once there is one, seconds. Plans from other seeds, "
         "several at once, and shortens the best one further.");
   visit("improve-rounds", s.improve_rounds, std::uint64_t{1}, ~std::uint64_t{0},
-        "Largest number of rounds of improving, of three plans each after the first. With a seed "
-        "it makes them repeatable. Default: as many as the time allows.");
+        "Largest number of rounds of improving; each after the first makes three plans. With a "
+        "seed the result is repeatable. Default: as many as the time allows.");
   visit("verify", s.verify, false, true,
-        "Check the final path. Motions that fail are mended, or removed and planning goes on.");
+        "Check the final path. A motion that fails is repaired by a waypoint nearby. Where that "
+        "fails, too, planning goes on without this motion.");
   visit("continuous", s.continuous, false, true,
         "Verification also rules out contact between states, by bounds on how far each link moves. "
         "Off: it checks states at ten times the resolution.");
@@ -127,9 +128,10 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Standard deviation of samples around a node, radians (half as many metres for prismatic "
         "joints). Default: 4 over the square root of the number of joints.");
   visit("walk", s.walk, 0.0, 1.0,
-        "rrt_connect: probability of an escape walk from the newest node instead of growth towards "
-        "a sample. At 1 a planner may make no progress; 0 is the textbook's planner. Default: the "
-        "robot's (0.15 for a planar arm, 0.1 otherwise).");
+        "rrt_connect: probability of an escape walk instead of growth towards a sample: small "
+        "steps from the newest node that pull a limb back along itself, off all obstacles. At 1 a "
+        "planner may make no progress; 0 is the textbook's planner. Default: the robot's (0.15 for "
+        "a planar arm, 0.1 otherwise).");
   visit("walk-after", s.walk_after, std::uint64_t{0}, ~std::uint64_t{0},
         "rrt_connect: iterations before the first escape walk, so that easy problems do not pay "
         "for it. Default: the robot's (0 for a planar arm, 3000 otherwise).");

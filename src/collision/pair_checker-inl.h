@@ -78,11 +78,10 @@ HWY_INLINE M find_hits(const RobotTables& robot, const GroupRow& group, const Po
 /// Number of clusters of a body that are checked together against the clusters of another.
 constexpr int kMostRuns = 32;
 
-/// Checks two bodies in the frame of the second, which then is the same in all lanes. Order of
-/// tests:
-/// 1. each body's ball against the other's box, because long bodies fill little of their balls;
-/// 2. clusters of the first against the second's box;
-/// 3. cluster against cluster, then group against group.
+/// Checks two bodies in the frame of the second, which then is the same in all lanes. First checks
+/// each body's ball against the other's box, because long bodies fill little of their balls. Then
+/// checks clusters of the first against the second's box, cluster against cluster, and group
+/// against group.
 template <bool kIsMotion, class Margin>
 class PairChecker {
  public:

@@ -25,7 +25,8 @@ void WriteQueue::push(std::vector<Experience> rows) {
   const std::size_t room = kMostRows - std::min(kMostRows, rows_.size());
   if (rows.size() > room) {
     counts_.lost += static_cast<std::int64_t>(rows.size() - room);
-    counts_.failure = fmt::format("more than {} rows wait to be stored", kMostRows);
+    counts_.failure =
+        fmt::format("more than {} rows wait to be stored; new ones are dropped", kMostRows);
     rows.resize(room);
   }
   counts_.waiting += static_cast<std::int64_t>(rows.size());

@@ -130,7 +130,7 @@ std::vector<KeyImage> images_of_bodies(const PrimitiveKey& canonical) {
 extern constinit const MemoryKind kBodyPairs = {
     .name = "body_pairs",
     .version = kBodyPairsVersion,
-    .summary = "two near obstacles of any shapes, by place and moments; for arms in space",
+    .summary = "two near obstacles of any shapes, by centroid and extent; for arms in space",
     // Samples around a mean just inside an obstacle lie at its surface, where they are useful.
     .defaults = {.share = {.retrieve_after = 1500},
                  .sigma = 0.3,

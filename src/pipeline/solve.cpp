@@ -184,8 +184,8 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   result.planning_time_s += kept.planning_time_s;
   result.preparation_time_s += kept.preparation_time_s;
   result.notes.push_back(
-      "attached objects touch obstacles that they may touch also between start and goal: no path "
-      "was found without (" +
+      "allowed contact of attached objects also occurs between start and goal: no path was found "
+      "without it (" +
       kept.plan.message + ")");
   return result;
 }

@@ -70,7 +70,7 @@ std::string_view find_head_flaw(std::string_view head) {
   for (std::size_t i = 0; i < head.size(); ++i) {
     const char c = head[i], before = i == 0 ? ' ' : head[i - 1];
     if (c == '\0') return "expected a head without NUL";
-    if ((c == '\n') != (before == '\r')) return "expected lines of the head to end by CR LF";
+    if ((c == '\n') != (before == '\r')) return "expected lines of the head to end with CR LF";
     if (before == '\n' && (c == ' ' || c == '\t')) return "expected each header on one line";
   }
   return {};

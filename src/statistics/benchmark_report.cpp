@@ -78,10 +78,10 @@ constexpr std::string_view kHowToReadDifficulty =
 
 constexpr std::string_view kHowToCompare =
     "<p class=\"note\">Ratios above 1 mean that the left one is faster, on the same problems and "
-    "seeds. p50, p95 and p99 are ratios of percentiles, mean is the ratio of arithmetic means, "
-    "geometric is the geometric mean of the pairs' ratios. Runs without a path count with their "
-    "time limit: the ratio is then a lower bound (\u2265), an upper bound (\u2264), or open. In "
-    "brackets: 95 % intervals by bootstrap percentiles.</p>\n";
+    "seeds. In the columns p50, p95 and p99 they are ratios of percentiles. The column mean is the "
+    "ratio of arithmetic means, geometric the geometric mean of the pairs' ratios. Runs without a "
+    "path count with their time limit: the ratio is then a lower bound (\u2265), an upper bound "
+    "(\u2264), or open. In brackets: 95 % intervals by bootstrap percentiles.</p>\n";
 
 /// "A; B"; files of older versions may lack the texts.
 std::string joined(std::vector<std::string> texts) {

@@ -105,7 +105,7 @@ std::optional<std::string> describe_missing_rows(const std::string& path,
   if (!record || head.generation >= record->state.generation) return std::nullopt;
   return fmt::format(
       "{} rows that were stored are missing: it holds {} changes, but {} were stored until {} "
-      "({} says so)",
+      "(according to {})",
       std::max(std::int64_t{0}, record->state.row_count - head.row_count), head.generation,
       record->state.generation, time_text(record->time), record_path(path));
 }
