@@ -83,9 +83,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "joints). Smaller repeats the past, larger explores. Default: by kind (see table). The "
         "paper: 0.1.");
   visit("similarity", s.similarity, 0.0, 1e9,
-        "Retrieve stored samplers whose key is closer than this to that of a primitive of the "
-        "query, squared distance, m^2 (rad^2 for whole paths); equal keys always match. Larger "
-        "retrieves less similar ones. Default: by kind (see table). The paper: 3.");
+        "Retrieve samplers with a squared key distance to a query's primitive below this, m^2 "
+        "(rad^2 for whole paths), or an equal key. Default: by kind (see table). The paper: 3.");
   visit("max-matches", s.max_matches, 1, 1000000,
         "Nearest samplers to retrieve per primitive. More take longer and are less similar. "
         "Default: by kind (see table). The paper: all, which is the largest value.");
@@ -112,9 +111,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Insert what a solved problem teaches once this many iterations have accumulated since the "
         "last insertion; 0: after each solved problem. Default: never.");
   visit("replay", s.replay, 0.0, 1e6,
-        "Before any search, try remembered paths whose ends are closer than this to the query's "
-        "(key distance, radians). Each is fitted to the query's ends and repaired where it is in "
-        "contact. 0: none; 0.5 suits tasks that repeat.");
+        "Before any search, try remembered paths whose ends are closer to the query's than this "
+        "(key distance, radians), bent and repaired. 0: none; 0.5 suits tasks that repeat.");
   visit("resolution", s.resolution, 1e-4, 10.0,
         "Largest L2 joint distance between checked states of a motion, radians. Default: the "
         "robot's (0.02 for a planar arm, 1/32 otherwise).");
