@@ -12,7 +12,7 @@
 namespace mneme::internal {
 
 /// The first link of an arm that crosses a gap, with directions and bases of it and up to two links
-/// before it. Kept because a query fits some hundred configurations.
+/// before it. Cached, because a query fits some hundred configurations.
 struct GapCrossing {
   int link = -1;                       ///< Index of the link; -1: none.
   double fraction = 0;                 ///< Position of the crossing from the gap's a (0) to b (1).

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Starts and goals that are barely outside of what motions keep.
+/// Starts and goals that slightly violate limits, cones or distances.
 #pragma once
 
 #include "pipeline/query.h"
@@ -26,9 +26,9 @@ struct GivenEnds {
   [[nodiscard]] Path completed(const Robot& robot, Path path) const;
 };
 
-/// Replaces start and goals of `ends` that the tolerances of the settings permit, but no motion
-/// keeps, by configurations nearby: a straight motion between both leaves what it may not keep and
-/// keeps everything else. Other ends stay. Cost: milliseconds per replaced end.
+/// Replaces start and goals of `ends` that violate a limit, cone or distance, within the tolerances
+/// of the settings, by valid configurations nearby. The straight motion between both only reduces
+/// the violation and adds no other. Other ends stay. Cost: milliseconds per replaced end.
 [[nodiscard]] GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker,
                                          PlanQuery& ends);
 

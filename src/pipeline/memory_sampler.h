@@ -22,8 +22,8 @@ namespace mneme::internal {
 using Recall = std::function<Result<Recalled>(const Query&, const MemoryQuery&, const KindSettings&,
                                               GlSampler&)>;
 
-/// Queries memory once, when the first stream has sampled long enough without. Streams may belong
-/// to different threads.
+/// Queries memory once, after the first stream has taken the number of samples in the settings.
+/// Streams may belong to different threads.
 class MemorySampler {
  public:
   /// A sampler to mix with uniform samples.
@@ -34,8 +34,8 @@ class MemorySampler {
     std::function<Result<std::shared_ptr<const Sampler>>()> make;  ///< may return null: no sampler
   };
 
-  /// Time of the query to memory: after `retrieve_after` samples, or at once. Only samplers made at
-  /// once may outlive this.
+  /// Queries memory after `retrieve_after` samples (lazy), or at once. Samplers of lazy queries
+  /// must not outlive this object.
   enum class Timing { lazy, at_once };
 
   /// Refers to the query.

@@ -35,7 +35,7 @@ struct Query {
   const PlannerEntry& planner;
   const SamplerEntry& sampler;
   std::vector<KindSettings> kinds;  ///< empty without a database
-  /// Of the time limit: started by make_query(), and again once the scene is prepared.
+  /// Measures the time limit. Started by make_query(), and again once the scene is prepared.
   mutable Stopwatch stopwatch = {};
 
   [[nodiscard]] CheckerSettings checker_settings() const;

@@ -20,7 +20,7 @@ namespace mneme::internal {
 struct ResolvedQuery {
   const Query& query;
   PlanQuery ends;
-  GivenEnds given;  ///< ends that others stand for in `ends`
+  GivenEnds given;  ///< original ends, where `ends` has replacements
   CollisionChecker checker;
   std::shared_ptr<StaticCell> cell;  ///< of the checker, for replay; may be null
   /// Source of further goals, if the problem has poses.
