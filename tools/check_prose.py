@@ -6,8 +6,9 @@
 usage: check_prose.py SOURCE_DIRECTORY
 
 It reports sentences of more than 40 words, doc comments whose first sentence opens with "Of", "What" or "Whether",
-tables of more than 15 rows in the guide, lines of documents of more than 100 columns, and names of files that do not
-exist. What tools/result_tables.py writes between markers is not checked.
+tables of more than 15 rows in the guide, lines of documents of more than 100 columns, names of files that do not
+exist, and messages in tables that the code does not write. What tools/result_tables.py writes between markers is not
+checked.
 """
 import argparse
 import pathlib
@@ -72,6 +73,36 @@ def strings(text):
             yield text[:match.start()].count("\n") + 1, joined
 
 
+def words(text):
+    return [word for word in (word.strip(".,:;()") for word in re.sub(r"\\[nr]", " ", text).split()) if word]
+
+
+def templates(text):
+    """The words of each string of the code, whose literals are joined; "{}" stands for any word."""
+    for match in STRING.finditer(re.sub(r"^\s*//.*", "", text, flags=re.MULTILINE)):
+        yield words("".join(re.findall(r'"((?:[^"\\]|\\.)*)"', match[0])))
+
+
+def is_written(piece, template):
+    """True if the words of a message follow each other in a string of the code, and two are literally the same."""
+    for i in range(len(template) - len(piece) + 1):
+        pairs = list(zip(piece, template[i:]))
+        if all(has == word or "{" in has for word, has in pairs) and sum(has == word for word, has in pairs) > 1:
+            return True
+    return False
+
+
+def messages(text):
+    """Pairs of a line number and a part of a message, of two words or more, in tables with the head "message"."""
+    is_message = False
+    for number, line in enumerate(text.splitlines(), 1):
+        is_message = line.startswith("|") and (is_message or line.startswith("| message |"))
+        for message in re.findall(r"`([^`]*)`", line.split("|")[1]) if is_message else ():
+            for part in re.split(r"\.\.|[:;()]", message):
+                if len(words(part)) > 1:
+                    yield number, part.strip()
+
+
 def paragraphs(text):
     """Pairs of a line number and the text of a paragraph or of an item of a list."""
     block, first = [], 0
@@ -101,6 +132,8 @@ def tables(text):
 class Check:
     def __init__(self, root):
         self.root, self.findings = root, []
+        self.templates = [template for folder in ("src", "apps") for path in sorted(root.glob(f"{folder}/**/*.cpp"))
+                          for template in templates(path.read_text(encoding="utf-8")) if len(template) > 1]
         self.pages = {path.name for path in root.rglob("*.md") if "node_modules" not in path.parts}
 
     def report(self, path, line, what):
@@ -131,6 +164,11 @@ class Check:
         for line, string in strings(text):
             self.check_long(path, line, string)
 
+    def check_messages(self, path, text):
+        for line, part in messages(text):
+            if not any(is_written(words(part), template) for template in self.templates):
+                self.report(path, line, f"no string of the code has the message '{part}'")
+
     def check_document(self, path, is_guide):
         text = path.read_text(encoding="utf-8")
         for number, line in enumerate(text.splitlines(), 1):
@@ -141,6 +179,7 @@ class Check:
             self.check_long(path, line, paragraph)
         for number, line in enumerate(prose.splitlines(), 1):
             self.check_names(path, number, line)
+        self.check_messages(path, prose)
         for line, rows in tables(prose) if is_guide else ():
             if rows > MOST_ROWS:
                 self.report(path, line, f"a table of {rows} rows, expected at most {MOST_ROWS}")

@@ -36,11 +36,25 @@ def test_a_clean_tree_has_no_findings(tree):
     ("docs/c.md", "# C\n\n- one\n- " + LONG.replace("word word word", "word word\n  word") + "\n", "c.md:4: a sentence of 42 words"),
     ("docs/c.md", "x" * 101 + "\n", "c.md:1: 101 columns"),
     ("docs/c.md", "See none.md.\n", "c.md:1: there is no page none.md"),
-    ("docs/c.md", "| a |\n|---|\n" + "| 1 |\n" * 16, "c.md:1: a table of 16 rows")])
+    ("docs/c.md", "| a |\n|---|\n" + "| 1 |\n" * 16, "c.md:1: a table of 16 rows"),
+    ("docs/c.md", "| message | a |\n|---|---|\n| `.. is 'A' of two; gone` | `or so` |\n", "c.md:3: no string of the code has")])
 def test_each_fault_is_found(tree, name, text, finding):
     (tree / name).write_text(text)
     found = check(tree)
     assert len(found) == 1 and finding in found[0]
+
+
+@pytest.mark.parametrize("message", ["'x' is out of 2", ".. is out of ..; try less", "is out of"])
+def test_messages_of_the_code_are_found(tree, message):
+    (tree / "apps/a.cpp").write_text('f("it {} is "\n  "out of {}; try {}");  // no match: "try more"\ng("; try less");\n')
+    (tree / "docs/c.md").write_text(f"| message | a |\n|---|---|\n| `{message}` | `of none` |\n")
+    assert check(tree) == []
+
+
+def test_a_message_of_placeholders_alone_is_not_found(tree):
+    (tree / "apps/a.cpp").write_text('f("{} {} {} of {}");\n')
+    (tree / "docs/c.md").write_text("| message | a |\n|---|---|\n| `all of it` | |\n")
+    assert len(check(tree)) == 1
 
 
 def test_tables_of_results_and_generated_text_are_not_checked(tree):
