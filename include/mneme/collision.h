@@ -109,6 +109,50 @@ struct Relaxation {
   }
 };
 
+/// Largest number of parameters of a family of motions.
+inline constexpr int kMostParameters = 4;
+
+/// Changes of a goal configuration with parameters u in [-1, 1]^d:
+///   Q(u) = constant + slopes u + u' curvatures u / 2 + r,  |r| <= rest for each joint.
+/// A row has joint_count values.
+struct GoalShift {
+  int parameters = 0;             ///< d, at most kMostParameters
+  std::vector<float> constant;    ///< one row
+  std::vector<float> slopes;      ///< d rows
+  std::vector<float> curvatures;  ///< d rows of d rows: symmetric
+  std::vector<float> rest;        ///< one row, >= 0
+};
+
+/// A straight motion that bends with its goal. For t in [0, 1]:
+///   q(t, u) = from + t (to - from) + (first_share + t (last_share - first_share)) Q(u).
+/// Continuous joints are real numbers: they turn as far as these say.
+struct FamilyMotion {
+  const GoalShift* shift = nullptr;
+  std::span<const float> from, to;
+  float first_share = 0, last_share = 0;  ///< each >= 0
+};
+
+/// The times t +- half_time and the parameters at +- half, in units of u.
+struct FamilyBox {
+  float time = 0, half_time = 0;
+  std::array<float, kMostParameters> at = {}, half = {};
+};
+
+/// The answer for a box.
+struct FamilyVerdict {
+  bool is_free = false;
+  /// Not free: how far the first body, or pair of bodies, that may touch can move within the box,
+  /// metres: along time, along each parameter, and by curvature and rest.
+  std::array<float, 1 + kMostParameters> displacements = {};
+  float bent = 0;
+
+  [[nodiscard]] float displacement() const {
+    float sum = bent;
+    for (const float each : displacements) sum += each;
+    return sum;
+  }
+};
+
 struct LimbInfo {
   int points = 0;     ///< number of points that can be pulled, at least 1
   double length = 0;  ///< metres through the points, with prismatic joints at 0; positive
@@ -199,6 +243,15 @@ class CollisionChecker {
   /// link, while joints move by `delta` between the configurations `from` and `to`.
   [[nodiscard]] double displacement_bound(std::span<const float> from, std::span<const float> to,
                                           std::span<const float> delta) const;
+
+  /// Decides for each box of a family whether all of its states are free, with `margin` metres
+  /// more than the checker's to obstacles and between links: the state in the middle, with each
+  /// body inflated by its displacement within the box. That is exact to first order, and bounded
+  /// beyond. Conservative: a box that is not free may be free of contact; cut it in two. `margin`
+  /// is at least 2e-5 m, more than the rounding of single precision. Boxes with values that are not
+  /// finite, and all boxes of a checker with constraints or pairs for exact geometry, are not free.
+  void check_family(const FamilyMotion& motion, std::span<const FamilyBox> boxes, float margin,
+                    std::span<FamilyVerdict> verdicts, CheckCounters& counters) const;
 
   /// Takes a step from `from`: one configuration, or one per jitter, row by row. Writes a candidate
   /// within the limits per jitter. Candidates may be in contact. Near singularities they may be far

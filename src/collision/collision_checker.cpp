@@ -6,6 +6,7 @@
 #include "check/cones.h"
 #include "check/link_distances.h"
 #include "collision/collision_kernels.h"
+#include "collision/family_kernel.h"
 #include "collision/shortcut_kernel.h"
 #include "tables/make_tables.h"
 #include "robot/joint_space.h"
@@ -126,6 +127,7 @@ struct CollisionChecker::Tables {
   const internal::CollisionKernels* kernels = nullptr;
   const internal::ShortcutKernels* shortcut_kernels = nullptr;
   internal::WalkKernel walk_kernel = nullptr;
+  internal::FamilyKernel family_kernel = nullptr;
   internal::Cones cones;
   internal::ExactPairs exact_pairs;
 
@@ -220,8 +222,8 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
       Tables{robot, scene, resolution, !settings.resolution, static_cast<float>(settings.margin),
              isa, internal::JointSpace(robot), std::move(checked), std::move(world),
              &internal::collision_kernels(isa), &internal::shortcut_kernels(isa),
-             internal::walk_kernel(isa), internal::Cones(robot, settings.constraints),
-             std::move(exact_pairs)});
+             internal::walk_kernel(isa), internal::family_kernel(isa),
+             internal::Cones(robot, settings.constraints), std::move(exact_pairs)});
   return CollisionChecker(std::move(tables));
 }
 
@@ -368,6 +370,37 @@ bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<c
   const FloatConfiguration a = to_float(from), b = to_float(to);
   CheckCounters counters;
   return is_motion_valid({a.data(), from.size()}, {b.data(), to.size()}, counters, detail);
+}
+
+void CollisionChecker::check_family(const FamilyMotion& motion, std::span<const FamilyBox> boxes,
+                                    float margin, std::span<FamilyVerdict> verdicts,
+                                    CheckCounters& counters) const {
+  const Tables& t = *tables_;
+  const GoalShift& shift = *motion.shift;
+  [[maybe_unused]] const auto parameters = internal::as_index(shift.parameters);
+  assert(shift.parameters <= kMostParameters && verdicts.size() == boxes.size());
+  assert(motion.from.size() == t.joints() && motion.to.size() == t.joints());
+  assert(shift.slopes.size() == parameters * t.joints());
+  assert(shift.curvatures.size() == parameters * parameters * t.joints());
+  counters.states += boxes.size();
+  // A value that is not finite would compare as free.
+  const auto is_near = [](std::span<const float> values) { return is_within_reach(values); };
+  const auto is_box_near = [&](const FamilyBox& box) {
+    return is_near(std::array{box.time, box.half_time}) && is_near(box.at) && is_near(box.half);
+  };
+  const bool is_sound = is_near(motion.from) && is_near(motion.to) && is_near(shift.constant) &&
+                        is_near(shift.slopes) && is_near(shift.curvatures) && is_near(shift.rest) &&
+                        std::ranges::all_of(boxes, is_box_near) && margin > 0 &&
+                        t.cones.constraints().empty() && t.exact_pairs.empty();
+  if (!is_sound) {
+    std::ranges::fill(verdicts, FamilyVerdict{});
+    return;
+  }
+  // The tables lack parts of compound shapes beyond the robot's reach plus kSpareReach.
+  const float most =
+      t.world.scene.compounds.empty() ? kFarthest : static_cast<float>(internal::kSpareReach);
+  t.family_kernel(*t.world.robot, t.world.scene, motion, boxes, {t.margin + margin, margin, most},
+                  verdicts);
 }
 
 void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,
