@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Loads robots from URDF files with their defaults, plans between random valid pairs of
+/// configurations without obstacles, and has FCL check every path on the exact geometry, over all
+/// pairs of links. Succeeds if all robots load and no path touches.
+#include "mneme/collision.h"
+#include "mneme/pipeline.h"
+#include "mneme/spheres.h"
+
+#include "collision/fcl_robot.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+#include <time.h>
+
+namespace mneme::soak {
+namespace {
+
+struct Options {
+  std::vector<std::string> files;
+  RobotOptions robot;
+  int pairs = 20;
+  double timeout_s = 5;
+  double step = 0.02;  ///< radians between the states that FCL checks
+  std::uint64_t seed = 1;
+};
+
+double cpu_time_s() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// Element at `share` of the sorted values: 0 the least, 1 the largest.
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(
+      std::ceil(share * static_cast<double>(values.size() - 1)))];
+}
+
+/// The first pair of links that touches on the path, as text; empty if none does.
+std::string contact_on(const Path& path, test::FclRobot& oracle,
+                       const std::vector<test::LinkPair>& pairs, const Robot& robot, double step) {
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    double length = 0;
+    for (std::size_t j = 0; j < path[i].size(); ++j) {
+      length = std::max(length, std::abs(path[i][j] - path[i - 1][j]));
+    }
+    const int count = 1 + static_cast<int>(length / step);
+    for (int k = i == 1 ? 0 : 1; k <= count; ++k) {
+      Configuration q = path[i - 1];
+      for (std::size_t j = 0; j < q.size(); ++j) q[j] += (path[i][j] - q[j]) * k / count;
+      oracle.move_to(q);
+      if (const auto* pair = oracle.touching(pairs)) {
+        return robot.links()[static_cast<std::size_t>(pair->first)].name + " and " +
+               robot.links()[static_cast<std::size_t>(pair->second)].name;
+      }
+    }
+  }
+  return {};
+}
+
+Configuration free_configuration(const CollisionChecker& checker, Rng& rng) {
+  while (true) {
+    Configuration q = test::sampled_configuration(checker.robot(), rng);
+    if (checker.is_valid(std::span<const double>(q))) return q;
+  }
+}
+
+struct Tally {
+  int solved = 0;
+  int touching = 0;
+  std::vector<double> times_s;  ///< of planning; infinite without a path
+};
+
+Result<Tally> plan_pairs(const std::string& file, const Robot& robot, const Options& options) {
+  const auto pairs = MNEME_TRY(test::pairs_to_check(file, robot, options.robot));
+  const auto checker = MNEME_TRY(CollisionChecker::make(robot, {}));
+  test::FclRobot oracle(robot);
+  Rng rng(options.seed);
+  Tally tally;
+  for (int i = 0; i < options.pairs; ++i) {
+    Problem problem{"pair", robot, {}, {"empty", {}}, free_configuration(checker, rng), {}, {}};
+    problem.goals = {free_configuration(checker, rng)};
+    SolveSettings settings;
+    settings.plan.timeout_s = options.timeout_s;
+    const SolveResult result = MNEME_TRY(solve(problem, nullptr, settings));
+    const bool is_solved = result.plan.is_solved();
+    tally.times_s.push_back(is_solved ? result.planning_time_s
+                                      : std::numeric_limits<double>::infinity());
+    if (!is_solved) continue;
+    ++tally.solved;
+    const std::string contact = contact_on(result.plan.path, oracle, pairs, robot, options.step);
+    if (contact.empty()) continue;
+    ++tally.touching;
+    fmt::print("  WRONG: pair {}: {} touch\n", i, contact);
+  }
+  return tally;
+}
+
+/// True if the robot loads and no path touches. Prints its row.
+bool run(const std::string& file, const Options& options) {
+  const double begin_s = cpu_time_s();
+  const auto loaded = load_approximated_robot(file, options.robot);
+  const double load_s = cpu_time_s() - begin_s;
+  const auto tally = loaded.and_then(
+      [&](const ApproximatedRobot& made) { return plan_pairs(file, made.robot, options); });
+  if (!tally) {
+    fmt::print("  WRONG: {}: {}\n", file, tally.error().message);
+    return false;
+  }
+  fmt::print("{:28} {:6} {:6.1f} {:6} {:7} {:8.2f} {:8.2f} {:8.2f} {:8}\n",
+             std::filesystem::path(file).stem().string(), loaded->robot.joint_count(), load_s,
+             loaded->robot.exact_pairs().size(), fmt::format("{}/{}", tally->solved, options.pairs),
+             1e3 * quantile(tally->times_s, 0.5), 1e3 * quantile(tally->times_s, 0.95),
+             1e3 * quantile(tally->times_s, 1), tally->touching);
+  std::fflush(stdout);
+  return tally->touching == 0;
+}
+
+}  // namespace
+}  // namespace mneme::soak
+
+int main(int argc, char** argv) {
+  mneme::soak::Options options;
+  CLI::App app("Loads robots, plans between random pairs, and has FCL check every path.");
+  app.add_option("files", options.files, "URDF files")->required();
+  app.add_option("--package-path", options.robot.package_paths, "directories of packages");
+  app.add_option("--group", options.robot.group, "group of the SRDF, or BASE_LINK:TIP_LINK");
+  app.add_option("--pairs", options.pairs, "plans per robot")->check(CLI::Range(1, 1000000));
+  app.add_option("--timeout", options.timeout_s, "seconds per plan")->check(CLI::PositiveNumber);
+  app.add_option("--step", options.step, "radians between the states that FCL checks")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", options.seed, "seed of the pairs");
+  CLI11_PARSE(app, argc, argv);
+  fmt::print("{:28} {:>6} {:>6} {:>6} {:>7} {:>8} {:>8} {:>8} {:>8}\n", "robot", "joints", "load s",
+             "exact", "solved", "p50 ms", "p95 ms", "max ms", "touching");
+  bool is_right = true;
+  for (const std::string& file : options.files) is_right &= mneme::soak::run(file, options);
+  return is_right ? 0 : 1;
+}
