@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/remember.h"
 
-#include "replay/push_off.h"
+#include "path/push_off.h"
 
 #include <algorithm>
 

@@ -4,7 +4,7 @@
 
 #include "base/threads.h"
 #include "path/waypoints.h"
-#include "replay/push_off.h"
+#include "path/push_off.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "replay/replay.h"
-#include "replay/push_off.h"
+#include "path/push_off.h"
 #include "support/deformation.h"
 #include "support/planar_memory.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "replay/push_off.h"
+#include "path/push_off.h"
 
 #include "base/as_index.h"
 #include "base/threads.h"
