@@ -143,4 +143,61 @@ inline constexpr std::string_view kEnclosedVersion = "enclosed/1";
                                                                 const EnclosedSettings& settings,
                                                                 std::uint64_t seed);
 
+/// Settings of make_composed_instances().
+struct ComposedSettings {
+  /// Least distance between the robot and a module's boxes along the module's motion, metres, up to
+  /// 1. Smaller is harder.
+  double clearance = 0.004;
+  double open = 0.05;  ///< distance that boxes keep elsewhere on the witness, metres, up to 1
+  int boxes = 600;     ///< number of boxes of a module; fewer if there is no room
+  std::array<double, 2> size = {0.03, 0.25};  ///< range of the full extents, metres, up to 10
+  int modules = 12;                           ///< number of modules to compose, up to 1000
+  int foreign = 0;  ///< number of further modules, which no instance contains, up to 1000
+  std::array<int, 2> passages = {1, 3};  ///< range of modules in an instance, up to 8
+  const std::atomic<bool>* cancel = nullptr;
+  std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
+};
+
+/// A passage: boxes around a short motion.
+struct ComposedModule {
+  Scene scene;
+  Path motion;  ///< three waypoints
+};
+
+/// A module in an instance.
+struct ComposedPart {
+  int module = 0;            ///< index into ComposedInstances::modules
+  double turn = 0;           ///< rotation about the robot's axis, radians
+  bool is_reversed = false;  ///< True: the witness follows the motion backwards
+};
+
+/// A problem with modules in series, each turned about the robot's axis.
+struct ComposedInstance {
+  Scene scene;
+  Configuration start;
+  Configuration goal;
+  Path witness;  ///< through all modules
+  std::vector<ComposedPart> parts;
+};
+
+struct ComposedInstances {
+  std::vector<ComposedModule> modules;  ///< those of instances first, then foreign ones
+  std::vector<ComposedInstance> instances;
+  int dropped = 0;  ///< candidates whose modules do not go together
+};
+
+/// Changes whenever the same arguments give other instances.
+inline constexpr std::string_view kComposedVersion = "composed/1";
+
+/// Random modules, and problems composed of them: what was learned in each module alone is met
+/// again at another place, in another order and direction. An instance with one module starts in it
+/// and ends in the open; with several it ends in the last one. Boxes that are in the way of the
+/// rest of the witness are left out, at most 60 % of a module. Neither experience nor planning
+/// times are used. Deterministic for equal robot, settings, seed and instruction set. Errors:
+/// settings out of range; a robot without a turning joint (SymmetricJoints); too few candidates
+/// that go together.
+[[nodiscard]] Result<ComposedInstances> make_composed_instances(const Robot& robot, int count,
+                                                                const ComposedSettings& settings,
+                                                                std::uint64_t seed);
+
 }  // namespace mneme
