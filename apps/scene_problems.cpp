@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme scene threaded, enclosed, repeat: compact files of random problems that have a path.
+/// mneme scene threaded, enclosed, composed, repeat: compact files of random problems that have a
+/// path.
 #include "mneme/benchmark.h"
 #include "mneme/instances.h"
 #include "mneme/planning.h"
@@ -15,12 +16,16 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace mneme::app {
 namespace {
@@ -33,7 +38,7 @@ constexpr int kMaxBoxes = 100000;
 constexpr std::uint64_t kProofIterations = 100000;
 constexpr double kMostMetres = 10;
 
-/// Options of all three commands.
+/// Options of all commands.
 struct GeneratorOptions {
   std::string robot;
   RobotOptions robot_options;
@@ -89,14 +94,17 @@ struct ThreadedOptions : GeneratorOptions {
   ThreadedSettings settings;
 };
 
-Result<void> set_depth(const std::array<double, 2>& depth, ThreadedSettings& settings) {
+/// The range as whole numbers from 1 to 1000; otherwise an error with this message.
+Result<std::array<int, 2>> whole_range(const std::array<double, 2>& range,
+                                       const std::string& message) {
+  std::array<int, 2> whole = {};
   for (std::size_t i = 0; i < 2; ++i) {
-    if (!(depth[i] >= 1 && depth[i] <= 1000) || depth[i] != std::floor(depth[i])) {
-      return fail(ErrorCode::invalid, "--depth: expected whole numbers of links, such as 3:5");
+    if (!(range[i] >= 1 && range[i] <= 1000) || range[i] != std::floor(range[i])) {
+      return fail(ErrorCode::invalid, message);
     }
-    settings.depth[i] = static_cast<int>(depth[i]);
+    whole[i] = static_cast<int>(range[i]);
   }
-  return {};
+  return whole;
 }
 
 Json to_json(const ThreadedOptions& options, const ThreadedInstances& made) {
@@ -122,7 +130,8 @@ Json to_json(const ThreadedOptions& options, const ThreadedInstances& made) {
 
 Result<ExitCode> run_threaded(const ThreadedOptions& given) {
   ThreadedOptions options = given;
-  MNEME_TRY(set_depth(options.depth, options.settings));
+  options.settings.depth = MNEME_TRY(
+      whole_range(options.depth, "--depth: expected whole numbers of links, such as 3:5"));
   const Robot robot = MNEME_TRY(load_named_robot(options.robot, {}, std::array{options.output}));
   Progress progress("threading");
   watch(options, progress, options.settings);
@@ -168,6 +177,87 @@ Result<ExitCode> run_enclosed(const EnclosedOptions& given) {
        {"dropped", made.dropped}},
       fmt::format("{} in {}", counted(made.instances.size(), "instance", "instances"),
                   options.output));
+}
+
+struct ComposedOptions : GeneratorOptions {
+  std::string lessons, foreign;  ///< files of modules; empty: not written
+  std::array<double, 2> passages = {1, 3};
+  ComposedSettings settings;
+};
+
+Json to_json(const ComposedInstance& instance) {
+  Json parts = Json::array();
+  for (const ComposedPart& part : instance.parts) {
+    parts.push_back(
+        {{"module", part.module}, {"turn", part.turn}, {"is_reversed", part.is_reversed}});
+  }
+  return parts;
+}
+
+/// Each problem with its witness and its modules.
+Json to_json(const ComposedOptions& options, const Robot& robot, const ComposedInstances& made) {
+  Json file;
+  for (std::size_t i = 0; i < made.instances.size(); ++i) {
+    const ComposedInstance& instance = made.instances[i];
+    const std::string name = fmt::format("c{}_{:04}_{}", options.seed, i, instance.parts.size());
+    const Problem problem{name, robot, "", instance.scene, instance.start, {instance.goal}, {}};
+    Json& entry = append_problem(problem, options.robot, file);
+    entry["witness"] = instance.witness;
+    entry["parts"] = to_json(instance);
+  }
+  file["generator"] = kComposedVersion;
+  return file;
+}
+
+/// A problem per module: its motion alone, from end to end.
+Json modules_to_json(const ComposedOptions& options, const Robot& robot,
+                     std::span<const ComposedModule> modules) {
+  Json file;
+  for (std::size_t i = 0; i < modules.size(); ++i) {
+    const ComposedModule& module = modules[i];
+    const std::string name = fmt::format("m{}_{:04}", options.seed, i);
+    const Problem problem{
+        name, robot, "", module.scene, module.motion.front(), {module.motion.back()}, {}};
+    append_problem(problem, options.robot, file)["witness"] = module.motion;
+  }
+  file["generator"] = kComposedVersion;
+  return file;
+}
+
+Result<ExitCode> run_composed(const ComposedOptions& given) {
+  ComposedOptions options = given;
+  options.settings.passages =
+      MNEME_TRY(whole_range(options.passages, "--passages: expected whole numbers, such as 1:3"));
+  std::vector<std::string> outputs = {options.output};
+  for (const std::string& file : {options.lessons, options.foreign}) {
+    if (!file.empty()) outputs.push_back(file);
+  }
+  if (!options.foreign.empty()) options.settings.foreign = options.settings.modules;
+  const Robot robot = MNEME_TRY(load_named_robot(options.robot, options.robot_options, outputs));
+  Progress progress("composing");
+  watch(options, progress, options.settings);
+  const auto made =
+      MNEME_TRY(make_composed_instances(robot, options.count, options.settings, options.seed));
+  const auto own =
+      std::min(made.modules.size(), static_cast<std::size_t>(options.settings.modules));
+  const std::span<const ComposedModule> modules = made.modules;
+  if (!options.lessons.empty()) {
+    const Json file = modules_to_json(options, robot, modules.first(own));
+    MNEME_TRY(write_file(options.lessons, file.dump() + "\n"));
+  }
+  if (!options.foreign.empty()) {
+    const Json file = modules_to_json(options, robot, modules.subspan(own));
+    MNEME_TRY(write_file(options.foreign, file.dump() + "\n"));
+  }
+  return write_problems(
+      options, to_json(options, robot, made),
+      {{"generator", kComposedVersion},
+       {"instances", made.instances.size()},
+       {"modules", own},
+       {"dropped", made.dropped}},
+      fmt::format("{} of {} in {}, {} candidates dropped",
+                  counted(made.instances.size(), "instance", "instances"),
+                  counted(own, "module", "modules"), options.output, made.dropped));
 }
 
 struct RepeatOptions : GeneratorOptions {
@@ -288,6 +378,34 @@ void add_scene_enclosed(CLI::App& group, Action& action) {
   add_range(command, "--size", options->settings.size, "full extents of a box, metres");
   add_number(command, "--through", options->settings.through, 0, 100,
              "random configurations on the path");
+}
+
+void add_scene_composed(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<ComposedOptions>();
+  options->robot = "panda";
+  options->count = 20;
+  CLI::App& command = add_generator(
+      group, action, "composed",
+      "Write random problems that consist of passages, and the passages alone",
+      "scene composed --robot panda --seed 1 -n 30 --modules 12 --passages 1:3 -o composed.json "
+      "--lessons lessons.json",
+      options, run_composed, kMostEnclosed);
+  command.add_option("--robot", options->robot, "URDF file or name (default panda)");
+  add_robot_flags(command, options->robot_options);
+  ComposedSettings& settings = options->settings;
+  command.add_option("--lessons", options->lessons,
+                     "compact file to write: each module that problems contain, alone");
+  command.add_option("--foreign", options->foreign,
+                     "compact file to write: as many modules that no problem contains");
+  add_number(command, "--modules", settings.modules, 1, 1000, "modules to compose");
+  add_range(command, "--passages", options->passages, "modules in a problem");
+  add_number(command, "--clearance", settings.clearance, 1e-4, 1,
+             "least distance between a module's boxes and the known path, metres");
+  add_number(command, "--open", settings.open, 1e-4, 1,
+             "distance that boxes keep to the rest of the known path, metres");
+  add_number(command, "--boxes", settings.boxes, 1, kMaxBoxes,
+             "boxes of a module, if there is room");
+  add_range(command, "--size", settings.size, "full extents of a box, metres");
 }
 
 void add_scene_repeat(CLI::App& group, Action& action) {
