@@ -23,7 +23,7 @@ struct LocalSampler : GaussianMixture {
   bool is_complete = true;
 };
 
-/// A whole path that solved a problem.
+/// A path that solved a problem, or a part of it.
 struct RememberedPath {
   int joint_count = 0;
   std::vector<float> waypoints;   ///< one configuration after the other, both ends included
@@ -31,6 +31,12 @@ struct RememberedPath {
                                   ///< none
   /// States checked while planning it, without shortening and improving. Empty if not measured.
   std::optional<std::uint64_t> planning_states;
+  /// Lower bound of the distance to obstacles where the path was learned, metres, per waypoint.
+  /// Empty: unknown.
+  std::vector<float> clearances = {};
+  /// Configurations next to the path that obstacles blocked where it was learned, one after the
+  /// other.
+  std::vector<float> near_misses = {};
 
   [[nodiscard]] int waypoint_count() const {
     return joint_count == 0 ? 0 : static_cast<int>(waypoints.size()) / joint_count;

@@ -72,7 +72,9 @@ std::optional<std::string> describe_key_flaw(const std::string& kind,
                      *flaw, kMaxKeyMagnitude);
 }
 
-bool holds_paths(std::string_view kind) { return kind.starts_with("paths/"); }
+bool holds_paths(std::string_view kind) {
+  return kind.starts_with("paths/") || kind.starts_with("motions/");
+}
 
 std::optional<std::string> KeySizes::check(std::string_view kind, std::size_t size) {
   const auto known = sizes_.find(kind);
@@ -115,6 +117,19 @@ std::optional<std::string> describe_sampler_flaw(const LocalSampler& sampler,
   return describe_factor_flaw(sampler, joints);
 }
 
+std::optional<std::string> describe_path_flaw(const RememberedPath& path,
+                                              const RobotSignature& signature) {
+  for (const auto& [what, rows] :
+       {std::pair("waypoints", &path.waypoints), std::pair("near misses", &path.near_misses)}) {
+    if (auto flaw = describe_joint_flaw(path.joint_count, *rows, what, signature)) return flaw;
+  }
+  const auto waypoints = static_cast<std::size_t>(path.waypoint_count());
+  if (!path.clearances.empty() && path.clearances.size() != waypoints) {
+    return fmt::format("it has {} clearances for {} waypoints", path.clearances.size(), waypoints);
+  }
+  return describe_not_finite(path.clearances, "clearances");
+}
+
 }  // namespace
 
 std::optional<std::string> describe_flaw(const Experience& experience,
@@ -126,8 +141,7 @@ std::optional<std::string> describe_flaw(const Experience& experience,
                        experience.is_path() ? "path" : "sampler", experience.kind);
   }
   if (!experience.is_path()) return describe_sampler_flaw(experience.sampler(), signature);
-  const RememberedPath& path = experience.path();
-  return describe_joint_flaw(path.joint_count, path.waypoints, "waypoints", signature);
+  return describe_path_flaw(experience.path(), signature);
 }
 
 bool is_same_constraints(std::uint64_t stored, std::uint64_t wanted) {

@@ -27,7 +27,7 @@ inline constexpr std::size_t kMostKindBytes = 64;
 [[nodiscard]] std::optional<std::string> describe_key_flaw(const std::string& kind,
                                                            const std::vector<double>& key);
 
-/// True if rows of `kind` hold whole paths; other kinds hold samplers.
+/// True if rows of `kind` hold paths; other kinds hold samplers.
 [[nodiscard]] bool holds_paths(std::string_view kind);
 
 /// Key length of each kind.

@@ -34,6 +34,9 @@ EncodedRow::EncodedRow(const Experience& experience) {
   if (experience.is_path()) {
     const RememberedPath& path = experience.path();
     blobs_[1] = to_bytes(path.waypoints);
+    std::vector<float> surroundings = path.clearances;
+    surroundings.insert(surroundings.end(), path.near_misses.begin(), path.near_misses.end());
+    blobs_[3] = to_bytes(surroundings);
     columns.is_path = true;
     columns.constraints = std::bit_cast<std::int64_t>(path.constraints);
     if (path.planning_states) {
@@ -146,6 +149,14 @@ std::int64_t tally_mark(std::int64_t id, std::int64_t checksum) {
 
 namespace {
 
+/// A path's column of factors holds its clearances, then its near misses.
+void split_surroundings(const std::vector<float>& surroundings, RememberedPath& path) {
+  const auto first = surroundings.begin();
+  const auto count = std::min<std::ptrdiff_t>(path.waypoint_count(), std::ssize(surroundings));
+  path.clearances.assign(first, first + count);
+  path.near_misses.assign(first + count, surroundings.end());
+}
+
 /// Everything except id, kind and key.
 std::optional<std::string> decode_content(const RowView& columns, const RobotSignature& signature,
                                           Experience& experience) {
@@ -157,7 +168,10 @@ std::optional<std::string> decode_content(const RowView& columns, const RobotSig
     if (columns.planning_states) {
       path.planning_states = std::bit_cast<std::uint64_t>(*columns.planning_states);
     }
-    is_whole = from_bytes(columns.means, path.waypoints);
+    std::vector<float> surroundings;
+    is_whole =
+        from_bytes(columns.means, path.waypoints) && from_bytes(columns.factors, surroundings);
+    split_surroundings(surroundings, path);
   } else {
     LocalSampler& sampler = experience.content.emplace<LocalSampler>();
     sampler.joint_count = signature.joint_count;

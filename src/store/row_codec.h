@@ -62,7 +62,8 @@ struct RowView {
   bool is_path = false;
   std::span<const std::byte> means;             ///< of a sampler, or waypoints: float32 each
   std::span<const std::byte> factor_rows;       ///< int32 each
-  std::span<const std::byte> factors;           ///< float32 each
+  std::span<const std::byte> factors;           ///< of a sampler, or a path's clearances and near
+                                                ///< misses: float32 each
   std::span<const std::byte> sources;           ///< int32 each
   bool is_complete = true;                      ///< of a sampler
   std::optional<std::int64_t> planning_states;  ///< the bits of the unsigned number
