@@ -177,7 +177,9 @@ std::string json_of(const RememberedPath& path) {
       R"("waypoints":{},"constraints":{})",
       table_of(path.waypoints, static_cast<std::size_t>(path.joint_count)), path.constraints);
   if (path.planning_states) text += fmt::format(R"(,"planning_states":{})", *path.planning_states);
-  return text;
+  if (path.clearances.empty() && path.near_misses.empty()) return text;
+  return text + fmt::format(R"(,"clearances":{},"near_misses":{})", list_of<float>(path.clearances),
+                            table_of(path.near_misses, static_cast<std::size_t>(path.joint_count)));
 }
 
 LocalSampler parse_sampler(Fields& fields) {
@@ -205,6 +207,8 @@ RememberedPath parse_path(Fields& fields) {
   path.joint_count = static_cast<int>(joints);
   path.constraints = fields.whole_number("constraints");
   if (fields.has("planning_states")) path.planning_states = fields.whole_number("planning_states");
+  if (fields.has("clearances")) path.clearances = fields.list<float>("clearances");
+  if (fields.has("near_misses")) path.near_misses = fields.table("near_misses", joints);
   return path;
 }
 
