@@ -70,6 +70,8 @@ py::dict to_dict(const Experience& experience) {
   if (experience.is_path()) {
     row["constraints"] = experience.path().constraints;
     row["planning_states"] = experience.path().planning_states;
+    row["clearances"] = experience.path().clearances;
+    row["near_misses"] = experience.path().near_misses;
   } else {
     row["is_complete"] = experience.sampler().is_complete;
   }
