@@ -199,8 +199,11 @@ class CollisionChecker {
   [[nodiscard]] bool is_valid(std::span<const double> q) const;
 
   /// Checks one configuration per row of the row-major `configurations`. Writes 0 or 1 per row to
-  /// `is_valid`.
-  void check_states(std::span<const float> configurations, std::span<std::uint8_t> is_valid) const;
+  /// `is_valid`. `extra_margin`, metres, up to 0.25, is added to the margin; negative, it deflates
+  /// the robot's shapes, by no more than their radii, for filters. Pairs that are checked by exact
+  /// geometry ignore it.
+  void check_states(std::span<const float> configurations, std::span<std::uint8_t> is_valid,
+                    double extra_margin = 0) const;
 
   /// True if the states of the straight motion after `from`, up to and including `to`, are valid at
   /// the resolution. `from` itself is assumed valid. Continuous joints turn the shorter way.

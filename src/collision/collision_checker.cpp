@@ -249,11 +249,13 @@ bool CollisionChecker::is_valid(std::span<const double> q) const {
 }
 
 void CollisionChecker::check_states(std::span<const float> configurations,
-                                    std::span<std::uint8_t> is_valid) const {
+                                    std::span<std::uint8_t> is_valid, double extra_margin) const {
   const Tables& t = *tables_;
   assert(configurations.size() == is_valid.size() * t.joints());
+  assert(t.can_keep(extra_margin));
+  const float margin = t.margin + static_cast<float>(extra_margin);
   t.kernels->check_states(*t.world.robot, t.world.scene, configurations.data(),
-                          static_cast<int>(is_valid.size()), t.margin, is_valid.data());
+                          static_cast<int>(is_valid.size()), margin, is_valid.data());
   const std::size_t joints = t.joints();
   for (std::size_t i = 0; i < is_valid.size(); ++i) {
     const auto q = configurations.subspan(i * joints, joints);

@@ -28,12 +28,10 @@ HWY_INLINE V squared(V x) { return hn::Mul(x, x); }
 HWY_INLINE V lanes_of(float x) { return splat(x); }
 HWY_INLINE V lanes_of(V x) { return x; }
 
-/// One margin for all bodies.
+/// One margin for all bodies; negative, it deflates them.
 class EvenMargins {
  public:
-  HWY_INLINE explicit EvenMargins(float margin) : margin_(margin) {
-    assert(margin >= 0 && std::isfinite(margin));
-  }
+  HWY_INLINE explicit EvenMargins(float margin) : margin_(margin) { assert(std::isfinite(margin)); }
 
   HWY_INLINE void follow(const Pose*) const {}
 
