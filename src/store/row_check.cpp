@@ -124,7 +124,8 @@ std::optional<std::string> describe_path_flaw(const RememberedPath& path,
     if (auto flaw = describe_joint_flaw(path.joint_count, *rows, what, signature)) return flaw;
   }
   const auto waypoints = static_cast<std::size_t>(path.waypoint_count());
-  if (!path.clearances.empty() && path.clearances.size() != waypoints) {
+  const bool has_surroundings = !path.clearances.empty() || !path.near_misses.empty();
+  if (has_surroundings && path.clearances.size() != waypoints) {
     return fmt::format("it has {} clearances for {} waypoints", path.clearances.size(), waypoints);
   }
   return describe_not_finite(path.clearances, "clearances");

@@ -66,6 +66,8 @@ inline Experience random_path(Rng& rng) {
   for (int i = 0; i < 15; ++i) path.waypoints.push_back(static_cast<float>(rng.uniform(-3, 3)));
   path.constraints = rng.next();
   path.planning_states = rng.next();
+  for (int i = 0; i < 5; ++i) path.clearances.push_back(static_cast<float>(rng.uniform(0, 1)));
+  for (int i = 0; i < 6; ++i) path.near_misses.push_back(static_cast<float>(rng.uniform(-3, 3)));
   experience.provenance = {"test", "solved", rng.next(), "2020-01-02T03:04:05Z"};
   return experience;
 }
@@ -87,6 +89,8 @@ inline bool is_same_content(const Experience& a, const Experience& b) {
     return a.path().joint_count == b.path().joint_count &&
            a.path().waypoints == b.path().waypoints &&
            a.path().constraints == b.path().constraints &&
+           a.path().clearances == b.path().clearances &&
+           a.path().near_misses == b.path().near_misses &&
            a.path().planning_states == b.path().planning_states;
   }
   const LocalSampler &one = a.sampler(), &other = b.sampler();

@@ -61,6 +61,28 @@ TEST_SUITE("unit") {
           "it holds a sampler, which rows of kind 'paths/1' cannot");
   }
 
+  TEST_CASE("a path has a clearance per waypoint, and near misses only with clearances") {
+    Rng rng(43);
+    const auto flaw_of = [&](const std::function<void(RememberedPath&)>& change) {
+      Experience row = random_path(rng);
+      row.kind = "motions/1";
+      change(row.path());
+      return internal::describe_flaw(row, arm_signature()).value_or("");
+    };
+    CHECK(flaw_of([](RememberedPath&) {}).empty());
+    CHECK(flaw_of([](RememberedPath& path) {
+            path.clearances.clear();
+            path.near_misses.clear();
+          }).empty());
+    CHECK(flaw_of([](RememberedPath& path) { path.clearances.clear(); }) ==
+          "it has 0 clearances for 5 waypoints");
+    CHECK(flaw_of([](RememberedPath& path) { path.clearances.pop_back(); }) ==
+          "it has 4 clearances for 5 waypoints");
+    CHECK(flaw_of([](RememberedPath& path) { path.near_misses.pop_back(); }) ==
+          "its 5 near misses are not a multiple of 3");
+    CHECK(flaw_of([](RememberedPath& path) { path.clearances[1] = NAN; }).find("number 1 of") == 0);
+  }
+
   TEST_CASE("a key of the wrong size or with a number that is no length is a flaw") {
     CHECK(flaw_after([](Experience& e) { e.key.clear(); }) == "its key has no numbers");
     internal::KeySizes sizes;

@@ -195,6 +195,9 @@ TEST_SUITE("law") {
     CHECK(path_hash() == hash_of_path);
     path.constraints = 8;
     CHECK(path_hash() != hash_of_path);
+    path.constraints = 0;
+    path.clearances.assign(static_cast<std::size_t>(path.waypoint_count()), 0.25f);
+    CHECK(path_hash() != hash_of_path);
   }
 }
 
