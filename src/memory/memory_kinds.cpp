@@ -13,11 +13,11 @@ namespace mneme {
 namespace internal {
 
 // To add a kind, define it in its own file and add its name to these two lists.
-extern const MemoryKind kCirclePairs, kBodyPairs, kWholePaths;
+extern const MemoryKind kCirclePairs, kBodyPairs, kLocalMotions, kWholePaths;
 
 namespace {
 
-constexpr std::array kMemoryKinds = {&kCirclePairs, &kBodyPairs, &kWholePaths};
+constexpr std::array kMemoryKinds = {&kCirclePairs, &kBodyPairs, &kLocalMotions, &kWholePaths};
 constexpr KindTable kAllKinds(kMemoryKinds);
 
 template <class Value>

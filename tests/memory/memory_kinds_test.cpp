@@ -146,7 +146,7 @@ TEST_SUITE("unit") {
   TEST_CASE("every kind has a test of its own") {
     for (const MemoryKind* kind : memory_kinds()) {
       std::string text;
-      for (const char* name : {"circle_pairs", "body_pairs", "whole_paths"}) {
+      for (const char* name : {"circle_pairs", "body_pairs", "motions", "whole_paths"}) {
         text += read_file(source_file("tests/memory/" + std::string(name) + "_test.cpp"));
       }
       CHECK_MESSAGE(text.find("\"" + std::string(kind->name) + "\"") != std::string::npos,
