@@ -198,6 +198,17 @@ class SearchLimit {
   [[nodiscard]] virtual bool may_go_on(std::uint64_t iterations) = 0;
 };
 
+/// Remembered motions at the places where they fit into the scene. Belongs to one search.
+class MotionSource {
+ public:
+  virtual ~MotionSource() = default;
+  /// Looks for the places of one more remembered motion and appends the motion at each of them,
+  /// configurations row by row. They may be in contact. Adds the checked states to `counters`.
+  /// Returns false once no motion is left.
+  [[nodiscard]] virtual bool find_more(std::vector<std::vector<float>>& placed,
+                                       CheckCounters& counters) = 0;
+};
+
 /// One call of a planner. Refers to its arguments.
 struct PlanTask {
   const CollisionChecker& checker;
@@ -209,6 +220,7 @@ struct PlanTask {
   std::string_view valid_states = {};
   GoalSource* further_goals = nullptr;  ///< more goals for a long search; null: none
   SearchLimit* limit = nullptr;         ///< beyond those of the settings; null: none
+  MotionSource* motions = nullptr;      ///< for rrt_connect; null: none
 };
 
 /// Must not throw. Errors: a file that the planner needs cannot be read.

@@ -52,7 +52,8 @@ PlannerRun::PlannerRun(const PlanTask& task)
       further_goals_(task.further_goals),
       work_per_clock_check_(work_per_clock_check(checker_.scene())),
       stream_(task.sampler.start(settings_.seed)),
-      limit_(task.limit) {
+      limit_(task.limit),
+      motions_(task.motions) {
   const Robot& robot = checker_.robot();
   start_ = to_floats(robot.normalized(query_.start));
   for (const Configuration& goal : query_.goals) add_goal(goal);

@@ -21,7 +21,7 @@ namespace mneme::internal {
 using FloatPath = std::vector<std::vector<float>>;
 
 /// Random streams of one run. Smaller numbers belong to the sampler.
-enum class RngStream : std::uint64_t { goals = 16, relief, anchors, walks };
+enum class RngStream : std::uint64_t { goals = 16, relief, anchors, walks, bridges };
 
 /// One call of a planner. Not thread-safe.
 class PlannerRun {
@@ -86,6 +86,11 @@ class PlannerRun {
            (!shorten_and_verify_.has_refused_often() || would_pass(from, to));
   }
   [[nodiscard]] const CollisionChecker& checker() const { return checker_; }
+  [[nodiscard]] std::uint64_t states_checked() const { return counters_.states; }
+  /// Counts states that others have checked for this run.
+  void count_states(std::uint64_t states) { counters_.states += states; }
+  /// Remembered motions; may be null.
+  [[nodiscard]] MotionSource* motions() const { return motions_; }
   void check_states(std::span<const float> configurations, std::span<std::uint8_t> is_valid) {
     counters_.states += is_valid.size();
     checker_.check_states(configurations, is_valid);
@@ -142,6 +147,7 @@ class PlannerRun {
   std::uint64_t work_per_clock_check_;
   std::unique_ptr<SampleStream> stream_;
   SearchLimit* limit_;
+  MotionSource* motions_;
   CheckCounters counters_;
   PlanResult result_;
   bool is_stopped_ = false;

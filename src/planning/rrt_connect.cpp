@@ -7,9 +7,11 @@
 // still
 //   in a passage. It grows towards a sample until blocked.
 // - Nodes that could not be extended have bounded domains.
+// - Remembered motions are appended to either tree as a whole.
 // - If a motion of a path fails verification, its branch is removed and planning continues.
 #include "mneme/planning.h"
 
+#include "planning/bridges.h"
 #include "planning/growth.h"
 #include "planning/planner_run.h"
 #include "planning/tree.h"
@@ -24,7 +26,7 @@ namespace {
 class RrtConnect {
  public:
   explicit RrtConnect(PlannerRun& run)
-      : run_(run), start_tree_(run_, 0), goal_tree_(run_, 1), growth_(run_) {
+      : run_(run), start_tree_(run_, 0), goal_tree_(run_, 1), growth_(run_), bridges_(run_) {
     start_tree_.add(run.start(), -1);
     for (const std::vector<float>& goal : run.goals()) goal_tree_.add(goal, -1);
   }
@@ -33,6 +35,11 @@ class RrtConnect {
     for (;;) {
       for (std::size_t i = run_.take_further_goals(); i < run_.goals().size(); ++i) {
         goal_tree_.add(run_.goals()[i], -1);
+      }
+      if (bridges_.is_due()) {
+        if (run_.begin_iterations() == 0) return run_.give_up(node_count());
+        if (is_solved_by_bridge()) return run_.finish(node_count());
+        continue;
       }
       const bool is_forward = start_tree_.size() <= goal_tree_.size();
       Tree& growing = is_forward ? start_tree_ : goal_tree_;
@@ -57,6 +64,18 @@ class RrtConnect {
   }
 
  private:
+  /// Appends a remembered motion to a tree; true if this leads to a path.
+  bool is_solved_by_bridge() {
+    const int graph = bridges_.choose_tree();
+    Tree& growing = graph == 0 ? start_tree_ : goal_tree_;
+    Tree& other = graph == 0 ? goal_tree_ : start_tree_;
+    const int node = bridges_.append(growing, graph);
+    if (node < 0) return false;
+    const int facing = other.connect(other.nearest(growing[node]), growing[node]);
+    if (facing < 0) return false;
+    return graph == 0 ? is_path_verified(node, facing) : is_path_verified(facing, node);
+  }
+
   /// Joins the branches that meet at `start_node` and `goal_node`. If a motion fails verification,
   /// removes the branch after it; the motion between the trees belongs to neither.
   bool is_path_verified(int start_node, int goal_node) {
@@ -82,6 +101,7 @@ class RrtConnect {
   PlannerRun& run_;
   Tree start_tree_, goal_tree_;
   Growth growth_;
+  Bridges bridges_;
   FloatPath path_;
 };
 

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "planning/bridges.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+/// Iterations before the first motion: easy problems do not pay for memory.
+constexpr std::uint64_t kFirstBridge = 1000;
+/// Probability of appending a motion instead of growing a tree.
+constexpr double kBridgeShare = 0.1;
+/// Largest share of the search's work that finding motions takes. Work is checked states and
+/// iterations, which take about as long.
+constexpr double kFindingShare = 0.3;
+
+}  // namespace
+
+Bridges::Bridges(PlannerRun& run)
+    : run_(run), rng_(run.make_rng(RngStream::bridges)), is_more_left_(run.motions() != nullptr) {}
+
+bool Bridges::is_due() {
+  if (run_.iterations() < kFirstBridge) return false;
+  const auto work = static_cast<double>(run_.states_checked() + run_.iterations());
+  if (is_more_left_ && static_cast<double>(finding_) < kFindingShare * work) find_more();
+  return !motions_.empty() && rng_.uniform() < kBridgeShare;
+}
+
+void Bridges::find_more() {
+  const std::uint64_t before = run_.states_checked();
+  std::vector<std::vector<float>> found;
+  CheckCounters counters;
+  is_more_left_ = run_.motions()->find_more(found, counters);
+  run_.count_states(counters.states);
+  for (const std::vector<float>& rows : found) add_free_stretches(rows);
+  finding_ += run_.states_checked() - before;
+}
+
+void Bridges::add_free_stretches(std::span<const float> rows) {
+  const std::size_t joints = run_.start().size();
+  FloatPath states;
+  const auto finish = [&] {
+    if (states.size() > 1) motions_.push_back({std::move(states), {}});
+    states.clear();
+  };
+  for (; !rows.empty(); rows = rows.subspan(joints)) {
+    const std::span<const float> q = rows.first(joints);
+    const bool is_free = this->is_free(q);
+    if (!states.empty() && !(is_free && run_.is_motion_valid(states.back(), q))) finish();
+    if (is_free) states.emplace_back(q.begin(), q.end());
+  }
+  finish();
+}
+
+bool Bridges::is_free(std::span<const float> q) {
+  std::uint8_t is_valid = 0;
+  run_.check_states(q, {&is_valid, 1});
+  return is_valid != 0;
+}
+
+int Bridges::append(Tree& tree, int graph) {
+  const auto in_tree = static_cast<std::size_t>(graph);
+  std::vector<Motion*> open;
+  for (Motion& motion : motions_) {
+    if (!motion.is_in_tree[in_tree]) open.push_back(&motion);
+  }
+  if (open.empty()) return -1;
+  Motion& motion = *open[rng_.index(static_cast<std::uint32_t>(open.size()))];
+  const bool is_reversed = rng_.uniform() < 0.5;
+  const std::vector<float>& end = is_reversed ? motion.states.back() : motion.states.front();
+  int node = tree.connect(tree.nearest(end), end);
+  if (node < 0) return -1;
+  motion.is_in_tree[in_tree] = true;
+  const std::size_t count = motion.states.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    node = tree.add(motion.states[is_reversed ? count - 1 - i : i], node);
+  }
+  return node;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Remembered motions in a search with two trees.
+#pragma once
+
+#include "planning/planner_run.h"
+#include "planning/tree.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace mneme::internal {
+
+/// Looks for places of remembered motions during a search, and appends motions that are found to
+/// either tree as a whole. A motion through a narrow passage then needs to be reached at one end
+/// only. Not thread-safe.
+class Bridges {
+ public:
+  explicit Bridges(PlannerRun& run);
+
+  /// Returns true if the next iteration should append a motion. Looks for another motion before,
+  /// as long as this has taken less than a share of the search's work.
+  [[nodiscard]] bool is_due();
+  /// The tree to append to next: 0 or 1.
+  [[nodiscard]] int choose_tree() { return rng_.uniform() < 0.5 ? 0 : 1; }
+  /// Connects `tree`, number `graph`, to an end of a random motion that it does not hold, and
+  /// appends the motion. Returns the last new node, or -1 if the end is not reached.
+  int append(Tree& tree, int graph);
+
+ private:
+  struct Motion {
+    FloatPath states;  ///< joined by free motions
+    std::array<bool, 2> is_in_tree = {};
+  };
+
+  void find_more();
+  void add_free_stretches(std::span<const float> rows);
+  [[nodiscard]] bool is_free(std::span<const float> q);
+
+  PlannerRun& run_;
+  Rng rng_;
+  bool is_more_left_;
+  std::uint64_t finding_ = 0;  ///< states checked to find motions
+  std::vector<Motion> motions_;
+};
+
+}  // namespace mneme::internal

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Remembered motions in a search.
+#include "planning/planner_flow.h"
+
+#include <utility>
+#include <vector>
+
+namespace mneme::test {
+namespace {
+
+/// Gives one list of motions per call.
+class ScriptedMotions final : public MotionSource {
+ public:
+  using Rows = std::vector<std::vector<float>>;
+  explicit ScriptedMotions(std::vector<Rows> lists, std::uint64_t states_per_call = 0)
+      : lists_(std::move(lists)), states_per_call_(states_per_call) {}
+  bool find_more(Rows& placed, CheckCounters& counters) override {
+    REQUIRE(calls_ < lists_.size());
+    counters.states += states_per_call_;
+    placed = lists_[calls_++];
+    return calls_ < lists_.size();
+  }
+  [[nodiscard]] std::size_t calls() const { return calls_; }
+
+ private:
+  std::vector<Rows> lists_;
+  std::uint64_t states_per_call_;
+  std::size_t calls_ = 0;
+};
+
+/// A ball before a hole that leaves it 2 mm.
+World narrow_hole() {
+  return {"hole", gantry(), wall_with_hole(0.204), {{-1.5, 1, 0.5}, {{1.5, -1, -0.5}}}};
+}
+
+/// Straight through the hole and on to `last`, at `height`.
+std::vector<float> through_the_hole(float last, float height = 0) {
+  std::vector<float> rows;
+  for (float x = -0.3f; x <= last + 1e-3f; x += 0.1f) rows.insert(rows.end(), {x, 0, height});
+  return rows;
+}
+
+PlanResult plan_with_motions(const World& world, MotionSource* motions) {
+  PlanSettings settings = patient_settings();
+  settings.max_iterations = 60000;
+  const CollisionChecker checker = make_checker(world);
+  const auto sampler = make_uniform_sampler(world.robot);
+  PathFinisher finisher(checker, settings.finish());
+  PlanTask task{checker, world.query, *sampler, settings, finisher};
+  task.motions = motions;
+  PlanResult result = rrt_connect(task);
+  if (result.is_solved()) check_solution(world, checker, result);
+  return result;
+}
+
+}  // namespace
+
+TEST_SUITE("flow") {
+  TEST_CASE("a motion through a hole saves the search for it") {
+    const World world = narrow_hole();
+    const PlanResult without = plan_with_motions(world, nullptr);
+    ScriptedMotions motions({{through_the_hole(0.3f)}});
+    const PlanResult with = plan_with_motions(world, &motions);
+    REQUIRE(with.is_solved());
+    CHECK(with.iterations < 2000);
+    CHECK(with.iterations * 5 < without.iterations);
+    ScriptedMotions again({{through_the_hole(0.3f)}});
+    CHECK(plan_with_motions(world, &again).path == with.path);
+  }
+
+  TEST_CASE("of a motion in contact the free stretches are used") {
+    const World world = narrow_hole();
+    std::vector<float> rows = through_the_hole(0.3f);
+    const std::vector<float> blocked = through_the_hole(0.3f, 0.5f);
+    rows.insert(rows.end(), blocked.begin(), blocked.end());
+    ScriptedMotions motions({{blocked, rows}});
+    const PlanResult result = plan_with_motions(world, &motions);
+    REQUIRE(result.is_solved());
+    CHECK(result.iterations < 4000);
+  }
+
+  TEST_CASE("motions are looked for late, and for a share of the work") {
+    const World open{"open", gantry(), {}, {{-1.5, 1, 0}, {{1.5, -1, 1}}}};
+    ScriptedMotions unused(std::vector<ScriptedMotions::Rows>(1));
+    CHECK(plan_with_motions(open, &unused).is_solved());
+    CHECK(unused.calls() == 0);
+    const std::uint64_t states = 100000;
+    ScriptedMotions useless(std::vector<ScriptedMotions::Rows>(100), states);
+    const PlanResult result = plan_with_motions(narrow_hole(), &useless);
+    CHECK(useless.calls() > 0);
+    CHECK(static_cast<double>((useless.calls() - 1) * states) <
+          0.3 * static_cast<double>(result.states_checked));
+  }
+}
+
+}  // namespace mneme::test
