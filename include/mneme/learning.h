@@ -108,8 +108,9 @@ struct LearnJob : LearnRun {
 
 /// Settings of lessons that solve problems repeatedly.
 struct ProblemLesson : LearnRun {
-  int paths = 5;          ///< per problem
-  double timeout_s = 10;  ///< per path, 0 to 1e6
+  int paths = 5;                              ///< per problem
+  double timeout_s = 10;                      ///< per path, 0 to 1e6
+  std::optional<double> walk = std::nullopt;  ///< PlanSettings::walk
 };
 
 struct RepeatedPlan {

@@ -80,6 +80,7 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
   PlanSettings settings;
   settings.timeout_s = lesson.timeout_s;
   settings.cancel = lesson.cancel;
+  settings.walk = lesson.walk;
   RepeatedPlan repeated;
   for (int i = 0; i < lesson.paths && !internal::is_cancelled(lesson); ++i) {
     settings.seed = derive_seed(lesson.seed, static_cast<std::uint64_t>(i));
@@ -96,7 +97,13 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
 
 Result<LearnSummary> learn_from_problems(std::span<const Problem> problems,
                                          const MemorySettings& memory, Database& database,
-                                         const ProblemLesson& lesson) {
+                                         const ProblemLesson& given) {
+  ProblemLesson lesson = given;
+  if (lesson.walk == std::nullopt && memory.kind) {
+    const MemoryKind* const kind = MNEME_TRY(find_memory_kind(*memory.kind));
+    // Among many boxes a walk's step costs a hundred iterations, and passages alone need none.
+    if (kind->is_placed_by_checking) lesson.walk = 0;
+  }
   auto open = MNEME_TRY(open_problems(problems, memory, lesson, database));
   const internal::Tasks tasks = {
       std::move(open), static_cast<std::int64_t>(problems.size()),

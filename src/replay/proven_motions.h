@@ -6,6 +6,8 @@
 
 #include "mneme/planning.h"
 
+#include "memory/local_motions.h"
+
 #include <cstddef>
 #include <memory>
 #include <mutex>
@@ -63,11 +65,14 @@ class StaticCell {
   /// True if start and goals are known to be valid and free of contact.
   [[nodiscard]] bool are_clear(const PlanQuery& ends) const;
   void add_clear(const PlanQuery& ends);
+  /// Places of remembered motions that are known in this scene.
+  [[nodiscard]] KnownPlaces& places() { return places_; }
 
  private:
   CollisionChecker checker_;
   ProvenMotions by_states_, by_motions_;
   ProvenMotions clear_;  ///< from a state to itself
+  KnownPlaces places_;
 };
 
 /// A checker for the motions between `ends`, and its cell.
