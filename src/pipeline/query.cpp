@@ -27,6 +27,7 @@ Result<void> check_robot(const Robot& robot, const Database& database) {
 }
 
 bool replays(const MemoryKind* kind) { return kind->can_replay(); }
+bool is_placed(const MemoryKind* kind) { return kind->is_placed_by_checking; }
 
 /// Returns the kind of the settings; otherwise the known kinds in the database; otherwise, for an
 /// empty or missing (null) database, the robot's default. Replay adds a kind that can replay.
@@ -50,6 +51,10 @@ Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Da
   const bool only_remembers = settings.remember_after && settings.learn_budget_s == 0;
   if (kinds.empty()) {
     kinds.push_back(only_remembers ? &default_kind_of_paths(robot) : &default_memory_kind(robot));
+  }
+  if (only_remembers && std::ranges::none_of(kinds, is_placed)) {
+    const MemoryKind* motions = *std::ranges::find_if(memory_kinds(), is_placed);
+    if (motions->handles(robot)) kinds.push_back(motions);
   }
   if (settings.replay > 0 && std::ranges::none_of(kinds, replays)) {
     kinds.push_back(*std::ranges::find_if(memory_kinds(), replays));

@@ -3,6 +3,7 @@
 #include "pipeline/race.h"
 
 #include "base/threads.h"
+#include "pipeline/motion_memory.h"
 
 #include <algorithm>
 #include <atomic>
@@ -54,15 +55,20 @@ class CountingSampler final : public Sampler {
 };
 
 Result<PlanResult> search(const RaceTask& task, const Sampler& sampler,
-                          const PlanSettings& settings, SearchLimit* limit) {
+                          const PlanSettings& settings, SearchLimit* limit, MotionPlaces& places) {
   const ResolvedQuery& resolved = task.resolved;
+  MotionMemory motions(resolved);
   const Query& query = resolved.query;
   std::optional<PoseGoalSource> further_goals = resolved.further_goals;
   PathFinisher shorten_and_verify(resolved.checker, settings.finish());
   const std::string_view valid_states =
       query.sampler.samples_valid_states ? query.sampler.name : "";
-  return query.planner.plan({resolved.checker, resolved.ends, sampler, settings, shorten_and_verify,
-                             valid_states, further_goals ? &*further_goals : nullptr, limit});
+  auto planned =
+      query.planner.plan({resolved.checker, resolved.ends, sampler, settings, shorten_and_verify,
+                          valid_states, further_goals ? &*further_goals : nullptr, limit,
+                          MotionMemory::is_used(query) ? &motions : nullptr});
+  places = motions.take_found();
+  return planned;
 }
 
 class Race {
@@ -76,7 +82,7 @@ class Race {
     threads_.join();
     Entrant& first = winner();
     if (!*first.planned) return tl::unexpected(first.planned->error());
-    RaceResult result{**std::move(first.planned), first.samples};
+    RaceResult result{**std::move(first.planned), first.samples, std::move(first.places)};
     if (plan_settings().observer != nullptr) show(first);
     return result;
   }
@@ -105,6 +111,7 @@ class Race {
     bool is_beaten = false;  ///< True: paths found later do not count.
     std::uint64_t samples = 0;
     std::optional<Result<PlanResult>> planned;
+    MotionPlaces places;
 
    private:
     Race& race_;
@@ -129,7 +136,7 @@ class Race {
 
   void run(Entrant& entrant) {
     const CountingSampler sampler(task_.sampler, entrant.samples);
-    entrant.planned = search(task_, sampler, settings_of(entrant.index), &entrant);
+    entrant.planned = search(task_, sampler, settings_of(entrant.index), &entrant, entrant.places);
     if (!entrant.has_path()) return;
     const std::uint64_t rank = entrant.rank((*entrant.planned)->iterations);
     std::uint64_t best = best_.load();
@@ -170,7 +177,8 @@ class Race {
     PlanSettings settings = settings_of(entrant.index);
     settings.timeout_s = timeout_s_;
     settings.observer = plan_settings().observer;
-    static_cast<void>(search(task_, task_.sampler, settings, nullptr));
+    MotionPlaces places;
+    static_cast<void>(search(task_, task_.sampler, settings, nullptr, places));
   }
 
   const RaceTask& task_;
@@ -188,9 +196,9 @@ Result<RaceResult> race(const RaceTask& task) {
   if (task.resolved.query.settings.threads > 1) return Race(task).run();
   PlanSettings settings = task.resolved.query.settings.plan;
   settings.timeout_s = task.resolved.query.remaining_s();
-  return search(task, task.sampler, settings, nullptr).map([](PlanResult plan) {
-    return RaceResult{std::move(plan)};
-  });
+  RaceResult result;
+  result.plan = MNEME_TRY(search(task, task.sampler, settings, nullptr, result.places));
+  return result;
 }
 
 }  // namespace mneme::internal

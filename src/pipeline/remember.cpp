@@ -49,6 +49,8 @@ Remembered remember(const ResolvedQuery& resolved, const PlanResult& plan,
   if (!is_wanted) return remembered;
   const Stopwatch stopwatch;
   for (const KindSettings& kind : query.kinds) {
+    if (planning_states + plan.iterations < kind.kind->least_work) continue;
+    if (kind.kind->is_placed_by_checking && !query.problem.constraints.empty()) continue;
     if (const auto rows = insert_solved(resolved, plan.path, kind, planning_states)) {
       remembered.rows += *rows;
       remembered.is_queued = *rows > 0 && query.database->is_queued();

@@ -152,6 +152,8 @@ Result<SolveResult> solve_as_given(const Problem& problem, Database* database,
     RaceResult planned = MNEME_TRY(internal::race({resolved, *sampler}));
     MNEME_TRY(memory.check(planned.samples));
     const std::uint64_t planning_states = planned.plan.states_checked;
+    // Only a query that may change the memory changes how later ones are planned.
+    if (query.settings.remember_after && resolved.cell) resolved.cell->places().add(planned.places);
     result.plan = std::move(planned.plan);
     result.plan.planning_time_s += memory.time_s();
     improve(resolved, *sampler, result);
