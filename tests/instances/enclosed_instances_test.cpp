@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/instances.h"
 
+#include "instances/known_robot.h"
 #include "support/planar_memory.h"
 
 #include <atomic>
@@ -9,12 +10,6 @@
 
 namespace mneme::test {
 namespace {
-
-Robot known_robot(const std::string& name) {
-  auto robot = find_robot(name).and_then([](const std::string& path) { return load_robot(path); });
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *std::move(robot);
-}
 
 EnclosedInstances require_instances(const Robot& robot, int count, const EnclosedSettings& settings,
                                     std::uint64_t seed) {
