@@ -10,8 +10,11 @@ namespace {
 
 /// Iterations before the first motion: easy problems do not pay for memory.
 constexpr std::uint64_t kFirstBridge = 1000;
-/// Probability of appending a motion instead of growing a tree.
-constexpr double kBridgeShare = 0.1;
+/// Probability of appending a motion instead of growing a tree: at first, and where motions were
+/// tried in vain.
+constexpr double kBridgeShare = 0.1, kLeastBridgeShare = 0.01;
+/// A motion tried n times in vain is chosen 1 / (1 + kVain n) times as often.
+constexpr double kVain = 0.1;
 /// Largest share of the search's work that finding motions takes. Work is checked states and
 /// iterations, which take about as long.
 constexpr double kFindingShare = 0.3;
@@ -25,7 +28,16 @@ bool Bridges::is_due() {
   if (run_.iterations() < kFirstBridge) return false;
   const auto work = static_cast<double>(run_.states_checked() + run_.iterations());
   if (is_more_left_ && static_cast<double>(finding_) < kFindingShare * work) find_more();
-  return !motions_.empty() && rng_.uniform() < kBridgeShare;
+  return !motions_.empty() && rng_.uniform() < share_;
+}
+
+/// The more often all motions were tried in vain, the rarer are tries.
+void Bridges::adapt_share() {
+  double best = 0;
+  for (const Motion& motion : motions_) {
+    best = std::max({best, motion.weights[0], motion.weights[1]});
+  }
+  share_ = std::max(kLeastBridgeShare, kBridgeShare * best);
 }
 
 void Bridges::find_more() {
@@ -36,13 +48,14 @@ void Bridges::find_more() {
   run_.count_states(counters.states);
   for (const std::vector<float>& rows : found) add_free_stretches(rows);
   finding_ += run_.states_checked() - before;
+  if (!found.empty()) adapt_share();
 }
 
 void Bridges::add_free_stretches(std::span<const float> rows) {
   const std::size_t joints = run_.start().size();
   FloatPath states;
   const auto finish = [&] {
-    if (states.size() > 1) motions_.push_back({std::move(states), {}});
+    if (states.size() > 1) motions_.push_back({.states = std::move(states)});
     states.clear();
   };
   for (; !rows.empty(); rows = rows.subspan(joints)) {
@@ -60,22 +73,35 @@ bool Bridges::is_free(std::span<const float> q) {
   return is_valid != 0;
 }
 
+/// A random motion that the tree does not hold, by weight; null without one.
+Bridges::Motion* Bridges::choose(std::size_t graph) {
+  double sum = 0;
+  for (const Motion& motion : motions_) sum += motion.weights[graph];
+  double left = rng_.uniform() * sum;
+  for (Motion& motion : motions_) {
+    left -= motion.weights[graph];
+    if (left < 0) return &motion;
+  }
+  return nullptr;
+}
+
 int Bridges::append(Tree& tree, int graph) {
   const auto in_tree = static_cast<std::size_t>(graph);
-  std::vector<Motion*> open;
-  for (Motion& motion : motions_) {
-    if (!motion.is_in_tree[in_tree]) open.push_back(&motion);
-  }
-  if (open.empty()) return -1;
-  Motion& motion = *open[rng_.index(static_cast<std::uint32_t>(open.size()))];
+  Motion* const motion = choose(in_tree);
+  if (motion == nullptr) return -1;
   const bool is_reversed = rng_.uniform() < 0.5;
-  const std::vector<float>& end = is_reversed ? motion.states.back() : motion.states.front();
+  const FloatPath& states = motion->states;
+  const std::vector<float>& end = is_reversed ? states.back() : states.front();
+  double& weight = motion->weights[in_tree];
   int node = tree.connect(tree.nearest(end), end);
-  if (node < 0) return -1;
-  motion.is_in_tree[in_tree] = true;
-  const std::size_t count = motion.states.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    node = tree.add(motion.states[is_reversed ? count - 1 - i : i], node);
+  if (node < 0) {
+    weight /= 1 + kVain * weight;  // 1 / (1 + kVain n) after n failures
+    adapt_share();
+    return -1;
+  }
+  weight = 0;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    node = tree.add(states[is_reversed ? states.size() - 1 - i : i], node);
   }
   return node;
 }

@@ -8,6 +8,7 @@
 #include "planning/tree.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -32,11 +33,13 @@ class Bridges {
 
  private:
   struct Motion {
-    FloatPath states;  ///< joined by free motions
-    std::array<bool, 2> is_in_tree = {};
+    FloatPath states;                        ///< joined by free motions
+    std::array<double, 2> weights = {1, 1};  ///< per tree; 0: in it
   };
 
   void find_more();
+  void adapt_share();
+  [[nodiscard]] Motion* choose(std::size_t graph);
   void add_free_stretches(std::span<const float> rows);
   [[nodiscard]] bool is_free(std::span<const float> q);
 
@@ -45,6 +48,7 @@ class Bridges {
   bool is_more_left_;
   std::uint64_t finding_ = 0;  ///< states checked to find motions
   std::vector<Motion> motions_;
+  double share_ = 0;  ///< of iterations that append
 };
 
 }  // namespace mneme::internal
