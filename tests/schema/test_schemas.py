@@ -138,11 +138,13 @@ def test_scenes_and_problems_that_the_program_writes_fit(tmp_path):
     mneme("scene", "threaded", "--robot", "planar8", "-n", "1", "-o", threaded)
     enclosed = tmp_path / "enclosed.json"
     mneme("scene", "enclosed", "--robot", "panda", "-n", "2", "--boxes", "20", "-o", enclosed)
+    composed, lessons = tmp_path / "composed.json", tmp_path / "lessons.json"
+    mneme("scene", "composed", "--robot", "panda", "-n", "2", "--boxes", "20", "--modules", "3", "-o", composed, "--lessons", lessons)
     written = sorted(tmp_path.glob("*.yaml"))
     assert len(written) == 3
     for path in written:
         assert complaints("scene", yaml.safe_load(path.read_text())) == [], path
-    for path in threaded, enclosed:
+    for path in threaded, enclosed, composed, lessons:
         assert complaints("compact", json.loads(path.read_text())) == [], path
 
 
