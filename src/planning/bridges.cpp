@@ -51,26 +51,22 @@ void Bridges::find_more() {
   if (!found.empty()) adapt_share();
 }
 
+/// Cuts a motion where it is in contact.
 void Bridges::add_free_stretches(std::span<const float> rows) {
   const std::size_t joints = run_.start().size();
+  std::vector<std::uint8_t> is_free(rows.size() / joints);
+  run_.check_states(rows, is_free);
   FloatPath states;
   const auto finish = [&] {
     if (states.size() > 1) motions_.push_back({.states = std::move(states)});
     states.clear();
   };
-  for (; !rows.empty(); rows = rows.subspan(joints)) {
-    const std::span<const float> q = rows.first(joints);
-    const bool is_free = this->is_free(q);
-    if (!states.empty() && !(is_free && run_.is_motion_valid(states.back(), q))) finish();
-    if (is_free) states.emplace_back(q.begin(), q.end());
+  for (std::size_t i = 0; i < is_free.size(); ++i) {
+    const std::span<const float> q = rows.subspan(i * joints, joints);
+    if (!states.empty() && (is_free[i] == 0 || !run_.is_motion_valid(states.back(), q))) finish();
+    if (is_free[i] != 0) states.emplace_back(q.begin(), q.end());
   }
   finish();
-}
-
-bool Bridges::is_free(std::span<const float> q) {
-  std::uint8_t is_valid = 0;
-  run_.check_states(q, {&is_valid, 1});
-  return is_valid != 0;
 }
 
 /// A random motion that the tree does not hold, by weight; null without one.

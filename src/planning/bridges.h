@@ -41,7 +41,6 @@ class Bridges {
   void adapt_share();
   [[nodiscard]] Motion* choose(std::size_t graph);
   void add_free_stretches(std::span<const float> rows);
-  [[nodiscard]] bool is_free(std::span<const float> q);
 
   PlannerRun& run_;
   Rng rng_;
