@@ -121,7 +121,7 @@ def test_a_plan_says_why_no_known_task_was_replayed(robot, problem, tmp_path):
 
 
 def test_the_keys_of_all_kinds_have_a_similarity_error():
-    sizes = {"pairs": 6, "body_pairs": 18, "paths": 17}
+    sizes = {"pairs": 6, "body_pairs": 18, "motions": 3, "paths": 17}
     assert set(sizes) == set(mneme.kind_names())
     for kind, size in sizes.items():
         assert mneme.similarity_error(np.arange(size), np.arange(size), kind) == 0
