@@ -23,7 +23,8 @@ struct TrajectorySettings {
   double acceleration_scale = 1;
   double acceleration_limit = 1;
   std::optional<double> jerk_limit;
-  double path_tolerance = 0.1;
+  double path_tolerance = 1;
+  int time_rounds = 8;
 };
 
 template <class Settings, class Visitor>
@@ -43,8 +44,12 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Jerk limit, rad/s^3 (m/s^3 for prismatic joints), of joints without one in a file of "
         "limits. Default: none, accelerations jump.");
   visit("path-tolerance", s.path_tolerance, 0.0, 10.0,
-        "Largest L2 joint distance between a trajectory and its path where corners are rounded. "
-        "Larger is faster; at 0 a trajectory stops at each corner.");
+        "Largest L2 joint distance between a trajectory and its path. Larger is faster; at 0 a "
+        "trajectory stops at each corner.");
+  visit("time-rounds", s.time_rounds, 0, 1000,
+        "Rounds in which a trajectory becomes faster by leaving its path, within path-tolerance "
+        "and as far as it is proven free. More is faster and takes longer to compute. At 0 it "
+        "leaves the path at corners only.");
 }
 
 /// Rate limits of the joints of a planning group, in the order of a configuration. All are above 0;
@@ -78,21 +83,15 @@ class Trajectory {
     std::vector<double> velocity;      ///< rad/s or m/s
     std::vector<double> acceleration;  ///< rad/s^2 or m/s^2; where it jumps, the value after
   };
-  /// A stretch of constant path acceleration: position = begin + direction s + bend s^2 / 2, with
-  /// s = speed t + acceleration t^2 / 2 and the time t since the stretch began.
+  /// A polynomial in the time t since it began, up to the next stretch: the position of joint j of
+  /// n is the sum of coefficients[k n + j] t^k.
   struct Stretch {
     double begin_s = 0;
-    double speed = 0, acceleration = 0;
-    Configuration begin;
-    std::vector<double> direction;
-    std::vector<double> bend;  ///< empty where the path is straight
+    std::vector<double> coefficients;
   };
 
-  /// Takes stretches in order of time that come to rest at `end` after `end_s` seconds. With a
-  /// `window_s` the motion is their average over the last `window_s` seconds. It then takes
-  /// `window_s` longer and keeps their limits of velocity and acceleration. Its jerk is at most
-  /// 2 / `window_s` times their greatest acceleration.
-  Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s, double window_s = 0);
+  /// Takes stretches in order of time that come to rest at `end` after `end_s` seconds.
+  Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s);
 
   /// Returns the duration, rounded up to a multiple of 1 ns.
   [[nodiscard]] double duration_s() const;
@@ -106,25 +105,18 @@ class Trajectory {
   void shift(const Configuration& offset);
 
  private:
-  /// The state on the stretches, before averaging.
-  [[nodiscard]] Point follow(double time_s) const;
-  /// The integral from 0 of position minus `end_`.
-  [[nodiscard]] std::vector<double> integral(double time_s) const;
-
   std::vector<Stretch> stretches_;
-  std::vector<std::vector<double>>
-      integrals_;  ///< at the begin of each stretch, if there is a window
   Configuration end_;
   double end_s_;
-  double window_s_;
 };
 
-/// Returns the time-optimal motion along `path`. Parabolas that pass `verifier` round its corners
-/// within the path tolerance; at other corners, or all if `verifier` is null, it stops. With jerk
-/// limits it is the average of such a motion, which also passes `verifier` within the tolerance.
-/// Uses only the path tolerance of `settings`: `limits` are scaled already. Errors: an empty path;
-/// a waypoint that is no configuration of the robot; `limits` or settings out of range.
-/// Time-optimal up to the grid on corners: Pham and Pham, DOI 10.1109/TRO.2018.2819195.
+/// Returns a fast motion near `path`, within the path tolerance and `limits`, that passes
+/// `verifier`. At first it follows the path: exactly time-optimal from stop to stop, with rounded
+/// corners where that passes. Then `time_rounds` rounds of a barrier method let it leave the path.
+/// If `verifier` is null it stops at each waypoint. Uses only tolerance and rounds of `settings`:
+/// `limits` are scaled already. Deterministic. Errors: an empty path; a waypoint that is no
+/// configuration of the robot; `limits` or settings out of range. Without jerk limits the first
+/// motion is that of Pham and Pham, DOI 10.1109/TRO.2018.2819195.
 [[nodiscard]] Result<Trajectory> parameterize(const Robot& robot, const Path& path,
                                               const RateLimits& limits,
                                               const TrajectorySettings& settings,

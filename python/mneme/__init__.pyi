@@ -457,7 +457,8 @@ class Plan:
         acceleration_scale: float = 1.0,
         acceleration_limit: float = 1.0,
         jerk_limit: Optional[float] = None,
-        path_tolerance: float = 0.1,
+        path_tolerance: float = 1.0,
+        time_rounds: int = 8,
         # /settings
         limits: Optional[PathLike] = None,
     ) -> Trajectory: ...

@@ -17,21 +17,6 @@ constexpr double kNothing = 1e-12;
 /// Factor on the tolerance for the next attempt at a corner that is not free.
 constexpr double kTighter = 0.25;
 constexpr int kAttempts = 3;
-/// Chords that approximate a parabola for verification; the margin covers their deviation.
-constexpr int kChords = 16;
-
-/// A straight motion of the path.
-struct Leg {
-  Configuration begin;
-  std::vector<double> direction;  ///< a unit vector
-  double length = 0;
-};
-
-/// a + factor * b
-std::vector<double> plus(std::vector<double> a, double factor, const std::vector<double>& b) {
-  for (std::size_t i = 0; i < a.size(); ++i) a[i] += factor * b[i];
-  return a;
-}
 
 /// Drops waypoints that repeat the last one; keeps start and end.
 std::vector<const Configuration*> find_waypoints(const Robot& robot, const Path& path) {
@@ -45,23 +30,6 @@ std::vector<const Configuration*> find_waypoints(const Robot& robot, const Path&
   while (kept.size() > 1 && is_here(path.back())) kept.pop_back();
   if (!is_here(path.back())) kept.push_back(&path.back());
   return kept;
-}
-
-struct Legs {
-  std::vector<Leg> legs;
-  Configuration end;
-};
-
-Legs find_legs(const Robot& robot, const Path& path) {
-  Legs found{{}, path.front()};
-  const std::vector<const Configuration*> waypoints = find_waypoints(robot, path);
-  for (std::size_t i = 1; i < waypoints.size(); ++i) {
-    const Configuration delta = robot.difference(*waypoints[i - 1], *waypoints[i]);
-    const double length = norm(delta);
-    found.legs.push_back({found.end, plus(Configuration(delta.size()), 1 / length, delta), length});
-    found.end = plus(found.end, 1, delta);
-  }
-  return found;
 }
 
 /// Rounds the corner between two legs.
@@ -120,18 +88,38 @@ Curve straight(const Leg& leg, double from, double to) {
 
 }  // namespace
 
+std::vector<double> plus(std::vector<double> a, double factor, const std::vector<double>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] += factor * b[i];
+  return a;
+}
+
 double norm(const std::vector<double>& v) {
   double sum = 0;
   for (const double value : v) sum += value * value;
   return std::sqrt(sum);
 }
 
+bool begins_outside(const Robot& robot, const Path& path) {
+  return robot.describe_violation(path.front(), "").has_value();
+}
+
+Legs find_legs(const Robot& robot, const Path& path) {
+  Legs found{{}, path.front()};
+  const std::vector<const Configuration*> waypoints = find_waypoints(robot, path);
+  for (std::size_t i = 1; i < waypoints.size(); ++i) {
+    const Configuration delta = robot.difference(*waypoints[i - 1], *waypoints[i]);
+    const double length = norm(delta);
+    found.legs.push_back({found.end, plus(Configuration(delta.size()), 1 / length, delta), length});
+    found.end = plus(found.end, 1, delta);
+  }
+  return found;
+}
+
 RoundedPath round_corners(const Robot& robot, const Path& path, double tolerance,
                           const MotionVerifier* verifier) {
   const auto [legs, end] = find_legs(robot, path);
   RoundedPath rounded{{}, end};
-  // A parabola at the end of a motion from beyond a limit would stay outside for longer.
-  const bool is_outside = robot.describe_violation(path.front(), "").has_value();
+  const bool is_outside = begins_outside(robot, path);
   double from = 0;  // on the leg
   bool is_at_rest = true;
   const auto add = [&](Curve curve) {

@@ -10,6 +10,9 @@
 
 namespace mneme::internal {
 
+/// Chords that approximate a rounded corner for verification; the margin covers their deviation.
+inline constexpr int kChords = 16;
+
 /// q(s) = begin + direction s + bend s^2 / 2 for s in [0, length]; radians or metres. `direction`
 /// is a unit vector; a parabola begins and ends in the directions of its neighbours.
 struct Curve {
@@ -38,6 +41,28 @@ struct RoundedPath {
 
 /// L2
 [[nodiscard]] double norm(const std::vector<double>& v);
+
+/// A straight motion of a path.
+struct Leg {
+  Configuration begin;
+  std::vector<double> direction;  ///< a unit vector
+  double length = 0;
+};
+struct Legs {
+  std::vector<Leg> legs;
+  Configuration end;
+};
+
+/// a + factor * b
+[[nodiscard]] std::vector<double> plus(std::vector<double> a, double factor,
+                                       const std::vector<double>& b);
+
+/// Unwraps continuous joints and drops waypoints that repeat the last one.
+[[nodiscard]] Legs find_legs(const Robot& robot, const Path& path);
+
+/// Returns true for a motion from beyond a limit. A curve at the end of its first leg would stay
+/// outside for longer.
+[[nodiscard]] bool begins_outside(const Robot& robot, const Path& path);
 
 /// Rounds corners of `path`, which is not empty, by at most `tolerance` (L2 joint distance) where
 /// `verifier` passes the parabola; a null `verifier` rounds none. Unwraps continuous joints.

@@ -1,135 +1,319 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "trajectory/smooth_motion.h"
 
-// The average of positions over a window of time keeps the motion's limits of velocity and
-// acceleration, because its derivatives are averages, too. Its jerk is a difference of two
-// accelerations over the window. By Taylor's theorem it deviates by at most
-// acceleration window^2 / 24.
 #include "trajectory/speed_profile.h"
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 namespace mneme::internal {
 namespace {
 
-constexpr double kLeastWindow = 1e-4;  ///< seconds; shorter windows are lost to rounding
-constexpr double kSlower = 0.75;       ///< factor on accelerations per attempt
-/// Deviation of verified chords from the motion: a share of the tolerance, and at least radians.
-constexpr double kChordError = 1.0 / 128, kLeastChordError = 2e-5;
+constexpr int kBisections = 60;
+/// Factor on the speed at a corner for the next attempt if it is not free; deviations shrink with
+/// its square.
+constexpr double kSlowerCorner = 0.6;
+constexpr int kCornerAttempts = 6;
 
-double find_window(const RateLimits& limits) {
-  double window = kLeastWindow;
-  for (std::size_t j = 0; j < limits.jerk.size(); ++j) {
-    window = std::max(window, 2 * limits.acceleration[j] / limits.jerk[j]);
+/// A change of velocity whose acceleration grows for `ramp_s`, stays, and shrinks for `ramp_s`.
+struct Change {
+  double duration_s = 0, ramp_s = 0;
+
+  /// The greatest acceleration is the change of velocity times this.
+  [[nodiscard]] double steepness() const { return 1 / (duration_s - ramp_s); }
+  /// The distance, after half of the change, from where the velocity before would have led, divided
+  /// by the change of velocity.
+  [[nodiscard]] double half_way() const {
+    const double t = duration_s;
+    return duration_s > 0 ? t / 4 - steepness() * (t * t / 8 - ramp_s * ramp_s / 6) : 0;
   }
-  return window;
-}
-
-/// Bounds the distance of the average from the motion.
-double find_deviation(const RateLimits& limits) {
-  return norm(limits.acceleration) * std::pow(find_window(limits), 2) / 24;
-}
-
-/// False also for a parabola between parallel legs.
-bool is_bent(const Curve& curve) {
-  return std::ranges::any_of(curve.bend, [](double bend) { return bend != 0; });
-}
-
-/// Replaces a parabola by the corner that it rounds.
-void stop_at(RoundedPath& path, std::size_t i) {
-  const Curve& curve = path.curves[i];
-  Curve in{curve.begin, curve.direction, {}, curve.length / 2, curve.begins_at_rest};
-  Curve out{in.begin, in.direction, {}, in.length, true};
-  for (std::size_t j = 0; j < curve.begin.size(); ++j) {
-    out.begin[j] = in.value(j, in.length);
-    out.direction[j] = curve.slope(j, curve.length);
-  }
-  path.curves[i] = std::move(in);
-  path.curves.insert(path.curves.begin() + static_cast<std::ptrdiff_t>(i) + 1, std::move(out));
-}
-
-/// From the end, so that earlier indices stay valid.
-void stop_at_all(RoundedPath& path, std::size_t first, std::size_t last) {
-  for (std::size_t i = last + 1; i-- > first;) {
-    if (is_bent(path.curves[i])) stop_at(path, i);
-  }
-}
-
-struct Average {
-  Followed followed;
-  double window_s = 0;
-  std::vector<double> accelerations;  ///< the limits that it keeps
 };
 
-/// Lowers accelerations for as long as the shorter window makes the motion faster.
-Average follow_fastest_average(const RoundedPath& path, RateLimits limits, double tolerance) {
-  const bool may_deviate = std::ranges::none_of(path.curves, is_bent);
-  std::optional<Average> best;
-  for (;;) {
-    if (may_deviate || find_deviation(limits) <= tolerance) {
-      const double window = find_window(limits);
-      Followed followed = follow_fastest(path, limits, window);
-      const double duration_s = followed.motion.duration_s();
-      if (best && duration_s >= best->followed.motion.duration_s()) return *std::move(best);
-      best = {std::move(followed), window, limits.acceleration};
+/// The shortest change that takes at least `acceleration_s` at the limits of acceleration, and
+/// `jerk_s2` at those of jerk.
+Change shortest_change(double acceleration_s, double jerk_s2) {
+  const double steady = std::max(acceleration_s, std::sqrt(jerk_s2));
+  const double ramp = steady > 0 ? std::min(jerk_s2 / steady, steady) : 0;
+  return {steady + ramp, ramp};
+}
+
+/// The limits along a leg.
+struct LegLimits {
+  double speed = kNoLimit, acceleration = kNoLimit, jerk = kNoLimit;
+
+  [[nodiscard]] Change change(double from, double to) const {
+    const double difference = std::abs(to - from);
+    return shortest_change(difference / acceleration, difference / jerk);
+  }
+  /// The length that a change of speed takes.
+  [[nodiscard]] double reach(double from, double to) const {
+    return 0.5 * (from + to) * change(from, to).duration_s;
+  }
+};
+
+LegLimits limits_along(const Leg& leg, const RateLimits& limits) {
+  LegLimits along;
+  for (std::size_t j = 0; j < leg.direction.size(); ++j) {
+    const double share = std::abs(leg.direction[j]);
+    if (share == 0) continue;
+    along.speed = std::min(along.speed, kRoom * limits.velocity[j] / share);
+    along.acceleration = std::min(along.acceleration, kRoom * limits.acceleration[j] / share);
+    along.jerk = std::min(along.jerk, kRoom * limits.jerk[j] / share);
+  }
+  return along;
+}
+
+/// The greatest value in [least, most] for which `holds`, which must hold for `least`.
+template <class Predicate>
+double greatest(double least, double most, Predicate&& holds) {
+  if (holds(most)) return most;
+  for (int i = 0; i < kBisections && most - least > 1e-12 * most; ++i) {
+    const double middle = 0.5 * (least + most);
+    (holds(middle) ? least : most) = middle;
+  }
+  return least;
+}
+
+/// A corner between two legs at `share` of their greatest speeds.
+class SmoothCorner {
+ public:
+  SmoothCorner(const Leg& in, const LegLimits& before, const Leg& out, const LegLimits& after,
+               const RateLimits& limits)
+      : in_(in), out_(out), speed_in_(before.speed), speed_out_(after.speed) {
+    turn_ = plus(std::vector<double>(in.direction.size()), speed_out_, out.direction);
+    turn_ = plus(std::move(turn_), -speed_in_, in.direction);
+    for (std::size_t j = 0; j < turn_.size(); ++j) {
+      acceleration_s_ = std::max(acceleration_s_, std::abs(turn_[j]) / limits.acceleration[j]);
+      jerk_s2_ = std::max(jerk_s2_, std::abs(turn_[j]) / limits.jerk[j]);
     }
-    for (double& acceleration : limits.acceleration) acceleration *= kSlower;
   }
-}
 
-/// Stops at all corners if that is faster than slowing down to keep the tolerance.
-void forgo_slow_corners(RoundedPath& path, const RateLimits& limits, double tolerance) {
-  if (path.curves.empty() || find_deviation(limits) <= tolerance) return;
-  RoundedPath stopping = path;
-  stop_at_all(stopping, 0, path.curves.size() - 1);
-  const auto duration_s = [&](const RoundedPath& rounded) {
-    return follow_fastest_average(rounded, limits, tolerance).followed.motion.duration_s();
-  };
-  if (duration_s(stopping) < duration_s(path)) path = std::move(stopping);
-}
+  /// Limits the share so that the corner takes at most half of each leg and deviates by at most
+  /// `tolerance`.
+  void keep_near(double tolerance) {
+    share = greatest(0, 1, [&](double value) {
+      const Change change = change_at(value);
+      return speed_in_ * value * change.duration_s <= in_.length &&
+             speed_out_ * value * change.duration_s <= out_.length &&
+             norm(turn_) * value * change.half_way() <= tolerance;
+    });
+  }
 
-/// Consecutive curves whose averages may overlap. Times are those of the average.
-struct Stretch {
-  std::size_t first = 0, last = 0;
-  double begin_s = 0, end_s = 0;
+  [[nodiscard]] Change change_at(double value) const {
+    return shortest_change(acceleration_s_ * value / kRoom, jerk_s2_ * value / kRoom);
+  }
+  [[nodiscard]] double speed_in(double value) const { return value * speed_in_; }
+  [[nodiscard]] double speed_out(double value) const { return value * speed_out_; }
+  [[nodiscard]] double reach_in(double value) const {
+    return 0.5 * speed_in(value) * change_at(value).duration_s;
+  }
+  [[nodiscard]] double reach_out(double value) const {
+    return 0.5 * speed_out(value) * change_at(value).duration_s;
+  }
+
+  void add_to(std::vector<JerkPiece>& pieces) const {
+    const Change change = change_at(share);
+    if (!(change.duration_s > 0)) return;
+    const std::vector<double> still(turn_.size());
+    const std::vector<double> steepest = plus(still, share * change.steepness(), turn_);
+    const double steady = change.duration_s - 2 * change.ramp_s;
+    JerkPiece piece{change.ramp_s, plus(in_.begin, in_.length - reach_in(share), in_.direction),
+                    plus(still, share * speed_in_, in_.direction), still, still};
+    if (change.ramp_s > 0) {
+      piece.jerk = plus(still, 1 / change.ramp_s, steepest);
+      pieces.push_back(piece);
+      piece = end_of(piece);
+    }
+    piece.acceleration = steepest;
+    piece.jerk = still;
+    piece.duration_s = steady;
+    if (steady > 0) pieces.push_back(piece);
+    if (change.ramp_s == 0) return;
+    piece = end_of(piece);
+    piece.acceleration = steepest;
+    piece.jerk = plus(still, -1 / change.ramp_s, steepest);
+    piece.duration_s = change.ramp_s;
+    pieces.push_back(piece);
+  }
+
+  double share = 1;  ///< of the greatest speeds of both legs
+  double verified_share = 0;
+  int failures = 0;
+
+ private:
+  [[nodiscard]] static JerkPiece end_of(const JerkPiece& piece) {
+    const double t = piece.duration_s;
+    JerkPiece end = piece;
+    for (std::size_t j = 0; j < end.jerk.size(); ++j) {
+      const double a = piece.acceleration[j], jerk = piece.jerk[j];
+      end.position[j] += (piece.velocity[j] + (a / 2 + jerk * t / 6) * t) * t;
+      end.velocity[j] += (a + jerk * t / 2) * t;
+      end.acceleration[j] += jerk * t;
+    }
+    return end;
+  }
+
+  const Leg& in_;
+  const Leg& out_;
+  double speed_in_, speed_out_;
+  std::vector<double> turn_;  ///< the change of velocity at share 1
+  double acceleration_s_ = 0, jerk_s2_ = 0;
 };
 
-/// The stretches at which the average may leave the path.
-std::vector<Stretch> find_bent(const RoundedPath& path, const Average& average) {
-  const std::vector<double>& begins_s = average.followed.begins_s;
-  std::vector<Stretch> bent;
-  for (std::size_t i = 0; i < path.curves.size(); ++i) {
-    if (!is_bent(path.curves[i])) continue;
-    const double begin_s = begins_s[i], end_s = begins_s[i + 1] + average.window_s;
-    if (bent.empty() || bent.back().end_s < begin_s) bent.push_back({i, i, begin_s, end_s});
-    bent.back().last = i;
-    bent.back().end_s = end_s;
+/// A chord of the corner deviates by at most acceleration dt^2 / 8.
+bool is_free(const SmoothCorner& corner, const MotionVerifier& verifier) {
+  std::vector<JerkPiece> pieces;
+  corner.add_to(pieces);
+  if (pieces.empty()) return true;
+  double duration_s = 0;
+  std::vector<double> most(pieces.front().jerk.size());
+  for (const JerkPiece& piece : pieces) {
+    duration_s += piece.duration_s;
+    for (std::size_t j = 0; j < most.size(); ++j) {
+      most[j] = std::max(most[j], std::abs(piece.acceleration[j]));
+    }
   }
-  return bent;
-}
-
-bool is_free(const Average& average, const Stretch& stretch, double tolerance,
-             const MotionVerifier& verifier) {
-  // The motion deviates from a chord over dt by at most acceleration dt^2 / 8.
-  const double duration_s = stretch.end_s - stretch.begin_s;
-  const double error = std::max(kChordError * tolerance, kLeastChordError);
-  const double longest_s = std::sqrt(8 * error / norm(average.accelerations));
-  const int count = static_cast<int>(std::ceil(duration_s / longest_s));
-  const double dt = duration_s / count;
+  const double dt = duration_s / kChords;
+  const Trajectory motion = to_trajectory(pieces, pieces.front().position);
   std::vector<float> states, bow;
-  for (int i = 0; i <= count; ++i) {
-    const Configuration q = average.followed.motion.at(stretch.begin_s + i * dt).position;
+  for (int i = 0; i <= kChords; ++i) {
+    const Configuration q = motion.at(std::min(i * dt, duration_s * (1 - 1e-12))).position;
     states.insert(states.end(), q.begin(), q.end());
   }
-  for (const double acceleration : average.accelerations) {
+  for (const double acceleration : most) {
     bow.push_back(static_cast<float>(acceleration * dt * dt / 8));
   }
   CheckCounters counters;
   return verifier.is_curve_free(states, bow, counters);
 }
+
+/// Legs and the corners between them.
+class SmoothMotion {
+ public:
+  SmoothMotion(const Legs& legs, const RateLimits& limits, double tolerance, bool stops_first,
+               const MotionVerifier* verifier)
+      : legs_(legs.legs), verifier_(verifier) {
+    for (const Leg& leg : legs_) along_.push_back(limits_along(leg, limits));
+    for (std::size_t i = 1; i < legs_.size(); ++i) {
+      corners_.emplace_back(legs_[i - 1], along_[i - 1], legs_[i], along_[i], limits);
+      if (verifier == nullptr || (stops_first && i == 1)) {
+        corners_.back().share = 0;
+      } else {
+        corners_.back().keep_near(tolerance);
+      }
+    }
+  }
+
+  /// Lowers speeds at corners until each leg can be passed and each corner is free.
+  void slow_down() {
+    do {
+      for (std::size_t i = 0; i < corners_.size(); ++i) slow_down_end(i);
+      for (std::size_t i = corners_.size(); i-- > 0;) slow_down_begin(i + 1);
+    } while (!verify());
+  }
+
+  [[nodiscard]] std::vector<JerkPiece> pieces() const {
+    std::vector<JerkPiece> pieces;
+    for (std::size_t i = 0; i < legs_.size(); ++i) {
+      add_leg(i, pieces);
+      if (i < corners_.size()) corners_[i].add_to(pieces);
+    }
+    return pieces;
+  }
+
+ private:
+  [[nodiscard]] double begin_speed(std::size_t leg) const {
+    return leg == 0 ? 0 : corners_[leg - 1].speed_out(corners_[leg - 1].share);
+  }
+  [[nodiscard]] double end_speed(std::size_t leg) const {
+    return leg == corners_.size() ? 0 : corners_[leg].speed_in(corners_[leg].share);
+  }
+  [[nodiscard]] double begin_reach(std::size_t leg) const {
+    return leg == 0 ? 0 : corners_[leg - 1].reach_out(corners_[leg - 1].share);
+  }
+  [[nodiscard]] double end_reach(std::size_t leg) const {
+    return leg == corners_.size() ? 0 : corners_[leg].reach_in(corners_[leg].share);
+  }
+
+  void slow_down_end(std::size_t leg) {
+    SmoothCorner& corner = corners_[leg];
+    const double begin = begin_speed(leg), length = legs_[leg].length - begin_reach(leg);
+    corner.share = greatest(0, corner.share, [&](double share) {
+      const double end = corner.speed_in(share);
+      return end <= begin || along_[leg].reach(begin, end) <= length - corner.reach_in(share);
+    });
+  }
+  void slow_down_begin(std::size_t leg) {
+    SmoothCorner& corner = corners_[leg - 1];
+    const double end = end_speed(leg), length = legs_[leg].length - end_reach(leg);
+    corner.share = greatest(0, corner.share, [&](double share) {
+      const double begin = corner.speed_out(share);
+      return begin <= end || along_[leg].reach(begin, end) <= length - corner.reach_out(share);
+    });
+  }
+
+  /// Slows down at corners that are not free. Returns true if all are.
+  bool verify() {
+    bool has_passed = true;
+    for (SmoothCorner& corner : corners_) {
+      if (corner.share == corner.verified_share || corner.share == 0) continue;
+      if (is_free(corner, *verifier_)) {
+        corner.verified_share = corner.share;
+        continue;
+      }
+      corner.share *= ++corner.failures < kCornerAttempts ? kSlowerCorner : 0;
+      has_passed = false;
+    }
+    return has_passed;
+  }
+
+  /// Accelerates to the greatest speed that the leg allows, and decelerates.
+  void add_leg(std::size_t i, std::vector<JerkPiece>& pieces) const {
+    const Leg& leg = legs_[i];
+    const LegLimits& along = along_[i];
+    const double begin = begin_speed(i), end = end_speed(i), from = begin_reach(i);
+    const double length = leg.length - from - end_reach(i);
+    const double peak = greatest(std::max(begin, end), along.speed, [&](double speed) {
+      return along.reach(begin, speed) + along.reach(speed, end) <= length;
+    });
+    const double slower = along.reach(peak, end);
+    const double steady = std::max(0.0, length - along.reach(begin, peak) - slower);
+    add_change(leg, along, from, begin, peak, pieces);
+    add(leg, length + from - slower - steady, peak, 0, 0, peak > 0 ? steady / peak : 0, pieces);
+    add_change(leg, along, length + from - slower, peak, end, pieces);
+  }
+
+  static void add_change(const Leg& leg, const LegLimits& along, double from, double begin,
+                         double end, std::vector<JerkPiece>& pieces) {
+    const Change change = along.change(begin, end);
+    const double a = (end - begin) * change.steepness(), ramp = change.ramp_s;
+    if (!(change.duration_s > 0)) return;
+    const double jerk = ramp > 0 ? a / ramp : 0, steady = change.duration_s - 2 * ramp;
+    add(leg, from, begin, 0, jerk, ramp, pieces);
+    from += (begin + a * ramp / 6) * ramp;
+    begin += 0.5 * a * ramp;
+    add(leg, from, begin, a, 0, steady, pieces);
+    from += (begin + 0.5 * a * steady) * steady;
+    begin += a * steady;
+    add(leg, from, begin, a, -jerk, ramp, pieces);
+  }
+
+  static void add(const Leg& leg, double from, double speed, double acceleration, double jerk,
+                  double duration_s, std::vector<JerkPiece>& pieces) {
+    if (!(duration_s > 0)) return;
+    const std::vector<double> still(leg.direction.size());
+    pieces.push_back({duration_s, plus(leg.begin, from, leg.direction),
+                      plus(still, speed, leg.direction), plus(still, acceleration, leg.direction),
+                      plus(still, jerk, leg.direction)});
+  }
+
+  const std::vector<Leg>& legs_;
+  const MotionVerifier* verifier_;
+  std::vector<LegLimits> along_;
+  std::vector<SmoothCorner> corners_;
+};
 
 }  // namespace
 
@@ -137,20 +321,26 @@ bool has_jerk_limit(const RateLimits& limits) {
   return std::ranges::any_of(limits.jerk, [](double jerk) { return std::isfinite(jerk); });
 }
 
-Trajectory follow_smoothly(RoundedPath path, const RateLimits& limits, double tolerance,
-                           const MotionVerifier* verifier) {
-  forgo_slow_corners(path, limits, tolerance);
-  for (;;) {
-    Average average = follow_fastest_average(path, limits, tolerance);
-    const std::vector<Stretch> bent = find_bent(path, average);
-    bool has_passed = true;
-    for (std::size_t k = bent.size(); k-- > 0;) {
-      if (is_free(average, bent[k], tolerance, *verifier)) continue;
-      has_passed = false;
-      stop_at_all(path, bent[k].first, bent[k].last);
-    }
-    if (has_passed) return std::move(average.followed.motion);
+Trajectory to_trajectory(const std::vector<JerkPiece>& pieces, const Configuration& end) {
+  std::vector<Trajectory::Stretch> stretches;
+  double time_s = 0;
+  for (const JerkPiece& piece : pieces) {
+    Trajectory::Stretch stretch{time_s, piece.position};
+    std::vector<double>& all = stretch.coefficients;
+    all.insert(all.end(), piece.velocity.begin(), piece.velocity.end());
+    for (const double a : piece.acceleration) all.push_back(a / 2);
+    for (const double jerk : piece.jerk) all.push_back(jerk / 6);
+    stretches.push_back(std::move(stretch));
+    time_s += piece.duration_s;
   }
+  return {std::move(stretches), end, time_s};
+}
+
+std::vector<JerkPiece> follow_legs(const Legs& legs, const RateLimits& limits, double tolerance,
+                                   bool stops_first, const MotionVerifier* verifier) {
+  SmoothMotion motion(legs, limits, tolerance, stops_first, verifier);
+  motion.slow_down();
+  return motion.pieces();
 }
 
 }  // namespace mneme::internal

@@ -6,15 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <utility>
 
 namespace mneme::internal {
 namespace {
 
-constexpr double kRoom = 1 - 1e-9;  ///< share of the limits that is used, for rounding
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kCells = 16;  ///< per parabola
 
 /// A straight curve, or a part of a parabola of constant path acceleration.
@@ -30,7 +27,7 @@ struct Cell {
 using Profile = std::vector<double>;
 
 Cell straight_cell(const Curve& curve, const RateLimits& limits) {
-  double speed = kInfinity, acceleration = kInfinity;
+  double speed = kNoLimit, acceleration = kNoLimit;
   for (std::size_t j = 0; j < curve.direction.size(); ++j) {
     const double share = std::abs(curve.direction[j]);
     if (share == 0) continue;
@@ -56,7 +53,7 @@ CellLimits::Pair most_speeds(const Slopes& slopes, double velocity) {
     return {most * (1 + tilt), most * (1 - tilt)};
   }
   const double steepest = std::max(std::abs(slopes.first), std::abs(slopes.last));
-  if (steepest == 0) return {kInfinity, kInfinity};
+  if (steepest == 0) return {kNoLimit, kNoLimit};
   const double most = std::pow(velocity / steepest, 2);
   return {most, most};
 }
@@ -67,7 +64,7 @@ Cell bent_cell(const Curve& curve, double begin, double length, const RateLimits
   const auto slopes = [&](std::size_t joint) {
     return Slopes{curve.slope(joint, begin), curve.slope(joint, begin + length)};
   };
-  CellLimits::Pair most{kInfinity, kInfinity};
+  CellLimits::Pair most{kNoLimit, kNoLimit};
   for (std::size_t j = 0; j < curve.direction.size(); ++j) {
     const CellLimits::Pair own = most_speeds(slopes(j), kRoom * limits.velocity[j]);
     most = {std::min(most.begin, own.begin), std::min(most.end, own.end)};
@@ -142,13 +139,7 @@ Profile find_profile(std::span<const Cell> cells) {
 /// Joins stretches.
 class Motion {
  public:
-  explicit Motion(double window_s) : window_s_(window_s) {}
-
   void add(const Cell& cell, double begin, double end) {
-    if (cell.begin == 0) {
-      if (begins_at_rest(cell) && time_s_ > 0) add(*cell.curve, 0, 0, 0, window_s_);
-      begins_s_.push_back(time_s_);
-    }
     if (cell.curve->is_straight()) {
       add_straight(cell, begin, end);
     } else {
@@ -157,9 +148,8 @@ class Motion {
     }
   }
 
-  [[nodiscard]] Followed finish(Configuration end) && {
-    begins_s_.push_back(time_s_);
-    return {{std::move(stretches_), std::move(end), time_s_, window_s_}, std::move(begins_s_)};
+  [[nodiscard]] Trajectory finish(Configuration end) && {
+    return {std::move(stretches_), std::move(end), time_s_};
   }
 
  private:
@@ -176,30 +166,39 @@ class Motion {
     add(*cell.curve, cell.length - slower, most, -a, (most - last) / a);
   }
 
+  /// Constant path acceleration: the position is a polynomial of fourth degree in time.
   void add(const Curve& curve, double from, double speed, double acceleration, double time_s) {
     if (!(time_s > 0)) return;
-    Trajectory::Stretch stretch{time_s_,     speed,           acceleration,
-                                curve.begin, curve.direction, curve.bend};
-    for (std::size_t j = 0; j < curve.begin.size(); ++j) {
-      stretch.begin[j] = curve.value(j, from);
-      stretch.direction[j] = curve.slope(j, from);
+    const std::size_t joints = curve.begin.size();
+    Trajectory::Stretch stretch{time_s_,
+                                std::vector<double>((curve.is_straight() ? 3 : 5) * joints)};
+    for (std::size_t j = 0; j < joints; ++j) {
+      const auto of_power = [&](std::size_t power) -> double& {
+        return stretch.coefficients[power * joints + j];
+      };
+      const double slope = curve.slope(j, from);
+      of_power(0) = curve.value(j, from);
+      of_power(1) = slope * speed;
+      of_power(2) = 0.5 * slope * acceleration;
+      if (curve.is_straight()) continue;
+      of_power(2) += 0.5 * curve.bend[j] * speed * speed;
+      of_power(3) = 0.5 * curve.bend[j] * speed * acceleration;
+      of_power(4) = 0.125 * curve.bend[j] * acceleration * acceleration;
     }
     stretches_.push_back(std::move(stretch));
     time_s_ += time_s;
   }
 
-  double window_s_;
   std::vector<Trajectory::Stretch> stretches_;
-  std::vector<double> begins_s_;
   double time_s_ = 0;
 };
 
 }  // namespace
 
-Followed follow_fastest(const RoundedPath& path, const RateLimits& limits, double window_s) {
+Trajectory follow_fastest(const RoundedPath& path, const RateLimits& limits) {
   const std::vector<Cell> cells = make_cells(path, limits);
   const Profile profile = find_profile(cells);
-  Motion motion(path.curves.empty() ? 0 : window_s);
+  Motion motion;
   for (std::size_t i = 0; i < cells.size(); ++i) motion.add(cells[i], profile[i], profile[i + 1]);
   return std::move(motion).finish(path.end);
 }

@@ -6,6 +6,8 @@
 #include "base/threads.h"
 #include "check/end_motions.h"
 #include "trajectory/rounded_path.h"
+#include "trajectory/shorten_time.h"
+#include "trajectory/smooth_motion.h"
 #include "trajectory/speed_profile.h"
 
 #include <fmt/format.h>
@@ -52,87 +54,50 @@ Path without_turns(const Robot& robot, Path path, const Configuration& turns) {
   return unwrapped(robot, std::move(path), start);
 }
 
+/// Along the legs of `path`, with rounded corners.
+Trajectory follow(const Robot& robot, const Path& path, const internal::Legs& legs,
+                  const RateLimits& limits, double tolerance, const MotionVerifier* verifier) {
+  using namespace internal;
+  if (!has_jerk_limit(limits)) {
+    return follow_fastest(round_corners(robot, path, tolerance, verifier), limits);
+  }
+  return to_trajectory(follow_legs(legs, limits, tolerance, begins_outside(robot, path), verifier),
+                       legs.end);
+}
+
 }  // namespace
 
-Trajectory::Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s,
-                       double window_s)
-    : stretches_(std::move(stretches)), end_(std::move(end)), end_s_(end_s), window_s_(window_s) {
-  if (window_s_ == 0) return;
-  for (const Stretch& stretch : stretches_) {
-    integrals_.push_back(integrals_.empty() ? std::vector<double>(end_.size(), 0.0)
-                                            : integral(stretch.begin_s));
-  }
-}
+Trajectory::Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s)
+    : stretches_(std::move(stretches)), end_(std::move(end)), end_s_(end_s) {}
 
 double Trajectory::duration_s() const {
   // Rounding of the product must not add a nanosecond.
   constexpr double kRounding = 1e-5;
-  const double nanoseconds = (end_s_ + window_s_) * kNanosecondsPerSecond;
+  const double nanoseconds = end_s_ * kNanosecondsPerSecond;
   return std::ceil(nanoseconds - kRounding) / kNanosecondsPerSecond;
 }
 
 void Trajectory::shift(const Configuration& offset) {
   for (std::size_t j = 0; j < end_.size(); ++j) {
-    for (Stretch& stretch : stretches_) stretch.begin[j] += offset[j];
+    for (Stretch& stretch : stretches_) stretch.coefficients[j] += offset[j];
     end_[j] += offset[j];
   }
 }
 
-Trajectory::Point Trajectory::follow(double time_s) const {
-  const std::vector<double> still(end_.size(), 0.0);
-  if (stretches_.empty() || time_s >= end_s_) return {time_s, end_, still, still};
-  if (time_s < 0) return {time_s, stretches_.front().begin, still, still};
-  const auto after = std::ranges::upper_bound(stretches_, time_s, {}, &Stretch::begin_s);
-  const Stretch& stretch = *std::prev(after);
-  const double t = time_s - stretch.begin_s;
-  const double s = (stretch.speed + 0.5 * stretch.acceleration * t) * t;
-  const double speed = stretch.speed + stretch.acceleration * t;
-  Point point{time_s, stretch.begin, still, still};
-  for (std::size_t j = 0; j < end_.size(); ++j) {
-    const double bend = stretch.bend.empty() ? 0 : stretch.bend[j];
-    const double slope = stretch.direction[j] + bend * s;
-    point.position[j] += (stretch.direction[j] + 0.5 * bend * s) * s;
-    point.velocity[j] = slope * speed;
-    point.acceleration[j] = slope * stretch.acceleration + bend * speed * speed;
-  }
-  return point;
-}
-
-std::vector<double> Trajectory::integral(double time_s) const {
-  std::vector<double> sum(end_.size(), 0.0);
-  if (stretches_.empty()) return sum;
-  // The last stretch that has begun and whose integral is known.
-  const double until = std::min(time_s, end_s_);
-  const auto after =
-      std::ranges::upper_bound(stretches_.begin(), stretches_.begin() + std::ssize(integrals_),
-                               until, {}, &Stretch::begin_s);
-  const auto i =
-      static_cast<std::size_t>(std::max<std::ptrdiff_t>(after - stretches_.begin(), 1) - 1);
-  const Stretch& stretch = stretches_[i];
-  const double t = until - stretch.begin_s;
-  const double v = stretch.speed, a = stretch.acceleration;
-  const double once = until < 0 ? 0 : (v / 2 + a * t / 6) * t * t;
-  const double twice = until < 0 ? 0 : (v * v / 3 + (v / 4 + a * t / 20) * a * t) * t * t * t;
-  for (std::size_t j = 0; j < sum.size(); ++j) {
-    const double bend = stretch.bend.empty() ? 0 : stretch.bend[j];
-    sum[j] = integrals_[i][j] + (stretch.begin[j] - end_[j]) * t + stretch.direction[j] * once +
-             0.5 * bend * twice;
-  }
-  return sum;
-}
-
 Trajectory::Point Trajectory::at(double time_s) const {
   const std::vector<double> still(end_.size(), 0.0);
-  if (time_s >= duration_s()) return {time_s, end_, still, still};
-  Point point = follow(time_s);
-  if (window_s_ == 0) return point;
-  const Point before = follow(time_s - window_s_);
-  const std::vector<double> from = integral(time_s - window_s_), to = integral(time_s);
-  for (std::size_t j = 0; j < end_.size(); ++j) {
-    point.acceleration[j] = (point.velocity[j] - before.velocity[j]) / window_s_;
-    point.velocity[j] = (point.position[j] - before.position[j]) / window_s_;
-    point.position[j] = end_[j] + (to[j] - from[j]) / window_s_;
+  if (stretches_.empty() || time_s >= end_s_) return {time_s, end_, still, still};
+  Point point{time_s, still, still, still};
+  const auto after = std::ranges::upper_bound(stretches_, time_s, {}, &Stretch::begin_s);
+  const Stretch& stretch = after == stretches_.begin() ? *after : *std::prev(after);
+  const double t = std::max(0.0, time_s - stretch.begin_s);
+  for (std::size_t i = stretch.coefficients.size(); i-- > 0;) {
+    const std::size_t j = i % end_.size();
+    point.acceleration[j] = point.acceleration[j] * t + 2 * point.velocity[j];
+    point.velocity[j] = point.velocity[j] * t + point.position[j];
+    point.position[j] = point.position[j] * t + stretch.coefficients[i];
   }
+  if (time_s < 0) point.velocity = point.acceleration = still;
   return point;
 }
 
@@ -164,15 +129,13 @@ Result<Trajectory> parameterize(const Robot& robot, const Path& path, const Rate
   MNEME_TRY(check_path(robot, path));
   MNEME_TRY(internal::check_rate_limits(robot, limits));
   MNEME_TRY(internal::check_ranges(settings));
-  // Averaging and rounding each use half of the tolerance.
-  const bool is_smooth = internal::has_jerk_limit(limits);
-  const double tolerance = is_smooth ? settings.path_tolerance / 2 : settings.path_tolerance;
   const Configuration turns = whole_turns(robot, path.front());
-  internal::RoundedPath rounded =
-      internal::round_corners(robot, without_turns(robot, path, turns), tolerance, verifier);
-  Trajectory motion =
-      is_smooth ? internal::follow_smoothly(std::move(rounded), limits, tolerance, verifier)
-                : internal::follow_fastest(rounded, limits).motion;
+  const Path near = without_turns(robot, path, turns);
+  const internal::Legs legs = internal::find_legs(robot, near);
+  Trajectory motion = follow(robot, near, legs, limits, settings.path_tolerance, verifier);
+  if (verifier != nullptr && !internal::begins_outside(robot, near)) {
+    motion = internal::shorten_time(robot, std::move(motion), legs, limits, settings, *verifier);
+  }
   motion.shift(turns);
   return motion;
 }

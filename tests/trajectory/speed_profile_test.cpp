@@ -21,7 +21,7 @@ TEST_SUITE("unit") {
     for (const auto& [length, velocity, acceleration] :
          std::vector<std::array<double, 3>>{{1, 10, 1}, {1, 0.5, 1}, {1e-5, 1, 1}, {50, 2, 0.1}}) {
       const Trajectory motion =
-          internal::follow_fastest(slide(length), {{velocity}, {acceleration}}).motion;
+          internal::follow_fastest(slide(length), {{velocity}, {acceleration}});
       const bool is_short = length * acceleration < velocity * velocity;
       const double expected = is_short ? 2 * std::sqrt(length / acceleration)
                                        : length / velocity + velocity / acceleration;
@@ -34,7 +34,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a path that stays where it is takes no time") {
-    const Trajectory motion = internal::follow_fastest({{}, {1, 2}}, {{1, 1}, {1, 1}}).motion;
+    const Trajectory motion = internal::follow_fastest({{}, {1, 2}}, {{1, 1}, {1, 1}});
     CHECK(motion.duration_s() == 0);
     CHECK(motion.at(0).position == Configuration{1, 2});
     CHECK(motion.at(0).velocity == Configuration{0, 0});
@@ -53,7 +53,7 @@ TEST_SUITE("oracle") {
       const double tolerance = std::pow(10, rng.uniform(-3, 0));
       const auto rounded =
           internal::round_corners(empty.robot(), path, tolerance, &empty.verifier());
-      const double duration = internal::follow_fastest(rounded, limits).motion.duration_s();
+      const double duration = internal::follow_fastest(rounded, limits).duration_s();
       if (rounded.curves.empty()) continue;
       const double ratio = duration / dense_duration(rounded, limits, 400);
       CHECK(ratio < 1.05);

@@ -11,9 +11,10 @@ namespace mneme::test {
 namespace {
 
 Trajectory require_timed(const EmptyScene& empty, const Path& path, const RateLimits& limits,
-                         double tolerance = 0.1) {
+                         double tolerance = 0.1, int rounds = 0) {
   TrajectorySettings settings;
   settings.path_tolerance = tolerance;
+  settings.time_rounds = rounds;
   auto timed = parameterize(empty.robot(), path, limits, settings, &empty.verifier());
   REQUIRE_MESSAGE(timed.has_value(), (timed ? "" : timed.error().message));
   return *std::move(timed);
@@ -107,32 +108,39 @@ TEST_SUITE("unit") {
     CHECK(near.at(near.duration_s()).position[0] == doctest::Approx(2 * kPi - 2.5));
   }
 
-  TEST_CASE("with a limit of jerk acceleration grows from 0, and there is a wait where it stops") {
+  TEST_CASE("with a limit of jerk acceleration grows from 0, also after a stop") {
     const EmptyScene empty(gantry());
     RateLimits limits = kOnes;
     limits.jerk = {4, INFINITY, 100};
     const Trajectory motion = require_timed(empty, kTurn, limits, 0);
-    // 2 s and 3 s, each averaged over 2 / 4 s.
-    CHECK(motion.duration_s() == doctest::Approx(5 + 2 * 0.5));
+    // 2 m and 1 m at 1 m/s: distance / speed + speed / acceleration + acceleration / jerk.
+    CHECK(motion.duration_s() == doctest::Approx(2 + 1 + 0.25 + 1 + 1));
     CHECK(motion.at(0).position == kTurn.front());
     CHECK(largest(motion.at(0).acceleration) == 0);
-    CHECK(motion.at(0.25).acceleration[0] == doctest::Approx(0.5));
-    CHECK(motion.at(0.25).velocity[0] == doctest::Approx(0.25 * 0.25));
-    CHECK(motion.at(0.25).position[0] == doctest::Approx(-1 + 2 * 0.25 * 0.25 * 0.25 / 6));
-    CHECK(distance_to({kTurn[1]}, motion.at(3.5).position) < 1e-12);
-    CHECK(distance_to({kTurn[2]}, motion.at(6).position) < 1e-12);
-    CHECK(largest(motion.at(6).velocity) < 1e-12);
+    CHECK(motion.at(0.125).acceleration[0] == doctest::Approx(0.5));
+    CHECK(motion.at(0.125).velocity[0] == doctest::Approx(4 * 0.125 * 0.125 / 2));
+    CHECK(motion.at(0.125).position[0] == doctest::Approx(-1 + 4 * 0.125 * 0.125 * 0.125 / 6));
+    CHECK(distance_to({kTurn[1]}, motion.at(3.25).position) < 1e-6);
+    CHECK(distance_to({kTurn[2]}, motion.at(5.25).position) < 1e-12);
     limits.jerk = {};
     CHECK(require_timed(empty, kTurn, limits, 0).duration_s() == doctest::Approx(5));
   }
 
-  TEST_CASE("accelerations are lowered where jerk is what takes time") {
+  TEST_CASE("rounds make a motion faster, and none leaves it along its path") {
     const EmptyScene empty(gantry());
-    RateLimits limits{{1e6, 1e6, 1e6}, {1e3, 1e3, 1e3}, {1, 1, 1}};
-    const Trajectory motion = require_timed(empty, {{-1, 0, 0}, {1, 0, 0}}, limits);
-    // The least that is possible is (32 * 2)^(1/3) s.
-    CHECK(motion.duration_s() > 4);
-    CHECK(motion.duration_s() < 1.25 * 4);
+    RateLimits limits = kOnes;
+    for (const double jerk : {4.0, double{INFINITY}}) {
+      limits.jerk = {jerk, jerk, jerk};
+      double last = INFINITY;
+      for (const int rounds : {0, 2, 8, 40}) {
+        const Trajectory motion = require_timed(empty, kTurn, limits, 1, rounds);
+        CHECK(motion.duration_s() <= last);
+        last = motion.duration_s();
+        const auto flaw = trajectory_flaw(empty.robot(), kTurn, limits, 1, motion);
+        CHECK_MESSAGE(!flaw, flaw.value_or(""));
+      }
+      CHECK(last < 0.9 * require_timed(empty, kTurn, limits, 1).duration_s());
+    }
   }
 
   TEST_CASE("a path of one configuration is a trajectory of one point") {
@@ -196,7 +204,7 @@ TEST_SUITE("law") {
         const Path path = random_path(empty.robot(), rng);
         const RateLimits limits = random_limits(empty.robot(), rng);
         const double tolerance = std::pow(10, rng.uniform(-4, 0));
-        const Trajectory motion = require_timed(empty, path, limits, tolerance);
+        const Trajectory motion = require_timed(empty, path, limits, tolerance, i % 2 == 0 ? 0 : 8);
         const auto flaw = trajectory_flaw(empty.robot(), path, limits, tolerance, motion);
         CHECK_MESSAGE(!flaw, name, " ", i, ": ", flaw.value_or(""));
       }
@@ -211,7 +219,7 @@ TEST_SUITE("law") {
         const Path path = random_path(empty.robot(), rng);
         const RateLimits limits = random_jerk_limits(empty.robot(), rng);
         const double tolerance = std::pow(10, rng.uniform(-4, 0));
-        const Trajectory motion = require_timed(empty, path, limits, tolerance);
+        const Trajectory motion = require_timed(empty, path, limits, tolerance, i % 2 == 0 ? 0 : 8);
         const auto flaw = trajectory_flaw(empty.robot(), path, limits, tolerance, motion);
         CHECK_MESSAGE(!flaw, name, " ", i, ": ", flaw.value_or(""));
       }
@@ -225,7 +233,8 @@ TEST_SUITE("law") {
       CAPTURE(i);
       const Trajectory motion = require_timed(
           empty, random_path(empty.robot(), rng),
-          {std::vector(8, 1.0), std::vector(8, 2.0), std::vector(8, i % 2 == 0 ? 7.0 : INFINITY)});
+          {std::vector(8, 1.0), std::vector(8, 2.0), std::vector(8, i % 2 == 0 ? 7.0 : INFINITY)},
+          0.1, i % 3 == 0 ? 4 : 0);
       const double h = 1e-5;
       for (int k = 0; k < 50; ++k) {
         const double t = rng.uniform(2 * h, motion.duration_s() - 2 * h);
@@ -289,7 +298,8 @@ TEST_SUITE("flow") {
         const auto motion =
             parameterize(world.robot, result->path, *limits, settings, &finish.verifier());
         REQUIRE(motion.has_value());
-        const auto flaw = trajectory_flaw(world.robot, result->path, *limits, 0.1, *motion);
+        const auto flaw =
+            trajectory_flaw(world.robot, result->path, *limits, settings.path_tolerance, *motion);
         CHECK_MESSAGE(!flaw, flaw.value_or(""));
         for (int i = 0; i <= 300; ++i) {
           const Configuration q = motion->at(motion->duration_s() * i / 300).position;
