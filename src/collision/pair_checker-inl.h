@@ -85,23 +85,24 @@ constexpr int kMostRuns = 32;
 template <bool kIsMotion, class Margin>
 class PairChecker {
  public:
-  HWY_INLINE PairChecker(const RobotTables& robot, const BodyPairRow& pair, const Pose& first,
-                         const Pose& second, Margin margin, Verdict<kIsMotion>& verdict)
+  HWY_INLINE PairChecker(const RobotTables& robot, const BodyPairRow& pair, Margin margin,
+                         Verdict<kIsMotion>& verdict)
       : robot_(robot),
         pair_(pair),
         second_(robot.bodies[pair.second]),
-        pose_(seen_from(second, first)),
         margin_(margin),
         verdict_(verdict) {}
 
-  /// Returns true as soon as the verdict is final.
-  HWY_INLINE bool check() const {
-    const BodyRow& first = robot_.bodies[pair_.first];
-    if (!reaches_box(second_, first.ball.radius, transform_point(pose_, first.ball.center)) ||
-        !reaches_box(first, second_.ball.radius,
-                     into_frame(pose_, splat(second_.ball.center) - pose_.origin))) {
+  /// `centers` are those of the bodies' balls. Returns true as soon as the verdict is final.
+  HWY_INLINE bool check(const Pose& first, const Pose& second, const V3* centers) {
+    const BodyRow& body = robot_.bodies[pair_.first];
+    if (!reaches_box(second_, body.ball.radius,
+                     into_frame(second, centers[pair_.first] - second.origin)) ||
+        !reaches_box(body, second_.ball.radius,
+                     into_frame(first, centers[pair_.second] - first.origin))) {
       return false;
     }
+    pose_ = seen_from(second, first);
     Run runs[kMostRuns];
     for (int begin = pair_.begin; begin < pair_.end;) {
       int count = 0;
@@ -110,7 +111,7 @@ class PairChecker {
         begin = runs[count].end;
         count += is_near;
       }
-      if (count > 0) find_near_clusters(runs, count);
+      if (count > 0) find_near_clusters(transform_point(pose_, body.ball.center), runs, count);
       for (int i = 0; i < count; ++i) {
         for (int k = runs[i].begin; k < runs[i].end && runs[i].near != 0; ++k) {
           if (hits_groups(robot_.group_pairs[k], runs[i].near)) return true;
@@ -146,9 +147,10 @@ class PairChecker {
   [[nodiscard]] HWY_INLINE bool is_any_open(V distance2, float radius) const {
     return verdict_.is_any_open(is_below(distance2, squared(sum(radius, margin_))));
   }
-  /// Clusters from the 64th on share a bit.
+  /// Clusters from the 64th on share the last bit.
+  static constexpr int kLastBit = 63;
   [[nodiscard]] HWY_INLINE std::uint64_t bit_of(int cluster) const {
-    return std::uint64_t{1} << std::min(cluster - second_.cluster_begin, 63);
+    return std::uint64_t{1} << std::min(cluster - second_.cluster_begin, kLastBit);
   }
 
   /// True if a ball, with its centre in the body's frame, comes near the body's box in any lane.
@@ -173,13 +175,16 @@ class PairChecker {
     return reaches_box(second_, ball.radius, run.center);
   }
 
-  /// Capsules are compared by their axes: balls around long ones are poor bounds.
-  HWY_INLINE void find_near_clusters(Run* runs, int count) const {
+  /// Capsules are compared by their axes: balls around long ones are poor bounds. `center` is that
+  /// of the first body's ball: most clusters of a large second body are far from all of the first.
+  HWY_INLINE void find_near_clusters(const V3& center, Run* runs, int count) const {
+    const float body_radius = robot_.bodies[pair_.first].ball.radius;
     for (int i = 0; i < count; ++i) runs[i].near = 0;
     for (int c = second_.cluster_begin; c < second_.cluster_end; ++c) {
       const std::uint64_t bit = bit_of(c);
       const ClusterRow& cluster = robot_.clusters[c];
       const auto mark = [&](float radius, const auto& distance2) {
+        if (count > 2 && !is_any_open(distance2(center), radius + body_radius)) return;
         for (int i = 0; i < count; ++i) {
           const V from_run2 = distance2(runs[i].center);
           runs[i].near |= is_any_open(from_run2, radius + runs[i].radius) ? bit : 0;
@@ -191,8 +196,8 @@ class PairChecker {
         const Segment axis = axis_of(capsule);
         mark(capsule.radius, [&](const V3& p) { return point_segment(p, axis); });
       } else {
-        const V3 center = splat(cluster.ball.center);
-        mark(cluster.ball.radius, [&](const V3& p) { return squared_norm(p - center); });
+        const V3 middle = splat(cluster.ball.center);
+        mark(cluster.ball.radius, [&](const V3& p) { return squared_norm(p - middle); });
       }
     }
   }
@@ -201,26 +206,36 @@ class PairChecker {
   HWY_INLINE bool hits_groups(const GroupPairRow& row, std::uint64_t near) const {
     const GroupRow& first = robot_.groups[row.first];
     const V3 center = transform_point(pose_, first.ball.center);
+    if (!reaches_box(second_, first.ball.radius, center)) return false;
+    PosedSpheres spheres;
+    if (!first.is_capsule) spheres = posed(robot_, first, pose_);
+    for (; near != 0; near &= near - 1) {
+      const int bit = __builtin_ctzll(near);
+      const int begin = second_.cluster_begin + bit;
+      const int end = bit == kLastBit ? second_.cluster_end : begin + 1;
+      for (int c = begin; c < end; ++c) {
+        if (hits_cluster(first, center, spheres, row, robot_.clusters[c])) return true;
+      }
+    }
+    return false;
+  }
+
+  /// Checks a group, with its ball's centre, against those groups of a cluster that are in `row`.
+  HWY_INLINE bool hits_cluster(const GroupRow& first, const V3& center, const PosedSpheres& spheres,
+                               const GroupPairRow& row, const ClusterRow& cluster) const {
     const auto is_near = [&](const Ball& ball) {
       return is_any_open(squared_norm(center - splat(ball.center)),
                          ball.radius + first.ball.radius);
     };
-    if (!reaches_box(second_, first.ball.radius, center)) return false;
-    PosedSpheres spheres;
-    if (!first.is_capsule) spheres = posed(robot_, first, pose_);
-    for (int begin = row.second_begin; begin < row.second_end;) {
-      const int c = robot_.groups[begin].cluster;
-      const ClusterRow& cluster = robot_.clusters[c];
-      const int end = std::min(cluster.end, row.second_end);
-      const bool is_far = (near & bit_of(c)) == 0;
-      if (is_far || (end - begin > 1 && !is_near(cluster.ball))) begin = end;
-      for (; begin < end; ++begin) {
-        const GroupRow& second = robot_.groups[begin];
-        if (!second.is_capsule && !is_near(second.ball)) continue;
-        const M hit = first.is_capsule ? find_capsule_hits(first, second)
-                                       : find_sphere_hits(first, spheres, second);
-        if (verdict_.add(hit)) return true;
-      }
+    const int begin = std::max(cluster.begin, row.second_begin);
+    const int end = std::min(cluster.end, row.second_end);
+    if (begin >= end || (end - begin > 1 && !is_near(cluster.ball))) return false;
+    for (int g = begin; g < end; ++g) {
+      const GroupRow& second = robot_.groups[g];
+      if (!second.is_capsule && !is_near(second.ball)) continue;
+      const M hit = first.is_capsule ? find_capsule_hits(first, second)
+                                     : find_sphere_hits(first, spheres, second);
+      if (verdict_.add(hit)) return true;
     }
     return false;
   }

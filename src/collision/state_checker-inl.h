@@ -269,7 +269,8 @@ class StateChecker {
     const Pose& first = poses_[robot_.bodies[pair.first].frame];
     const Pose& second = poses_[robot_.bodies[pair.second].frame];
     using Margin = std::remove_const_t<decltype(margin)>;
-    return PairChecker<kIsMotion, Margin>(robot_, pair, first, second, margin, verdict).check();
+    return PairChecker<kIsMotion, Margin>(robot_, pair, margin, verdict)
+        .check(first, second, centers_);
   }
 
   const RobotTables& robot_;
