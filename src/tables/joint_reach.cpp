@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include <algorithm>
-#include <array>
+#include <cassert>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -17,22 +17,14 @@
 namespace mneme::internal {
 namespace {
 
-constexpr std::size_t kMostJoints = 2;
 constexpr int kMostBoxes = 256;
-/// Metres; larger than the rounding errors of the kernels.
-constexpr double kSafety = 1e-3;
 
 using Crossing = Linkage::Crossing;
 using MovingJoint = Linkage::MovingJoint;
 
-/// A box in the space of the joints between the spheres.
-struct JointBox {
-  std::array<double, kMostJoints> middle = {}, half = {};
-};
-
-/// Pose of the child's frame in its parent, with the joints at the middle of the box.
-Transform pose_of(const Crossing& crossing, const JointBox& box) {
-  const double value = crossing.multiplier * box.middle[crossing.joint] + crossing.offset;
+/// Pose of the child's frame in its parent.
+Transform pose_of(const Crossing& crossing, const JointValues& values) {
+  const double value = crossing.multiplier * values[crossing.joint] + crossing.offset;
   if (crossing.is_prismatic)
     return crossing.mount * Transform{Eigen::Matrix3d::Identity(), value * Vec3::UnitZ()};
   return crossing.mount * Transform{rotation_about(Vec3::UnitZ(), value), Vec3::Zero()};
@@ -51,7 +43,7 @@ JointBox all_values_of(std::span<const MovingJoint> joints) {
 
 /// Displacement bound of the spheres, seen from beyond each crossing, in metres per unit of its
 /// joint. The distance from the joint's axis is exact for the first crossing, a bound for others.
-std::vector<double> find_speeds(std::span<const Crossing> path, std::span<const Sphere> spheres) {
+std::vector<double> speeds_along(std::span<const Crossing> path, std::span<const Sphere> spheres) {
   std::vector<double> speeds;
   double radius = 0;
   for (const Crossing& crossing : path) {
@@ -74,46 +66,17 @@ std::vector<double> find_speeds(std::span<const Crossing> path, std::span<const 
   return speeds;
 }
 
-/// Two sets of spheres on the two frames.
-class MovingSpheres {
- public:
-  MovingSpheres(std::span<const Sphere> a, std::span<const Sphere> b,
-                std::span<const Crossing> there, std::span<const Crossing> back)
-      : a_(a), b_(b), there_(there) {
-    // Either set may be considered at rest, so the slower motion is a bound.
-    const std::vector<double> of_a = find_speeds(there, a), of_b = find_speeds(back, b);
-    for (std::size_t i = 0; i < there.size(); ++i) {
-      speeds_[there[i].joint] += std::min(of_a[i], of_b[there.size() - 1 - i]);
+/// Distance between the nearest two surfaces; `X_AB` is the pose of the second set's frame.
+double gap(const Transform& X_AB, std::span<const Sphere> a, std::span<const Sphere> b) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Sphere& second : b) {
+    const Vec3 center = X_AB * second.center;
+    for (const Sphere& first : a) {
+      least = std::min(least, (first.center - center).norm() - first.radius - second.radius);
     }
   }
-
-  /// Distance between the nearest two surfaces, with the joints at the middle of the box.
-  [[nodiscard]] double gap(const JointBox& box) const {
-    Transform X_AB;
-    for (const Crossing& crossing : there_) {
-      const Transform pose = pose_of(crossing, box);
-      X_AB = X_AB * (crossing.is_upward ? pose.inverse() : pose);
-    }
-    double least = std::numeric_limits<double>::infinity();
-    for (const Sphere& b : b_) {
-      const Vec3 center = X_AB * b.center;
-      for (const Sphere& a : a_) {
-        least = std::min(least, (a.center - center).norm() - a.radius - b.radius);
-      }
-    }
-    return least;
-  }
-
-  /// Bound on the change of the gap within the box by joint `i`.
-  [[nodiscard]] double change(const JointBox& box, std::size_t i) const {
-    return box.half[i] * speeds_[i];
-  }
-
- private:
-  std::span<const Sphere> a_, b_;
-  std::span<const Crossing> there_;
-  std::array<double, kMostJoints> speeds_ = {};  ///< bounds, metres per unit of each joint
-};
+  return least;
+}
 
 std::pair<double, double> limits_of(const Joint& joint) {
   if (joint.type == JointType::continuous) return {-std::numbers::pi, std::numbers::pi};
@@ -143,6 +106,7 @@ Linkage::Crossing Linkage::crossing(const Robot& robot, const FrameRow& row, boo
     joints_.push_back({row.joint, limits_of(robot.group_joint(row.joint))});
     joint = std::prev(joints_.end());
   }
+  if (row.is_prismatic || std::abs(row.multiplier) != 1) joint->has_period = false;
   Crossing result{{Eigen::Map<const RowMajor>(row.rotation).cast<double>(),
                    Eigen::Map<const Eigen::Vector3f>(row.translation).cast<double>()},
                   row.is_prismatic,
@@ -158,23 +122,44 @@ Linkage::Crossing Linkage::crossing(const Robot& robot, const FrameRow& row, boo
   return result;
 }
 
+Transform Linkage::pose_at(const JointValues& values) const {
+  assert(joints_.size() <= values.size());
+  Transform X_AB;
+  for (const Crossing& crossing : there_) {
+    const Transform pose = pose_of(crossing, values);
+    X_AB = X_AB * (crossing.is_upward ? pose.inverse() : pose);
+  }
+  return X_AB;
+}
+
+JointValues Linkage::find_speeds(std::span<const Sphere> a, std::span<const Sphere> b) const {
+  assert(joints_.size() <= kMostJointsBetween);
+  // Either set may be considered at rest, so the slower motion is a bound.
+  const std::vector<double> of_a = speeds_along(there_, a), of_b = speeds_along(back_, b);
+  JointValues speeds = {};
+  for (std::size_t i = 0; i < there_.size(); ++i) {
+    speeds[there_[i].joint] += std::min(of_a[i], of_b[there_.size() - 1 - i]);
+  }
+  return speeds;
+}
+
 bool Linkage::can_meet(std::span<const Sphere> a, std::span<const Sphere> b) const {
-  if (joints_.size() > kMostJoints) return true;
-  const MovingSpheres spheres(a, b, there_, back_);
+  if (joints_.size() > kMostJointsBetween) return true;
+  const JointValues speeds = find_speeds(a, b);
   std::vector<JointBox> boxes = {all_values_of(joints_)};
   for (int visited = 0; !boxes.empty(); ++visited) {
     if (visited == kMostBoxes) return true;
     JointBox box = boxes.back();
     boxes.pop_back();
-    const double gap = spheres.gap(box) - kSafety;
-    if (gap < 0) return true;
+    const double apart = gap(pose_at(box.middle), a, b) - kKernelRounding;
+    if (apart < 0) return true;
     std::size_t widest = 0;
     double change = 0;
     for (std::size_t i = 0; i < joints_.size(); ++i) {
-      change += spheres.change(box, i);
-      if (spheres.change(box, i) > spheres.change(box, widest)) widest = i;
+      change += box.half[i] * speeds[i];
+      if (box.half[i] * speeds[i] > box.half[widest] * speeds[widest]) widest = i;
     }
-    if (change <= gap) continue;
+    if (change <= apart) continue;
     box.half[widest] /= 2;
     for (const double side : {-1.0, 1.0}) {
       boxes.push_back(box);

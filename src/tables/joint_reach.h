@@ -9,12 +9,23 @@
 
 #include "tables/tables.h"
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <utility>
 #include <vector>
 
 namespace mneme::internal {
+
+/// Metres; larger than the rounding errors of the kernels.
+inline constexpr double kKernelRounding = 1e-3;
+
+/// A value for each of up to kMostJointsBetween joints.
+using JointValues = std::array<double, kMostJointsBetween>;
+/// A box in the space of the joints between two frames.
+struct JointBox {
+  JointValues middle = {}, half = {};
+};
 
 /// The joints between two frames. Frame 0 is the robot's root, i + 1 is frame row i.
 class Linkage {
@@ -40,7 +51,16 @@ class Linkage {
   struct MovingJoint {
     int index = 0;  ///< into the group
     std::pair<double, double> limits;
+    bool has_period = true;  ///< poses repeat after a full turn
   };
+
+  [[nodiscard]] std::span<const MovingJoint> joints() const { return joints_; }
+  /// Returns the pose of the second frame in the first. There are at most kMostJointsBetween
+  /// joints.
+  [[nodiscard]] Transform pose_at(const JointValues& values) const;
+  /// Returns displacement bounds of spheres of `a` and `b` against each other within the limits,
+  /// metres per unit of each joint.
+  [[nodiscard]] JointValues find_speeds(std::span<const Sphere> a, std::span<const Sphere> b) const;
 
  private:
   Crossing crossing(const Robot& robot, const FrameRow& row, bool is_upward);

@@ -99,6 +99,7 @@ class RobotTablesBuilder {
     });
     add_limbs();
     add_reaches(tables_);
+    add_separation_tables(robot_, tables_);
     return std::move(tables_);
   }
 

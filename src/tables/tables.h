@@ -99,9 +99,34 @@ struct GroupPairRow {
 
 struct BodyPairRow {
   int first = 0, second = 0;
-  float reach2 = 0;        ///< squared sum of the balls' radii
-  int begin = 0, end = 0;  ///< into group_pairs
-  int ancestor = 0;        ///< the nearest frame that carries both
+  float reach2 = 0;           ///< squared sum of the balls' radii
+  int begin = 0, end = 0;     ///< into group_pairs
+  int ancestor = 0;           ///< the nearest frame that carries both
+  int separation_table = -1;  ///< index into RobotTables::separation_tables; -1: none
+};
+
+/// Largest number of joints between two bodies with a separation table.
+inline constexpr std::size_t kMostJointsBetween = 2;
+
+/// Where two bodies are proven apart, for cells of the values of the one or two joints between
+/// them. Without a period, the first and last cells are those beyond the limits, where nothing is
+/// proven.
+struct SeparationTable {
+  /// Metres that bodies are apart throughout a cell that is not 0.
+  static constexpr float kApart = 1e-3f;
+  static constexpr int kMostRings = 3;
+  static constexpr int kBits = 2, kCellsPerWord = 32 / kBits;
+
+  struct Axis {
+    int joint = 0;  ///< index into a configuration
+    int cells = 1;
+    float scale = 0, offset = 0;  ///< the cell is the integer part of scale * value + offset
+    bool has_period = true;       ///< cells repeat
+  };
+  std::array<Axis, kMostJointsBetween> axes;  ///< cells of the last are contiguous
+  /// kBits bits a cell, lowest first: 0 if bodies may come closer than kApart. Otherwise they are
+  /// apart in the cell and in all within less than this number of cells.
+  std::vector<std::uint32_t> rings;
 };
 
 /// A point that moves with a frame.
@@ -134,6 +159,8 @@ struct RobotTables {
   std::vector<CapsuleRow> capsules;
   std::vector<BodyPairRow> body_pairs;
   std::vector<GroupPairRow> group_pairs;
+  std::shared_ptr<const std::vector<SeparationTable>>
+      separation_tables;  ///< null if no pair has one
   std::vector<Limb> limbs;
   Reaches reaches;
   /// True if a prismatic joint lies beyond a revolute one. Then `reaches` are valid only for slides
