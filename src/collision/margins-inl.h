@@ -10,11 +10,13 @@
 #define MNEME_COLLISION_MARGINS_INL_H_
 #endif
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "collision/collision_kernels.h"
 #include "collision/kinematics-inl.h"
+#include "collision/separation_table-inl.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -40,6 +42,8 @@ class EvenMargins {
   [[nodiscard]] HWY_INLINE float of_body(int, const V3&) const { return margin_; }
   [[nodiscard]] HWY_INLINE float widest_of_body(int) const { return margin_; }
   [[nodiscard]] HWY_INLINE float of_pair(int, const V3*) const { return 0; }
+  /// Least value in a separation table that proves a pair apart.
+  [[nodiscard]] HWY_INLINE V needed_rings(const SeparationTable&) const { return splat(1); }
   /// Squared distance of a pair's centres below which its balls touch.
   [[nodiscard]] HWY_INLINE float reach2(const BodyPairRow& pair, int) const { return pair.reach2; }
 
@@ -105,6 +109,15 @@ class SweptMargins {
     const V first = speed_of(pair.first, pair.ancestor, centers[pair.first]);
     const V second = speed_of(pair.second, pair.ancestor, centers[pair.second]);
     return inflation(motion_.pair_displacements[i], hn::Add(first, second));
+  }
+  /// The intervals reach this number of cells to either side, and the state's own cell.
+  [[nodiscard]] HWY_INLINE V needed_rings(const SeparationTable& table) const {
+    if (motion_.margin > SeparationTable::kApart) return splat(SeparationTable::kMostRings + 1);
+    float cells = 0;
+    for (const SeparationTable::Axis& axis : table.axes) {
+      cells = std::max(cells, std::abs(motion_.delta[axis.joint]) * axis.scale);
+    }
+    return rings_around(hn::Mul(half_, splat(cells)));
   }
   [[nodiscard]] HWY_INLINE V reach2(const BodyPairRow& pair, int i) const {
     const float radii =

@@ -23,6 +23,7 @@
 #include "collision/collision_kernels.h"
 #include "collision/compound-inl.h"
 #include "collision/distance-inl.h"
+#include "collision/separation_table-inl.h"
 #include "collision/kinematics-inl.h"
 #include "collision/margins-inl.h"
 #include "collision/pair_checker-inl.h"
@@ -54,6 +55,7 @@ class StateChecker {
 
   /// Returns true as soon as the verdict is final.
   HWY_INLINE bool check(const V* q, Verdict<kIsMotion>& verdict) {
+    q_ = q;
     pose_frames(robot_, q, poses_);
     margins_.follow(poses_);
     for (int begin = 0; begin < robot_.moving_count; begin += kLinkBatch) {
@@ -265,6 +267,12 @@ class StateChecker {
 
   HWY_NOINLINE bool hits_body(int index, Verdict<kIsMotion>& verdict) const {
     const BodyPairRow& pair = robot_.body_pairs[index];
+    if (pair.separation_table >= 0) {
+      const SeparationTable& table = (*robot_.separation_tables)[pair.separation_table];
+      if (!verdict.is_any_open(hn::Lt(rings_at(table, q_), margins_.needed_rings(table)))) {
+        return false;
+      }
+    }
     const auto margin = margins_.of_pair(index, centers_);
     const Pose& first = poses_[robot_.bodies[pair.first].frame];
     const Pose& second = poses_[robot_.bodies[pair.second].frame];
@@ -276,6 +284,7 @@ class StateChecker {
   const RobotTables& robot_;
   const SceneTables& scene_;
   const Margins& margins_;
+  const V* q_ = nullptr;  ///< the state that is checked
   Pose poses_[kMaxFrames + 1];
   V3 centers_[kMaxBodies];
   Extent extents_[kMaxBodies];
