@@ -189,6 +189,10 @@ struct QueryChecker {
 [[nodiscard]] Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
                                                       const CheckerSettings& settings,
                                                       const PlanQuery& ends);
+/// The same, with a checker that CollisionChecker::make() returned for these settings.
+[[nodiscard]] Result<QueryChecker> make_query_checker(const CollisionChecker& plain,
+                                                      const CheckerSettings& settings,
+                                                      const PlanQuery& ends);
 
 /// Ends a search that another one has beaten. Called by the planning thread.
 class SearchLimit {

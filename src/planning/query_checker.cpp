@@ -80,8 +80,14 @@ bool internal::is_clear_by_exact_geometry(const CollisionChecker& checker, const
 
 Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
                                         const CheckerSettings& settings, const PlanQuery& ends) {
-  CollisionChecker plain = MNEME_TRY(CollisionChecker::make(robot, scene, settings));
-  QueryChecker result{std::move(plain), {}, true};
+  const CollisionChecker plain = MNEME_TRY(CollisionChecker::make(robot, scene, settings));
+  return make_query_checker(plain, settings, ends);
+}
+
+Result<QueryChecker> make_query_checker(const CollisionChecker& plain,
+                                        const CheckerSettings& settings, const PlanQuery& ends) {
+  const Robot& robot = plain.robot();
+  QueryChecker result{plain, {}, true};
   std::optional<Scene> checked_scene;
   const auto judge = [&](const Configuration& q, const std::string& end) {
     const bool is_configuration = !robot.describe_violation(q, "");
@@ -89,7 +95,7 @@ Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
     result.are_ends_clear = false;
     if (!is_configuration) return;
     for (const SpheresOnly& found : find_sphere_contacts(result.checker, q)) {
-      if (!checked_scene) checked_scene = scene;
+      if (!checked_scene) checked_scene = plain.scene();
       if (add_exact(found.contact, *checked_scene)) result.notes.push_back(describe(found, end));
     }
   };
