@@ -172,8 +172,11 @@ Result<CellChecker> find_or_make_checker(const Robot& robot, const Scene& scene,
   if (known != nullptr && known->are_clear(ends)) {
     return CellChecker{{known->checker(), {}, true}, known};
   }
-  QueryChecker made = MNEME_TRY(make_query_checker(robot, scene, settings, ends));
-  auto cell = StaticCell::keep(made.checker);
+  QueryChecker made =
+      MNEME_TRY(known != nullptr ? make_query_checker(known->checker(), settings, ends)
+                                 : make_query_checker(robot, scene, settings, ends));
+  const bool is_known = known != nullptr && made.notes.empty();
+  auto cell = is_known ? known : StaticCell::keep(made.checker);
   if (cell != nullptr && made.are_ends_clear) cell->add_clear(ends);
   return CellChecker{std::move(made), std::move(cell)};
 }
