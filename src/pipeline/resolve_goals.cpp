@@ -27,13 +27,6 @@ Result<CellChecker> make_checker(const Query& query, const PlanQuery& ends) {
       });
 }
 
-/// Keeps the checker for other queries where known tasks are replayed.
-Result<CellChecker> find_checker(const Query& query, const PlanQuery& ends) {
-  const Problem& problem = query.problem;
-  if (query.database == nullptr || query.settings.replay == 0) return make_checker(query, ends);
-  return find_or_make_checker(problem.robot, problem.scene, query.checker_settings(), ends);
-}
-
 /// Replaces ends that are barely outside by configurations nearby.
 Result<GivenEnds> move_inside(const Query& query, CellChecker& made, PlanQuery& ends) {
   const SolveSettings& settings = query.settings;
@@ -130,7 +123,8 @@ Result<ResolvedQuery> resolve_goals(const Query& query) {
   const Problem& problem = query.problem;
   PlanQuery ends{problem.start, problem.goals};
   const Stopwatch preparing;
-  CellChecker made = MNEME_TRY(find_checker(query, ends));
+  CellChecker made =
+      MNEME_TRY(find_or_make_checker(problem.robot, problem.scene, query.checker_settings(), ends));
   const double preparation_time_s = preparing.elapsed_s();
   query.stopwatch = Stopwatch();
   GivenEnds given = MNEME_TRY(move_inside(query, made, ends));
