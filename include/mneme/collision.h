@@ -248,11 +248,11 @@ class CollisionChecker {
                                           std::span<const float> delta) const;
 
   /// Decides for each box of a family whether all of its states are free, with `margin` metres
-  /// more than the checker's to obstacles and between links: the state in the middle, with each
-  /// body inflated by its displacement within the box. That is exact to first order, and bounded
-  /// beyond. Conservative: a box that is not free may be free of contact; cut it in two. `margin`
-  /// is at least 2e-5 m, more than the rounding of single precision. Boxes with values that are not
-  /// finite, and all boxes of a checker with constraints or pairs for exact geometry, are not free.
+  /// more than the checker's. Checks the state in the middle, with each body inflated by its
+  /// displacement within the box, which is exact to first order and bounded beyond. Conservative: a
+  /// box that is not free may be free of contact; cut it in two. `margin` is at least 2e-5 m, more
+  /// than the rounding of single precision. Valid for states within the limits. Boxes with values
+  /// that are not finite are not free; neither are boxes where constraints or exact geometry count.
   void check_family(const FamilyMotion& motion, std::span<const FamilyBox> boxes, float margin,
                     std::span<FamilyVerdict> verdicts, CheckCounters& counters) const;
 
