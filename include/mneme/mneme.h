@@ -17,6 +17,7 @@
 #include "mneme/trajectory.h"
 #include "mneme/goal.h"
 #include "mneme/planning.h"
+#include "mneme/cell.h"
 #include "mneme/store.h"
 #include "mneme/upkeep.h"
 #include "mneme/experience.h"

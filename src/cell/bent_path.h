@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Paths that bend with their goal, and the proof that all of them are free.
+#pragma once
+
+#include "mneme/collision.h"
+
+#include "cell/link_chain.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace mneme::internal {
+
+using Waypoints = std::vector<JointVector>;
+
+/// A path that moves each waypoint by a share of the change of its goal.
+struct BentPath {
+  std::vector<float> rows;    ///< waypoints, row by row; the last is the unchanged goal
+  std::vector<float> shares;  ///< by waypoint: 0 at the start, 1 at the goal
+
+  [[nodiscard]] std::size_t size() const { return shares.size(); }
+  [[nodiscard]] std::span<const float> row(std::size_t i) const {
+    const std::size_t joints = rows.size() / shares.size();
+    return {rows.data() + i * joints, joints};
+  }
+  [[nodiscard]] JointVector waypoint(std::size_t i, const JointVector& change) const {
+    const std::span<const float> values = row(i);
+    const Eigen::Map<const Eigen::VectorXf> map(values.data(),
+                                                static_cast<Eigen::Index>(values.size()));
+    return map.cast<double>() + double{shares[i]} * change;
+  }
+  /// L2 joint distance along the unchanged path.
+  [[nodiscard]] double length() const;
+};
+
+[[nodiscard]] double length_of(const Waypoints& path);
+
+/// Drops waypoints that hardly matter, such as those that bend() adds.
+[[nodiscard]] Waypoints without_straights(const Waypoints& path);
+
+/// Number of ways to spread a bend along a path.
+inline constexpr int kBendProfiles = 6;
+/// Spreads the bend over the path's last part, and adds waypoints where it begins and ends.
+[[nodiscard]] BentPath bend(Waypoints path, int profile);
+
+/// Where a proof failed.
+struct ProofFailure {
+  bool is_over_budget = false;
+  JointVector q;     ///< a state that is, or may be, too close to contact
+  double along = 0;  ///< its place, as a share of the path's motions
+  /// Displacement of what may touch there, by time and by parameter.
+  std::array<float, 1 + kMostParameters> displacements = {};
+};
+
+struct ProofSettings {
+  float margin = 2e-4f;
+  std::uint64_t most_states = 300000;
+  std::uint64_t seed = 1;
+};
+
+/// Returns true if the path, with its goal changed by any value of `shift`, is free. Otherwise
+/// `failure` has a place; conservative.
+[[nodiscard]] bool prove(const CollisionChecker& checker, const BentPath& path,
+                         const GoalShift& shift, const ProofSettings& settings,
+                         ProofFailure& failure, CheckCounters& counters);
+
+}  // namespace mneme::internal

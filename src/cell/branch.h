@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Branches of inverse kinematics over a box of tasks.
+#pragma once
+
+#include "mneme/cell.h"
+#include "mneme/collision.h"
+
+#include "cell/link_chain.h"
+#include "cell/task_frame.h"
+
+#include <vector>
+
+namespace mneme::internal {
+
+/// Configurations q0 + response y, with y by Newton's method for each pose.
+struct Branch {
+  JointVector q0;
+  Response response;
+};
+
+/// Rounds `q` to single precision, so that the kernel and the query see the same number.
+[[nodiscard]] Branch make_branch(const LinkChain& chain, const JointVector& q);
+
+/// The value of a family's quadratic at `u`, in double precision.
+[[nodiscard]] JointVector evaluate(const GoalShift& shift, const double* u);
+
+/// Writes the configuration of the branch at `to`, from that of `from`, which is its q0. False if
+/// Newton's method fails in one of `steps` equal steps.
+[[nodiscard]] bool follow(const LinkChain& chain, const TaskFrame& frame, const Branch& branch,
+                          const CellTask& from, const CellTask& to, int steps, JointVector& q);
+
+enum class FitFault { none, kinematics, limits, bends };
+
+/// Fits a quadratic to a branch over boxes of tasks.
+class BranchFitter {
+ public:
+  /// Refers to its arguments.
+  BranchFitter(const LinkChain& chain, const TaskFrame& frame);
+
+  /// Writes the model of `branch` over the box, as a change from q0. Its `rest` exceeds the error
+  /// at many samples; a task with a larger error is refused when it is asked for, so that it is no
+  /// matter of safety.
+  [[nodiscard]] FitFault fit(const TaskBox& box, const Branch& branch, GoalShift& shift) const;
+  /// Motion of the joints per half width of the box, to first order: a column per parameter.
+  [[nodiscard]] Eigen::MatrixXd slopes(const TaskBox& box, const Branch& branch) const;
+  /// Room to the joint limits as a multiple of what the box needs.
+  [[nodiscard]] double slack(const JointVector& q, const Eigen::MatrixXd& slopes) const;
+  /// Larger is better: room to the limits, little motion.
+  [[nodiscard]] double rate(const TaskBox& box, const JointVector& q) const;
+  /// Values in [-1, 1] at which models are checked: corners, then random ones.
+  [[nodiscard]] const std::vector<std::vector<double>>& probes() const { return probes_; }
+
+ private:
+  const LinkChain& chain_;
+  const TaskFrame& frame_;
+  int parameters_;
+  std::vector<std::vector<double>> nodes_, probes_;
+  Eigen::MatrixXd solver_;  // from values at the nodes to coefficients
+};
+
+}  // namespace mneme::internal

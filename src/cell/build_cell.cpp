@@ -1,0 +1,248 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/as_index.h"
+#include "base/check_ranges.h"
+#include "base/fail.h"
+#include "base/threads.h"
+#include "cell/cell_data.h"
+#include "cell/examine.h"
+
+#include <algorithm>
+#include <atomic>
+#include <queue>
+
+namespace mneme {
+namespace internal {
+namespace {
+
+/// Boxes that are examined together. They do not see each other's results, so that these do not
+/// depend on threads.
+constexpr std::size_t kRound = 8;
+/// Boxes of a smaller share of the region are not cut.
+constexpr double kLeastShare = 1e-5;
+/// Tasks by which progress is measured.
+constexpr int kTracked = 6000;
+
+/// Tasks at random places of the region.
+std::vector<CellTask> sample_tasks(const TaskFrame& frame, int count, std::uint64_t seed) {
+  Rng rng(seed);
+  std::vector<CellTask> tasks(as_index(count));
+  for (CellTask& task : tasks) {
+    for (const int k : frame.varying()) {
+      task[as_index(k)] = frame.half_extents()[as_index(k)] * rng.uniform(-1, 1);
+    }
+  }
+  return tasks;
+}
+
+/// Builds the boxes of one start.
+class CellBuilder {
+ public:
+  CellBuilder(const Examiner& examiner, const CellSettings& settings, double seconds)
+      : examiner_(examiner),
+        settings_(settings),
+        seconds_(seconds),
+        tracked_(sample_tasks(examiner.frame(), kTracked, 4242)),
+        is_tracked_(tracked_.size(), false) {
+    for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<int>(i);
+    queue_.push({examiner.frame().whole(), 1, 0, {}});
+  }
+
+  StartCell run(const std::function<void(const CellProgress&)>& on_progress) {
+    while (!queue_.empty() && !is_over()) {
+      round();
+      if (on_progress) on_progress(progress());
+    }
+    while (!queue_.empty()) {
+      leave(queue_.top(), CellGap::budget, nullptr);
+      queue_.pop();
+    }
+    std::ranges::stable_sort(cell_.unproven, std::greater(), &UnprovenBox::share);
+    return std::move(cell_);
+  }
+
+  [[nodiscard]] CellProgress progress() const {
+    const double proven = static_cast<double>(tracked_count_) / kTracked;
+    return {stopwatch_.elapsed_s(), static_cast<int>(cell_.boxes.size()), proven,
+            proven + blocked_};
+  }
+  [[nodiscard]] std::uint64_t examined() const { return examined_; }
+
+ private:
+  struct IsSmaller {
+    bool operator()(const OpenBox& a, const OpenBox& b) const {
+      return a.share != b.share ? a.share < b.share : a.node > b.node;
+    }
+  };
+
+  [[nodiscard]] bool is_over() const {
+    return examined_ >= settings_.boxes || stopwatch_.elapsed_s() >= seconds_ ||
+           is_set(settings_.cancel);
+  }
+
+  void round() {
+    std::vector<OpenBox> open;
+    const auto most = std::min<std::uint64_t>(kRound, settings_.boxes - examined_);
+    while (open.size() < most && !queue_.empty()) {
+      open.push_back(queue_.top());
+      queue_.pop();
+    }
+    std::vector<std::optional<Examined>> results(open.size());
+    examine_all(open, results);
+    // Results count up to the first that time did not suffice for, as if it had ended there.
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (!results[i]) {
+        for (; i < open.size(); ++i) queue_.push(open[i]);
+        break;
+      }
+      ++examined_;
+      take(open[i], std::move(*results[i]));
+    }
+    std::ranges::stable_sort(order_, std::greater(),
+                             [&](int profile) { return wins_[as_index(profile)]; });
+  }
+
+  void examine_all(const std::vector<OpenBox>& open,
+                   std::vector<std::optional<Examined>>& results) {
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&] {
+      for (std::size_t i = next++; i < open.size(); i = next++) {
+        // The first is always examined, so that a round makes progress.
+        if (i > 0 && (stopwatch_.elapsed_s() >= seconds_ || is_set(settings_.cancel))) return;
+        results[i] = examiner_.examine(open[i], cell_.boxes, order_);
+      }
+    };
+    Threads threads(as_index(settings_.threads - 1), work);
+    work();
+    threads.join();
+  }
+
+  void take(const OpenBox& open, Examined&& result) {
+    std::vector<int> above = open.above;
+    for (std::size_t i = 0; i < result.boxes.size(); ++i) {
+      CellBox& box = result.boxes[i];
+      const int index = static_cast<int>(cell_.boxes.size());
+      if (box.origin < 0) box.origin = index;
+      ++wins_[as_index(result.profiles[i])];
+      cell_.tree[as_index(open.node)].boxes.push_back(index);
+      above.push_back(index);
+      track(box);
+      cell_.boxes.push_back(std::move(box));
+    }
+    if (result.is_served) return;
+    if (result.is_blocked) blocked_ += open.share;
+    if (result.is_blocked || open.share / 2 < kLeastShare) {
+      leave(open, result.gap, result.failure ? &*result.failure : nullptr);
+    } else {
+      cut(open, result, std::move(above));
+    }
+  }
+
+  void track(const CellBox& box) {
+    for (std::size_t i = 0; i < tracked_.size(); ++i) {
+      if (is_tracked_[i] || !serves(box, tracked_[i], examiner_.frame(), examiner_.chain())) {
+        continue;
+      }
+      is_tracked_[i] = true;
+      ++tracked_count_;
+    }
+  }
+
+  void leave(const OpenBox& open, CellGap gap, const ProofFailure* failure) {
+    UnprovenBox box;
+    box.center = open.tasks.center;
+    box.half_extents = open.tasks.half;
+    box.gap = gap;
+    box.share = open.share;
+    if (failure != nullptr) examiner_.describe(*failure, box);
+    cell_.unproven.push_back(std::move(box));
+  }
+
+  /// Cuts a box across the parameter that moves the arm most and was most to blame.
+  void cut(const OpenBox& open, const Examined& result, std::vector<int> above) {
+    constexpr double kSizeWeight = 0.7, kMetresPerRadian = 0.25;
+    const std::vector<int>& varying = examiner_.frame().varying();
+    const auto size = [&](int k) {
+      return open.tasks.half[as_index(k)] * (k == 3 ? kMetresPerRadian : 1);
+    };
+    double sizes = 0, blames = 1e-9;
+    for (std::size_t i = 0; i < varying.size(); ++i) {
+      sizes += size(varying[i]);
+      blames += result.blame[i];
+    }
+    int widest = varying.front();
+    double most = -1;
+    for (std::size_t i = 0; i < varying.size(); ++i) {
+      const double weight = kSizeWeight * size(varying[i]) / sizes + result.blame[i] / blames;
+      if (weight <= most) continue;
+      most = weight;
+      widest = varying[i];
+    }
+    SplitNode& node = cell_.tree[as_index(open.node)];
+    node.parameter = widest;
+    node.at = open.tasks.center[as_index(widest)];
+    node.below = static_cast<int>(cell_.tree.size());
+    node.above = node.below + 1;
+    const double half = open.tasks.half[as_index(widest)] / 2;
+    for (const double side : {-1.0, 1.0}) {
+      OpenBox part{open.tasks, open.share / 2, static_cast<int>(cell_.tree.size()), above};
+      part.tasks.half[as_index(widest)] = half;
+      part.tasks.center[as_index(widest)] += side * half;
+      queue_.push(std::move(part));
+      cell_.tree.emplace_back();
+    }
+  }
+
+  const Examiner& examiner_;
+  const CellSettings& settings_;
+  double seconds_;
+  Stopwatch stopwatch_;
+  StartCell cell_;
+  std::priority_queue<OpenBox, std::vector<OpenBox>, IsSmaller> queue_;
+  std::array<int, kBendProfiles> order_ = {};
+  std::array<int, kBendProfiles> wins_ = {};
+  std::vector<CellTask> tracked_;
+  std::vector<bool> is_tracked_;
+  std::size_t tracked_count_ = 0;
+  double blocked_ = 0;
+  std::uint64_t examined_ = 0;
+};
+
+Result<void> check_start(const CollisionChecker& checker, const CellStart& start) {
+  if (checker.is_valid(start.q)) return {};
+  const std::vector<Contact> contacts = checker.contacts(start.q);
+  if (contacts.empty()) return fail(ErrorCode::invalid, "start {} is not valid", start.name);
+  return fail(ErrorCode::invalid,
+              "at start {}, {} is closer to {} than the margin of {} m; expected a start in the "
+              "open, or a smaller margin",
+              start.name, contacts.front().link, contacts.front().other, checker.margin());
+}
+
+}  // namespace
+}  // namespace internal
+
+Result<Cell> build_cell(const CellRegion& region, const CellSettings& settings,
+                        const std::function<void(const CellProgress&)>& on_progress) {
+  MNEME_TRY(internal::check_ranges(settings));
+  MNEME_TRY(internal::check_region(region));
+  CheckerSettings kept;
+  kept.margin = settings.margin;
+  const auto careful =
+      MNEME_TRY(CollisionChecker::make(region.problem.robot, region.problem.scene, kept));
+  for (const CellStart& start : region.starts) MNEME_TRY(internal::check_start(careful, start));
+  auto data = MNEME_TRY(internal::make_cell_data(region, settings.margin));
+  const Stopwatch stopwatch;
+  for (std::size_t i = 0; i < region.starts.size(); ++i) {
+    const auto examiner = MNEME_TRY(internal::Examiner::make(region, region.starts[i], settings));
+    const double left = settings.seconds - stopwatch.elapsed_s();
+    const auto starts_left = static_cast<double>(region.starts.size() - i);
+    internal::CellBuilder builder(examiner, settings, std::max(0.0, left / starts_left));
+    data->starts.push_back(builder.run([&](const CellProgress& progress) {
+      data->progress.push_back(progress);
+      if (on_progress) on_progress(progress);
+    }));
+  }
+  return Cell(std::move(data));
+}
+
+}  // namespace mneme

@@ -1,0 +1,424 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/cell.h"
+#include "mneme/goal.h"
+#include "mneme/planning.h"
+#include "mneme/sampling.h"
+
+#include "base/as_index.h"
+#include "base/threads.h"
+#include "cell/cell_data.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace mneme {
+
+using internal::as_index;
+using internal::CellBox;
+using internal::JointVector;
+using internal::StartCell;
+
+Result<std::shared_ptr<internal::CellData>> internal::make_cell_data(const CellRegion& region,
+                                                                     double margin) {
+  const Problem& problem = region.problem;
+  return std::make_shared<CellData>(
+      CellData{region, MNEME_TRY(LinkChain::make(problem.robot, region.middle().link)),
+               TaskFrame(region), MNEME_TRY(CollisionChecker::make(problem.robot, problem.scene)),
+               margin, hash_world(problem)});
+}
+
+std::string_view to_string(CellTier tier) {
+  constexpr std::array<std::string_view, 4> kNames = {"none", "certified", "verified", "planned"};
+  return kNames.at(static_cast<std::size_t>(tier));
+}
+
+std::string_view to_string(CellGap gap) {
+  constexpr std::array<std::string_view, kCellGaps> kSentences = {
+      "the link is in contact in all tasks (proven)",
+      "no free inverse kinematics found",
+      "joint limits",
+      "inverse kinematics bends too much",
+      "too close to contact",
+      "no path found",
+      "not examined to the end"};
+  return kSentences.at(static_cast<std::size_t>(gap));
+}
+
+namespace {
+
+/// Newton steps and accuracy of an answer, metres.
+constexpr int kSteps = 6;
+constexpr double kNear = 1e-7;
+/// Configurations modelled farther beyond a limit than this are not tried, radians.
+constexpr double kLimitRoom = 0.01;
+
+/// Looks one task up.
+class LookUp {
+ public:
+  LookUp(const internal::CellData& data, const CellTask& task, std::size_t start,
+         CellAnswer& answer)
+      : data_(data),
+        task_(task),
+        start_(data.region.starts[start].q),
+        boxes_(data.starts[start].boxes),
+        answer_(answer) {}
+
+  /// Returns true if the box has an answer.
+  bool try_box(int index) {
+    const CellBox& box = boxes_[as_index(index)];
+    if (!box.is_proven || !box.tasks.contains(task_)) return false;
+    std::array<double, kMostParameters> u = {};
+    std::size_t i = 0;
+    for (const int k : data_.frame.varying()) {
+      u[i++] = (task_[as_index(k)] - box.tasks.center[as_index(k)]) / box.tasks.half[as_index(k)];
+    }
+    const JointVector modelled = internal::evaluate(box.shift, u.data());
+    JointVector q = box.branch.q0 + modelled;
+    const auto& chain = data_.chain;
+    if (((q - chain.upper()).array() > kLimitRoom).any()) return false;
+    if (((chain.lower() - q).array() > kLimitRoom).any()) return false;
+    if (!is_posed_) pose_ = data_.frame.pose(task_);
+    is_posed_ = true;
+    if (!chain.reach(pose_, box.branch.response, kSteps, kNear, q)) return false;
+    const JointVector change = q - box.branch.q0;
+    for (Eigen::Index j = 0; j < change.size(); ++j) {
+      // The proof holds for changes this close to the model.
+      if (!(std::abs(change[j] - modelled[j]) <= box.shift.rest[static_cast<std::size_t>(j)])) {
+        return false;
+      }
+    }
+    if (!write_path(box, change)) return false;
+    answer_.tier = CellTier::certified;
+    answer_.box = index;
+    return true;
+  }
+
+ private:
+  /// False if the path leaves the joint limits, or turns a continuous joint so far that its
+  /// direction is not unique.
+  bool write_path(const CellBox& box, const JointVector& change) {
+    constexpr double kMostTurn = std::numbers::pi - 1e-3;
+    Path& path = answer_.path;
+    path.resize(box.path.size());
+    path.front() = start_;
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const JointVector q = box.path.waypoint(i, change);
+      if (!data_.chain.keeps_limits(q)) return false;
+      for (Eigen::Index j = 0; j < q.size(); ++j) {
+        const double turn = q[j] - path[i - 1][static_cast<std::size_t>(j)];
+        if (data_.chain.wraps(static_cast<int>(j)) && std::abs(turn) > kMostTurn) return false;
+      }
+      path[i].assign(q.data(), q.data() + q.size());
+    }
+    return true;
+  }
+
+  const internal::CellData& data_;
+  const CellTask& task_;
+  const Configuration& start_;
+  const std::vector<CellBox>& boxes_;
+  CellAnswer& answer_;
+  Transform pose_;
+  bool is_posed_ = false;
+};
+
+}  // namespace
+
+const CellRegion& Cell::region() const { return data_->region; }
+double Cell::margin() const { return data_->margin; }
+bool Cell::is_of_this_world() const { return data_->is_of_this_world; }
+bool Cell::is_of(const Problem& problem) const {
+  return internal::hash_world(problem) == data_->world;
+}
+const std::vector<CellProgress>& Cell::progress() const { return data_->progress; }
+
+std::size_t Cell::box_count() const {
+  std::size_t count = 0;
+  for (const StartCell& start : data_->starts) count += start.boxes.size();
+  return count;
+}
+
+std::size_t Cell::proven_count() const {
+  std::size_t count = 0;
+  for (const StartCell& start : data_->starts) {
+    count += as_index(static_cast<int>(std::ranges::count(start.boxes, true, &CellBox::is_proven)));
+  }
+  return count;
+}
+
+std::size_t Cell::path_count() const {
+  std::size_t count = 0;
+  for (const StartCell& start : data_->starts) {
+    std::set<int> origins;
+    for (const CellBox& box : start.boxes) origins.insert(box.origin);
+    count += origins.size();
+  }
+  return count;
+}
+
+void Cell::look_up(const CellTask& task, CellAnswer& answer, std::size_t start) const {
+  answer.tier = CellTier::none;
+  answer.box = -1;
+  LookUp look_up(*data_, task, start, answer);
+  data_->starts[start].visit_boxes(task, [&](int box) { return look_up.try_box(box); });
+  if (answer.tier == CellTier::none) answer.path.clear();
+}
+
+namespace {
+
+/// Paths of other boxes, bent to a task and verified.
+class PathBender {
+ public:
+  PathBender(const internal::CellData& data, const CellTask& task, std::size_t start)
+      : data_(data), task_(task), start_(start) {}
+
+  /// Writes the path of the nearest box that can be bent to the task.
+  bool run(CellAnswer& answer) {
+    int tried = 0;
+    for (const int index : nearest()) {
+      if (tried == kTries) return false;
+      const CellBox& box = data_.starts[start_].boxes[as_index(index)];
+      JointVector q;
+      const bool is_reached =
+          follow(data_.chain, data_.frame, box.branch, box.tasks.center, task_, 2, q);
+      if (!is_reached || is_seen(q)) continue;
+      seen_.push_back(q);
+      if (!data_.chain.keeps_limits(q)) continue;
+      ++tried;
+      Path path = bend_to(box, q - box.branch.q0);
+      CheckCounters counters;
+      const MotionVerifier verifier(data_.checker);
+      if (path.empty() || verifier.find_invalid_motion(path, counters) >= 0) continue;
+      answer.tier = CellTier::verified;
+      answer.box = index;
+      answer.path = std::move(path);
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr int kTries = 4;
+  static constexpr std::size_t kNearest = 16;
+  static constexpr double kSame = 0.02;
+
+  [[nodiscard]] bool is_seen(const JointVector& q) const {
+    return std::ranges::any_of(seen_,
+                               [&](const auto& other) { return (other - q).norm() < kSame; });
+  }
+
+  /// Boxes by the distance of the task from them, relative to the region.
+  [[nodiscard]] std::vector<int> nearest() const {
+    const auto& boxes = data_.starts[start_].boxes;
+    std::vector<std::pair<double, int>> order;
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      double sum = 0;
+      for (const int k : data_.frame.varying()) {
+        const auto at = as_index(k);
+        const double off = std::abs(task_[at] - boxes[i].tasks.center[at]);
+        const double beyond =
+            std::max(0.0, off - boxes[i].tasks.half[at]) / data_.frame.half_extents()[at];
+        sum += beyond * beyond;
+      }
+      order.emplace_back(sum, static_cast<int>(i));
+    }
+    const std::size_t count = std::min(kNearest, order.size());
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
+                      order.end());
+    std::vector<int> result;
+    for (std::size_t i = 0; i < count; ++i) result.push_back(order[i].second);
+    return result;
+  }
+
+  [[nodiscard]] Path bend_to(const CellBox& box, const JointVector& change) const {
+    Path path = {data_.region.starts[start_].q};
+    for (std::size_t i = 1; i < box.path.size(); ++i) {
+      const JointVector q = box.path.waypoint(i, change);
+      if (!data_.chain.keeps_limits(q)) return {};
+      path.push_back(internal::to_configuration(q));
+    }
+    return path;
+  }
+
+  const internal::CellData& data_;
+  const CellTask& task_;
+  std::size_t start_;
+  std::vector<JointVector> seen_;
+};
+
+/// Plans to all configurations of the task that inverse kinematics finds.
+void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t start,
+               double timeout_s, CellAnswer& answer) {
+  const Robot& robot = data.region.problem.robot;
+  PoseGoal goal;
+  goal.link = data.region.middle().link;
+  goal.pose = data.frame.pose(task);
+  const Configuration& from = data.region.starts[start].q;
+  const auto kinematics = InverseKinematics::make(robot, goal.link);
+  if (!kinematics) {
+    answer.note = kinematics.error().message;
+    return;
+  }
+  const Stopwatch stopwatch;
+  IkSettings ik;
+  ik.is_over = [&] { return stopwatch.elapsed_s() > timeout_s; };
+  const IkResult found = kinematics->solve(goal, from, ik, &data.checker, kVerificationMargin);
+  if (found.solutions.empty()) {
+    answer.note = found.blocked.empty() ? "inverse kinematics finds no configuration of this task"
+                                        : "all configurations found for this task are in contact";
+    return;
+  }
+  PlanSettings settings;
+  settings.timeout_s = std::max(0.0, timeout_s - stopwatch.elapsed_s());
+  const PlanResult planned = plan_with(rrt_connect, data.checker, {from, found.solutions},
+                                       *make_uniform_sampler(robot), settings);
+  answer.note = planned.message;
+  if (!planned.is_solved()) return;
+  answer.tier = CellTier::planned;
+  answer.path = planned.path;
+}
+
+}  // namespace
+
+CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s) const {
+  CellAnswer answer;
+  if (!data_->frame.whole().contains(task)) {
+    answer.note = "the task is beyond the region";
+    return answer;
+  }
+  look_up(task, answer, start);
+  if (answer.tier != CellTier::none) return answer;
+  if (PathBender(*data_, task, start).run(answer)) return answer;
+  if (timeout_s > 0) plan_anew(*data_, task, start, timeout_s, answer);
+  return answer;
+}
+
+std::optional<CellAnswer> answer_from(const Cell& cell, const Problem& problem) {
+  const CellRegion& region = cell.region();
+  const auto start = std::ranges::find(region.starts, problem.start, &CellStart::q);
+  const bool is_one_pose = problem.pose_goals.size() == 1 && problem.goals.empty();
+  if (start == region.starts.end() || !is_one_pose || !problem.constraints.empty()) return {};
+  const PoseGoal& goal = problem.pose_goals.front();
+  const bool is_pose = goal.position_tolerance.isZero() && goal.cone == 0 && goal.turn == 0;
+  if (!is_pose || goal.link != region.middle().link || !cell.is_of(problem)) return {};
+  const auto task = task_of(region, goal.pose);
+  if (!task) return {};
+  constexpr double kNoPlanning = 0;
+  CellAnswer answer =
+      cell.ask(*task, static_cast<std::size_t>(start - region.starts.begin()), kNoPlanning);
+  if (answer.tier == CellTier::none) return {};
+  return answer;
+}
+
+namespace {
+
+CellTask random_task(const internal::TaskFrame& frame, Rng& rng) {
+  CellTask task = {};
+  for (const int k : frame.varying()) {
+    task[as_index(k)] = frame.half_extents()[as_index(k)] * rng.uniform(-1, 1);
+  }
+  return task;
+}
+
+bool is_within(const UnprovenBox& box, const CellTask& task) {
+  return internal::TaskBox{box.center, box.half_extents}.contains(task);
+}
+
+}  // namespace
+
+CellCoverage Cell::coverage(std::size_t start, int samples) const {
+  CellCoverage coverage;
+  coverage.samples = samples;
+  Rng rng(99);
+  CellAnswer answer;
+  const double unit = samples > 0 ? 1.0 / samples : 0;
+  const std::vector<UnprovenBox>& gaps = data_->starts[start].unproven;
+  for (int i = 0; i < samples; ++i) {
+    const CellTask task = random_task(data_->frame, rng);
+    look_up(task, answer, start);
+    if (answer.tier == CellTier::certified) {
+      coverage.proven += unit;
+      continue;
+    }
+    const auto gap =
+        std::ranges::find_if(gaps, [&](const UnprovenBox& box) { return is_within(box, task); });
+    const CellGap reason = gap != gaps.end() ? gap->gap : CellGap::limits;
+    coverage.gaps[static_cast<std::size_t>(reason)] += unit;
+  }
+  return coverage;
+}
+
+std::vector<UnprovenBox> Cell::unproven(std::size_t start) const {
+  return data_->starts[start].unproven;
+}
+
+namespace {
+
+/// Proves all boxes of a start again.
+void prove_again(const internal::CellData& data, StartCell& start, int threads,
+                 CellVerification& result) {
+  std::atomic<std::size_t> next = 0;
+  std::atomic<int> proven = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < start.boxes.size(); i = next++) {
+      CellBox& box = start.boxes[i];
+      internal::ProofSettings settings;
+      settings.margin = static_cast<float>(data.margin);
+      settings.most_states = ~std::uint64_t{0} >> 1;
+      internal::ProofFailure failure;
+      CheckCounters counters;
+      box.is_proven =
+          internal::prove(data.checker, box.path, box.shift, settings, failure, counters);
+      proven += box.is_proven ? 1 : 0;
+    }
+  };
+  internal::Threads others(as_index(std::max(1, threads) - 1), work);
+  work();
+  others.join();
+  result.proven += proven;
+  result.checked += static_cast<int>(start.boxes.size());
+}
+
+/// A task of a random box: at a corner for odd `i`.
+CellTask task_in_box(const internal::CellData& data, const CellBox& box, int i, Rng& rng) {
+  std::array<double, kMostParameters> u;
+  for (double& value : u) {
+    const double share = rng.uniform(-1, 1);
+    value = i % 2 == 1 ? std::copysign(1.0, share) : share;
+  }
+  return box.tasks.at(data.frame.varying(), u.data());
+}
+
+}  // namespace
+
+CellVerification Cell::verify(int samples, std::uint64_t seed, int threads) {
+  const Stopwatch stopwatch;
+  CellVerification result;
+  auto data = std::make_shared<internal::CellData>(*data_);
+  for (StartCell& start : data->starts) prove_again(*data, start, threads, result);
+  data->is_of_this_world = true;
+  data_ = data;
+  result.time_s = stopwatch.elapsed_s();
+  constexpr double kResolution = 1.0 / 320;
+  Rng rng(seed);
+  CellAnswer answer;
+  const Problem& problem = data->region.problem;
+  for (int i = 0; i < samples; ++i) {
+    const std::size_t start = rng.index(static_cast<std::uint32_t>(data->starts.size()));
+    const auto& boxes = data->starts[start].boxes;
+    if (boxes.empty()) continue;
+    const CellBox& box = boxes[rng.index(static_cast<std::uint32_t>(boxes.size()))];
+    look_up(task_in_box(*data, box, i, rng), answer, start);
+    if (answer.tier != CellTier::certified) continue;
+    ++result.paths;
+    if (!is_path_free(problem.robot, problem.scene, answer.path, kResolution)) ++result.in_contact;
+  }
+  return result;
+}
+
+}  // namespace mneme

@@ -1,0 +1,400 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cell/examine.h"
+
+#include "mneme/planning.h"
+
+#include "base/as_index.h"
+#include "base/fail.h"
+#include "robot/kinematics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+namespace mneme::internal {
+namespace {
+
+/// Distances that plans try to keep, metres: paths in the open serve larger boxes.
+constexpr std::array kClearances = {0.03, 0.01, 0.0033, 0.0};
+constexpr int kOwnPath = -1;    ///< origin of a box whose path was planned for it
+constexpr int kNeighbours = 6;  ///< paths of other boxes to bend
+constexpr int kFresh = 6;       ///< paths to plan
+constexpr int kSolutions = 10;  ///< of inverse kinematics, to rate
+constexpr int kImprovements = 12;
+constexpr std::uint64_t kPlanIterations = 4000;
+constexpr double kNever = 1e6;
+/// Branches closer than this are the same, radians.
+constexpr double kSameBranch = 0.02, kSameSolution = 0.1;
+/// Boxes of less than this share of the region get fewer seeds.
+constexpr double kSmallShare = 1e-3;
+constexpr int kSeeds = 384, kFewSeeds = 128;
+
+CellGap gap_of(FitFault fault) {
+  switch (fault) {
+    case FitFault::limits:
+      return CellGap::limits;
+    case FitFault::bends:
+    case FitFault::kinematics:
+    case FitFault::none:
+      break;
+  }
+  return CellGap::bends;
+}
+
+}  // namespace
+
+/// One call of Examiner::examine().
+class Examination {
+ public:
+  Examination(const Examiner& examiner, const OpenBox& open, const std::vector<CellBox>& known,
+              const std::array<int, kBendProfiles>& order)
+      : e_(examiner),
+        open_(open),
+        box_(open.tasks),
+        known_(known),
+        order_(order),
+        seed_(derive_seed(examiner.seed_, static_cast<std::uint64_t>(open.node))),
+        rng_(seed_) {
+    for (const std::vector<double>& u : e_.fitter_->probes()) {
+      tasks_.push_back(box_.at(e_.frame().varying(), u.data()));
+    }
+    is_needed_.assign(tasks_.size(), true);
+    needed_ = tasks_.size();
+  }
+
+  Examined run() {
+    for (const int above : open_.above) serve(known_[as_index(above)]);
+    result_.is_served = needed_ == 0;
+    if (result_.is_served) return std::move(result_);
+    if (e_.blocked_->find(box_)) {
+      result_.is_blocked = true;
+      result_.gap = CellGap::blocked;
+      return std::move(result_);
+    }
+    result_.is_served = try_neighbours() || try_fresh();
+    if (!result_.failure && tightest_ > 0) {
+      std::ranges::copy(limit_blame_, result_.blame.begin());
+    }
+    return std::move(result_);
+  }
+
+ private:
+  // Tasks that are served.
+
+  void serve(const CellBox& box) {
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      if (!is_needed_[i] || !serves(box, tasks_[i], e_.frame(), e_.chain())) continue;
+      is_needed_[i] = false;
+      --needed_;
+    }
+  }
+
+  /// True if the branch keeps the limits in enough of the tasks that are not served yet.
+  [[nodiscard]] bool is_useful(const Branch& branch, const GoalShift& shift) const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      const std::vector<double>& u = e_.fitter_->probes()[i];
+      if (is_needed_[i] && e_.chain().keeps_limits(branch.q0 + evaluate(shift, u.data()))) ++count;
+    }
+    return 10 * count >= 3 * needed_;
+  }
+
+  // One branch.
+
+  /// True if the branch has a model that is worth a proof.
+  bool fit(const Branch& branch, GoalShift& shift) {
+    FitFault fault = e_.fitter_->fit(box_, branch, shift);
+    if (fault == FitFault::none && !is_useful(branch, shift)) fault = FitFault::limits;
+    if (fault == FitFault::none) return true;
+    if (!result_.failure) result_.gap = gap_of(fault);
+    if (fault == FitFault::limits) blame_limits(branch);
+    return false;
+  }
+
+  /// Notes which parameters move the joint that is nearest to its limit.
+  void blame_limits(const Branch& branch) {
+    const Eigen::MatrixXd motion = e_.fitter_->slopes(box_, branch);
+    const double slack = e_.fitter_->slack(branch.q0, motion);
+    if (slack <= tightest_) return;
+    tightest_ = slack;
+    int nearest = 0;
+    double least = 1e9;
+    for (int j = 0; j < e_.chain().joint_count(); ++j) {
+      const double room =
+          std::min(branch.q0[j] - e_.chain().lower()[j], e_.chain().upper()[j] - branch.q0[j]);
+      const double ratio = room / (motion.row(j).cwiseAbs().sum() + 0.01);
+      if (ratio >= least) continue;
+      least = ratio;
+      nearest = j;
+    }
+    for (Eigen::Index k = 0; k < motion.cols(); ++k) {
+      limit_blame_[static_cast<std::size_t>(k)] = std::abs(motion(nearest, k));
+    }
+  }
+
+  void blame(const ProofFailure& failure) {
+    double sum = 1e-9;
+    for (std::size_t k = 0; k < kMostParameters; ++k) sum += failure.displacements[k + 1];
+    for (std::size_t k = 0; k < kMostParameters; ++k) {
+      result_.blame[k] += failure.displacements[k + 1] / sum;
+    }
+    result_.gap = failure.is_over_budget ? CellGap::budget : CellGap::contact;
+    result_.failure = failure;
+  }
+
+  /// Tries to prove one path over the box. True if all tasks are served then.
+  bool prove_path(const Waypoints& path, const Branch& branch, const GoalShift& shift, int origin) {
+    for (const int profile : order_) {
+      const BentPath bent = bend(path, profile);
+      ProofFailure failure;
+      CheckCounters counters;
+      ProofSettings settings;
+      settings.margin = static_cast<float>(e_.margin_);
+      settings.seed = seed_;
+      if (prove(e_.levels_.back().checker, bent, shift, settings, failure, counters)) {
+        result_.boxes.push_back({box_, branch, bent, shift, origin, true});
+        result_.profiles.push_back(profile);
+        serve(result_.boxes.back());
+        return needed_ == 0;
+      }
+      blame(failure);
+      constexpr double kAtGoal = 0.98;
+      if (failure.along > kAtGoal && !failure.is_over_budget) break;  // no profile helps
+    }
+    return false;
+  }
+
+  // Paths of other boxes.
+
+  bool try_neighbours() {
+    std::vector<std::pair<double, std::size_t>> near;
+    for (std::size_t i = 0; i < known_.size(); ++i) near.emplace_back(distance_to(known_[i]), i);
+    const std::size_t count = std::min<std::size_t>(near.size(), 3 * kNeighbours);
+    std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
+    int tried = 0;
+    std::vector<JointVector> seen;
+    for (std::size_t i = 0; i < count && tried < kNeighbours; ++i) {
+      const CellBox& box = known_[near[i].second];
+      JointVector q;
+      if (!follow(e_.chain(), e_.frame(), box.branch, box.tasks.center, box_.center, 4, q))
+        continue;
+      if (is_among(seen, q, kSameBranch)) continue;
+      seen.push_back(q);
+      ++tried;
+      if (try_neighbour(box, q)) return true;
+    }
+    return false;
+  }
+
+  bool try_neighbour(const CellBox& box, const JointVector& q) {
+    const Branch branch = make_branch(e_.chain(), q);
+    GoalShift shift;
+    if (!fit(branch, shift)) return false;
+    Waypoints path;
+    for (std::size_t i = 0; i < box.path.size(); ++i) {
+      path.push_back(box.path.waypoint(i, branch.q0 - box.branch.q0));
+    }
+    path.back() = branch.q0;
+    return prove_path(without_straights(path), branch, shift, box.origin);
+  }
+
+  [[nodiscard]] double distance_to(const CellBox& box) const {
+    double sum = 0;
+    for (const int k : e_.frame().varying()) {
+      const auto i = as_index(k);
+      const double off = (box.tasks.center[i] - box_.center[i]) / e_.frame().half_extents()[i];
+      sum += off * off;
+    }
+    return sum;
+  }
+
+  static bool is_among(const std::vector<JointVector>& list, const JointVector& q, double apart) {
+    return std::ranges::any_of(list, [&](const auto& other) { return (other - q).norm() < apart; });
+  }
+
+  // New paths.
+
+  struct Candidate {
+    double rating = 0;
+    JointVector q;
+    std::size_t level = 0;  ///< the widest clearance that it keeps
+  };
+
+  bool try_fresh() {
+    const std::vector<Candidate> candidates = find_candidates();
+    if (candidates.empty() && !result_.failure) result_.gap = CellGap::unreachable;
+    int tried = 0;
+    std::vector<JointVector> seen;
+    for (const Candidate& candidate : candidates) {
+      if (tried >= kFresh) break;
+      if (is_among(seen, candidate.q, kSameSolution)) continue;
+      seen.push_back(candidate.q);
+      GoalShift shift;
+      if (!fit(make_branch(e_.chain(), candidate.q), shift)) continue;
+      ++tried;
+      if (try_candidate(candidate)) return true;
+    }
+    return false;
+  }
+
+  bool try_candidate(const Candidate& candidate) {
+    const std::optional<Waypoints> path = plan(candidate);
+    if (!path) {
+      if (!result_.failure) result_.gap = CellGap::no_path;
+      return false;
+    }
+    // The plan may end at another turn of continuous joints.
+    const Branch branch = make_branch(e_.chain(), path->back());
+    GoalShift shift;
+    if (!fit(branch, shift)) return false;
+    return prove_path(*path, branch, shift, kOwnPath);
+  }
+
+  std::vector<Candidate> find_candidates() {
+    PoseGoal goal;
+    goal.link = e_.link_;
+    goal.pose = e_.frame().pose(box_.center);
+    IkSettings settings;
+    settings.seeds = open_.share < kSmallShare ? kFewSeeds : kSeeds;
+    settings.solutions = 16;
+    settings.apart = 0.3;
+    settings.seed = rng_.next();
+    const IkResult found =
+        e_.kinematics_->solve(goal, e_.start_, settings, &e_.levels_.back().checker, e_.margin_);
+    std::vector<Candidate> candidates;
+    for (const Configuration& solution : found.solutions) {
+      JointVector q = to_vector(solution);
+      if (!e_.chain().reach(goal.pose, e_.chain().response(q), 10, 1e-8, q)) continue;
+      if (e_.chain().keeps_limits(q)) candidates.push_back({e_.fitter_->rate(box_, q), q, 0});
+    }
+    const auto is_better = [](const Candidate& a, const Candidate& b) {
+      return a.rating > b.rating;
+    };
+    std::ranges::stable_sort(candidates, is_better);
+    if (candidates.size() > kSolutions) candidates.resize(kSolutions);
+    for (Candidate& candidate : candidates) improve(goal.pose, candidate);
+    std::ranges::stable_sort(candidates, is_better);
+    return candidates;
+  }
+
+  [[nodiscard]] bool is_clear(const JointVector& q, std::size_t level) const {
+    return e_.levels_[level].checker.is_valid(to_configuration(q));
+  }
+
+  /// Moves a solution along its self-motion to where the box needs less room.
+  void improve(const Transform& pose, Candidate& candidate) {
+    while (candidate.level + 1 < e_.levels_.size() && !is_clear(candidate.q, candidate.level)) {
+      ++candidate.level;
+    }
+    double step = 0.3;
+    for (int i = 0; i < kImprovements; ++i) {
+      Jacobian jacobian;
+      (void)e_.chain().place(candidate.q, &jacobian);
+      const Response response = e_.chain().response(candidate.q);
+      JointVector along(e_.chain().joint_count());
+      for (double& value : along) value = step * rng_.normal();
+      along -= response * (jacobian * along);
+      JointVector q = candidate.q + along;
+      step *= 0.85;
+      if (!e_.chain().reach(pose, response, 6, 1e-8, q) || !e_.chain().keeps_limits(q)) continue;
+      const double rating = e_.fitter_->rate(box_, q);
+      if (rating <= candidate.rating || !is_clear(q, candidate.level)) continue;
+      candidate.q = q;
+      candidate.rating = rating;
+      step /= 0.85;
+    }
+    constexpr std::array kBonus = {0.3, 0.15, 0.05, 0.0};
+    candidate.rating += kBonus[candidate.level];
+  }
+
+  std::optional<Waypoints> plan(const Candidate& candidate) {
+    const PlanQuery query{e_.start_, {to_configuration(candidate.q)}};
+    PlanSettings settings;
+    settings.seed = rng_.next() & 0xffff;
+    settings.max_iterations = kPlanIterations;
+    settings.timeout_s = kNever;  // time must not decide
+    for (std::size_t level = candidate.level; level < e_.levels_.size(); ++level) {
+      const CollisionChecker& checker = e_.levels_[level].checker;
+      const PlanResult planned = plan_with(rrt_connect, checker, query, *e_.sampler_, settings);
+      if (!planned.is_solved()) continue;
+      Waypoints path;
+      for (const Configuration& q : planned.path) path.push_back(to_vector(q));
+      return path;
+    }
+    return std::nullopt;
+  }
+
+  const Examiner& e_;
+  const OpenBox& open_;
+  const TaskBox& box_;
+  const std::vector<CellBox>& known_;
+  const std::array<int, kBendProfiles>& order_;
+  std::uint64_t seed_;
+  Rng rng_;
+  std::vector<CellTask> tasks_;  ///< samples
+  std::vector<bool> is_needed_;  ///< per sample
+  std::size_t needed_ = 0;
+  double tightest_ = 0;
+  std::array<double, kMostParameters> limit_blame_ = {};
+  Examined result_;
+};
+
+Result<Examiner> Examiner::make(const CellRegion& region, const CellStart& start,
+                                const CellSettings& settings) {
+  Examiner examiner;
+  const Robot& robot = region.problem.robot;
+  examiner.link_ = region.middle().link;
+  examiner.start_ = start.q;
+  examiner.margin_ = settings.margin;
+  examiner.seed_ = settings.seed;
+  examiner.chain_ =
+      std::make_shared<const LinkChain>(MNEME_TRY(LinkChain::make(robot, examiner.link_)));
+  examiner.frame_ = std::make_shared<const TaskFrame>(region);
+  examiner.fitter_ = std::make_shared<const BranchFitter>(*examiner.chain_, *examiner.frame_);
+  examiner.kinematics_ = std::make_shared<const InverseKinematics>(
+      MNEME_TRY(InverseKinematics::make(robot, examiner.link_)));
+  examiner.sampler_ = make_uniform_sampler(robot);
+  examiner.blocked_ = std::make_shared<const BlockedLink>(region, *examiner.frame_);
+  for (const double clearance : kClearances) {
+    CheckerSettings checker;
+    checker.margin = clearance;
+    examiner.levels_.push_back(
+        {clearance, MNEME_TRY(CollisionChecker::make(robot, region.problem.scene, checker))});
+  }
+  return examiner;
+}
+
+Examined Examiner::examine(const OpenBox& box, const std::vector<CellBox>& known,
+                           const std::array<int, kBendProfiles>& order) const {
+  return Examination(*this, box, known, order).run();
+}
+
+void Examiner::describe(const ProofFailure& failure, UnprovenBox& box) const {
+  box.along = failure.along;
+  const CollisionChecker& wide = levels_.front().checker;
+  const Configuration q = to_configuration(failure.q);
+  const std::vector<Contact> contacts = wide.contacts(q);
+  if (contacts.empty()) return;
+  const Contact& nearest = *std::ranges::min_element(contacts, {}, &Contact::distance);
+  box.first = nearest.link;
+  box.other = nearest.other;
+}
+
+bool serves(const CellBox& box, const CellTask& task, const TaskFrame& frame,
+            const LinkChain& chain) {
+  if (!box.tasks.contains(task)) return false;
+  std::array<double, kMostParameters> u = {};
+  std::size_t i = 0;
+  for (const int k : frame.varying()) {
+    u[i++] = (task[as_index(k)] - box.tasks.center[as_index(k)]) / box.tasks.half[as_index(k)];
+  }
+  const JointVector change = evaluate(box.shift, u.data());
+  for (std::size_t waypoint = 1; waypoint < box.path.size(); ++waypoint) {
+    if (!chain.keeps_limits(box.path.waypoint(waypoint, change))) return false;
+  }
+  return true;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Boxes of tasks, and the poses of their link.
+#pragma once
+
+#include "mneme/cell.h"
+
+#include "cell/link_chain.h"
+
+#include <array>
+#include <vector>
+
+namespace mneme::internal {
+
+struct TaskBox {
+  CellTask center = {}, half = {};
+
+  [[nodiscard]] bool contains(const CellTask& task) const;
+  /// The task at `u`, a value in [-1, 1] per varying parameter.
+  [[nodiscard]] CellTask at(const std::vector<int>& varying, const double* u) const;
+};
+
+/// The geometry of a region.
+class TaskFrame {
+ public:
+  explicit TaskFrame(const CellRegion& region);
+
+  /// Indices of the parameters that vary.
+  [[nodiscard]] const std::vector<int>& varying() const { return varying_; }
+  [[nodiscard]] const CellTask& half_extents() const { return half_extents_; }
+  [[nodiscard]] Transform pose(const CellTask& task) const;
+  /// The link's twist per unit of a parameter: motion of its origin, then rotation.
+  [[nodiscard]] Eigen::Matrix<double, 6, 1> twist(const CellTask& task, int parameter) const;
+  /// Bound on the motion of a point fixed to the link at distance `away` from the pivot, metres.
+  [[nodiscard]] double displacement(const TaskBox& box, double away) const;
+  /// Share of the region's volume.
+  [[nodiscard]] double share_of(const TaskBox& box) const;
+  /// Task from one corner of the region to the other for values in [-1, 1].
+  [[nodiscard]] TaskBox whole() const { return {{}, half_extents_}; }
+  [[nodiscard]] Vec3 pivot() const { return pivot_; }  ///< from the link's origin, in its frame
+
+ private:
+  [[nodiscard]] Eigen::Matrix3d turn_of(const CellTask& task) const;
+
+  std::vector<int> varying_;
+  CellTask half_extents_;
+  Transform middle_;
+  Eigen::Matrix3d axes_;
+  Vec3 pivot_, from_pivot_;  ///< the latter: to the link's origin, in the root's frame
+};
+
+}  // namespace mneme::internal

@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cell/cells.h"
+
+#include <doctest/doctest.h>
+
+namespace mneme::test {
+namespace {
+
+constexpr double kResolution = 1.0 / 320;
+
+/// Checks all that is promised of an answer.
+void check_answer(const CellRegion& region, const CellTask& task, const CellAnswer& answer,
+                  std::size_t start = 0) {
+  const Robot& robot = region.problem.robot;
+  REQUIRE(answer.path.size() >= 2);
+  CHECK(answer.path.front() == region.starts[start].q);
+  CHECK(is_path_free(robot, region.problem.scene, answer.path, kResolution));
+  PoseGoal goal = region.middle();
+  goal.pose = link_pose(region, task);
+  const PoseError error = pose_error(robot, goal, answer.path.back());
+  CHECK(error.position < 1e-5);
+  CHECK(error.rotation < 1e-4);
+  for (const Configuration& q : answer.path) {
+    CHECK_FALSE(robot.describe_violation(q, "waypoint").has_value());
+  }
+}
+
+}  // namespace
+
+TEST_SUITE("flow") {
+  TEST_CASE("answers of a cell are free, within limits and at their pose, corners included") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    const Cell cell = require_cell(region, 60);
+    CHECK(cell.proven_count() == cell.box_count());
+    CHECK(cell.box_count() > 0);
+    Rng rng(1);
+    int certified = 0;
+    for (int i = 0; i < 200; ++i) {
+      const CellTask task = random_task_of(region, rng, i % 2 == 1);
+      CellAnswer answer;
+      cell.look_up(task, answer);
+      if (answer.tier == CellTier::none) continue;
+      ++certified;
+      CHECK(answer.box >= 0);
+      check_answer(region, task, answer);
+    }
+    CHECK(certified > 190);
+    const CellCoverage coverage = cell.coverage();
+    CHECK(coverage.proven > 0.97);
+    double sum = coverage.proven;
+    for (const double gap : coverage.gaps) sum += gap;
+    CHECK(sum == doctest::Approx(1));
+  }
+
+  TEST_CASE("where nothing is proven, near paths are bent, and then tasks are planned") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    const Cell cell = require_cell(region, 60);
+    // In another world boxes are hints.
+    const std::string file = directory / "a.cell";
+    REQUIRE(cell.save(file).has_value());
+    write_file(directory / "region.yaml", region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", 0.4));
+    const auto changed = load_cell(file);
+    REQUIRE_MESSAGE(changed.has_value(), (changed ? "" : changed.error().message));
+    CHECK_FALSE(changed->is_of_this_world());
+    CHECK(changed->proven_count() == 0);
+    Rng rng(1);
+    const CellTask task = random_task_of(region, rng);
+    const CellAnswer verified = changed->ask(task);
+    CHECK(verified.tier == CellTier::verified);
+    check_answer(changed->region(), task, verified);
+    // A cell without boxes plans: here the lid blocks a part of the only box that is examined.
+    CellSettings one;
+    one.boxes = 1;
+    CellRegion covered = region;
+    covered.problem.scene.obstacles.push_back(
+        {"lid", {Box{{Eigen::Matrix3d::Identity(), {0.5, 0.4, 0.35}}, {0.3, 0.25, 0.01}}}});
+    const auto empty = build_cell(covered, one);
+    REQUIRE(empty.has_value());
+    REQUIRE(empty->box_count() == 0);
+    const CellTask far = {0, -0.08, 0, 0};
+    const CellAnswer planned = empty->ask(far);
+    CHECK(planned.tier == CellTier::planned);
+    check_answer(covered, far, planned);
+    const CellAnswer beyond = cell.ask({0.2, 0, 0, 0});
+    CHECK(beyond.tier == CellTier::none);
+    CHECK(beyond.note == "the task is beyond the region");
+  }
+
+  TEST_CASE("a change of the scene leaves boxes to be proven again") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    const Cell cell = require_cell(region, 60);
+    const std::string file = directory / "a.cell";
+    REQUIRE(cell.save(file).has_value());
+    // The post now stands where hands go.
+    write_file(directory / "region.yaml", region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", 0.12));
+    auto changed = load_cell(file);
+    REQUIRE(changed.has_value());
+    CellVerification verification = changed->verify(200);
+    CHECK(verification.checked == static_cast<int>(cell.box_count()));
+    CHECK(verification.proven < verification.checked);
+    CHECK(verification.in_contact == 0);
+    CHECK(changed->is_of_this_world());
+    CHECK(changed->proven_count() == static_cast<std::size_t>(verification.proven));
+    // And back: all is proven again.
+    write_file(directory / "region.yaml", region_text());
+    REQUIRE(changed->save(file).has_value());
+    auto back = load_cell(file);
+    REQUIRE(back.has_value());
+    verification = back->verify(200);
+    CHECK(verification.proven == verification.checked);
+    CHECK(verification.paths > 150);
+    CHECK(verification.in_contact == 0);
+  }
+
+  TEST_CASE("a cell depends on its settings, not on threads") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    const Cell one = require_cell(region, 20, 1), three = require_cell(region, 20, 3);
+    REQUIRE(one.box_count() == three.box_count());
+    REQUIRE(one.save(directory / "one.cell").has_value());
+    REQUIRE(three.save(directory / "three.cell").has_value());
+    Rng rng(1);
+    for (int i = 0; i < 50; ++i) {
+      const CellTask task = random_task_of(region, rng);
+      CellAnswer first, second;
+      one.look_up(task, first);
+      three.look_up(task, second);
+      CHECK(first.path == second.path);
+    }
+  }
+
+  TEST_CASE("attached objects, allowed contacts and several starts are part of the proof") {
+    const TemporaryDirectory directory;
+    const std::string more =
+        "attached: [{name: stick, link: panda_hand, touch: [panda_leftfinger, panda_rightfinger],"
+        " shapes: [{type: cylinder, position: [0, 0, 0.15], radius: 0.01, length: 0.12}]}]\n"
+        "allow: [[stick, table]]\n";
+    const CellRegion region = require_region(
+        directory, region_text("{x: 0.04, y: 0.04, starts: {side: [0.5, -0.785, 0, -2.356, 0, "
+                               "1.571, 0.785]}}",
+                               more));
+    const Cell cell = require_cell(region, 30);
+    Rng rng(1);
+    for (const std::size_t start : {0, 1}) {
+      const CellTask task = random_task_of(region, rng);
+      const CellAnswer answer = cell.ask(task, start);
+      CHECK(answer.tier == CellTier::certified);
+      check_answer(region, task, answer, start);
+    }
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("a cell reads back as it was, and a damaged one is refused") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    const Cell cell = require_cell(region, 10);
+    const std::string file = directory / "a.cell";
+    REQUIRE(cell.save(file).has_value());
+    const auto loaded = load_cell(file);
+    REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
+    CHECK(loaded->is_of_this_world());
+    CHECK(loaded->box_count() == cell.box_count());
+    CHECK(loaded->margin() == cell.margin());
+    CHECK(loaded->unproven().size() == cell.unproven().size());
+    CHECK(loaded->coverage().proven == cell.coverage().proven);
+    Rng rng(1);
+    for (int i = 0; i < 50; ++i) {
+      const CellTask task = random_task_of(region, rng);
+      CellAnswer first, second;
+      cell.look_up(task, first);
+      loaded->look_up(task, second);
+      CHECK(first.tier == second.tier);
+      CHECK(first.path == second.path);
+    }
+    const std::string bytes = read_file(file);
+    for (int i = 0; i < 40; ++i) {
+      std::string damaged = bytes;
+      const auto place = rng.index(static_cast<std::uint32_t>(bytes.size()));
+      if (i % 4 == 0) {
+        damaged.resize(place);
+      } else {
+        damaged[place] = static_cast<char>(damaged[place] ^ (1 << rng.index(8)));
+      }
+      write_file(file, damaged);
+      const auto refused = load_cell(file);
+      REQUIRE_FALSE(refused.has_value());
+      CHECK(refused.error().code == ErrorCode::corrupt);
+    }
+  }
+
+  TEST_CASE("a cell of other tasks is refused") {
+    const TemporaryDirectory directory;
+    const Cell cell = require_cell(require_region(directory, region_text()), 1);
+    const std::string file = directory / "a.cell";
+    REQUIRE(cell.save(file).has_value());
+    write_file(directory / "region.yaml", region_text("{x: 0.12, y: 0.08, yaw: 0.3}"));
+    const auto other = load_cell(file);
+    REQUIRE_FALSE(other.has_value());
+    CHECK(other.error().code == ErrorCode::invalid);
+    write_file(directory / "region.yaml", region_text("{x: 0.1, y: 0.08, yaw: 0.3}"));
+    CHECK(load_cell(file).has_value());
+  }
+}
+
+}  // namespace mneme::test

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cell/cells.h"
+
+#include <doctest/doctest.h>
+
+namespace mneme::test {
+namespace {
+
+std::string refusal_of(const std::string& text) {
+  const TemporaryDirectory directory;
+  const auto region = read_region_text(directory, text);
+  REQUIRE_FALSE(region.has_value());
+  return region.error().message;
+}
+
+bool mentions(const std::string& text, const std::string& part) {
+  CAPTURE(text);
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a region is a problem file with half extents and further starts") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(
+        directory, region_text("{x: 0.1, yaw: 0.3, heading: 0.5, pivot: [0, 0, 0.1], starts: "
+                               "{tray: [1, -0.785, 0, -2.356, 0, 1.571, 0.785]}}"));
+    CHECK(region.half_extents == CellTask{0.1, 0, 0, 0.3});
+    REQUIRE(region.starts.size() == 2);
+    CHECK(region.starts[1].name == "tray");
+    CHECK(region.starts[1].q[0] == 1);
+    CHECK(region.middle().link == "panda_hand");
+    // x is turned by the heading; yaw keeps the pivot in place.
+    const Transform middle = link_pose(region, {});
+    const Transform moved = link_pose(region, {0.1, 0, 0, 0});
+    CHECK((moved.translation - middle.translation)
+              .isApprox(0.1 * Vec3(std::cos(0.5), std::sin(0.5), 0), 1e-12));
+    const Transform turned = link_pose(region, {0, 0, 0, 0.3});
+    const Vec3 pivot(0, 0, 0.1);
+    CHECK((turned * pivot).isApprox(middle * pivot, 1e-12));
+    CHECK((turned.rotation * middle.rotation.transpose())
+              .isApprox(rotation_about(Vec3::UnitZ(), 0.3), 1e-12));
+  }
+
+  TEST_CASE("a region's text reads back to the same region") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(
+        directory, region_text("{x: 0.1, z: 0.02, yaw: 0.3, heading: 0.5, pivot: [0, 0, 0.1], "
+                               "starts: {tray: [1, -0.785, 0, -2.356, 0, 1.571, 0.785]}}"));
+    const CellRegion again = require_region(directory, to_yaml(region, "panda"));
+    CHECK(again.half_extents == region.half_extents);
+    CHECK(again.starts[1].q == region.starts[1].q);
+    Rng rng(1);
+    const CellTask task = random_task_of(region, rng);
+    CHECK(link_pose(again, task).translation.isApprox(link_pose(region, task).translation, 1e-9));
+  }
+
+  TEST_CASE("a pose has a task, unless it is beyond the region or tilted") {
+    const TemporaryDirectory directory;
+    const CellRegion region =
+        require_region(directory, region_text("{x: 0.1, y: 0.1, yaw: 0.6, heading: 0.4, "
+                                              "pivot: [0.02, 0, 0.1]}"));
+    Rng rng(1);
+    for (int i = 0; i < 20; ++i) {
+      const CellTask task = random_task_of(region, rng, i % 2 == 0);
+      const auto found = task_of(region, link_pose(region, task));
+      REQUIRE(found.has_value());
+      for (std::size_t k = 0; k < kTaskSize; ++k) CHECK((*found)[k] == doctest::Approx(task[k]));
+    }
+    const auto high = task_of(region, link_pose(region, {0, 0, 0.01, 0}));
+    REQUIRE_FALSE(high.has_value());
+    CHECK(mentions(high.error().message, "along z"));
+    Transform tilted = link_pose(region, {});
+    tilted.rotation = rotation_about(Vec3::UnitX(), 0.01) * tilted.rotation;
+    CHECK_FALSE(task_of(region, tilted).has_value());
+  }
+
+  TEST_CASE("what a cell cannot prove is refused by name") {
+    CHECK(mentions(refusal_of(region_text("{}")), "extent"));
+    CHECK(mentions(refusal_of(region_text("{x: -0.1}")), "x"));
+    CHECK(mentions(refusal_of(region_text("{roll: 0.1}")), "roll"));
+    CHECK(mentions(refusal_of(region_text("{x: 0.1}",
+                                          "constraints: [{link: panda_hand, axis: [0, 0, 1], up: "
+                                          "[0, 0, -1], angle: 0.2}]\n")),
+                   "constraint on link panda_hand"));
+    std::string text = region_text();
+    text.replace(text.find("quat_xyzw: [1, 0, 0, 0]"), 23, "position_tolerance: 0.1");
+    CHECK(mentions(refusal_of(text), "quat_xyzw"));
+  }
+
+  TEST_CASE("a start in contact is refused before anything is built") {
+    const TemporaryDirectory directory;
+    CellRegion region = require_region(directory, region_text());
+    region.starts[0].q = {0, 1.2, 0, -0.8, 0, 1.8, 0};
+    const auto cell = build_cell(region, {});
+    REQUIRE_FALSE(cell.has_value());
+    CHECK(mentions(cell.error().message, "start start"));
+  }
+}
+
+}  // namespace mneme::test
