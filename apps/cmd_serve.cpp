@@ -39,6 +39,7 @@ struct ServeOptions {
   std::string db;
   DatabaseSettings kept;
   std::string problem;
+  std::vector<std::string> cells;
   std::string token_file;
   int body_mib = 16;
   ServiceSettings service;
@@ -103,6 +104,21 @@ Result<std::shared_ptr<const Problem>> load_shown(const ServeOptions& options) {
   });
 }
 
+Result<std::vector<std::shared_ptr<const Cell>>> load_cells(const ServeOptions& options) {
+  const auto overrides = MNEME_TRY(problem_options(options.robot, options.robot_options));
+  std::vector<std::shared_ptr<const Cell>> cells;
+  for (const std::string& path : options.cells) {
+    const Cell cell = MNEME_TRY(load_cell(path, "", overrides));
+    if (!cell.is_of_this_world()) {
+      print_note(path +
+                 ": robot, scene or allowed contacts have changed since it was built: its "
+                 "answers are verified, none certified");
+    }
+    cells.push_back(std::make_shared<const Cell>(cell));
+  }
+  return cells;
+}
+
 void note_lost_rows(const QueuedRows& rows) {
   const std::int64_t lost = rows.lost + rows.waiting;
   if (lost > 0) print_note(fmt::format("{} remembered rows were lost: {}", lost, rows.failure));
@@ -120,6 +136,7 @@ Result<ExitCode> run_serve(const ServeOptions& options) {
   settings.token = token;
   const auto database = MNEME_TRY(open_database(options, robot));
   settings.shown = *shown;
+  settings.cells = MNEME_TRY(load_cells(options));
   settings.robot_path = robot_file(options.robot).value_or("");
   settings.package_paths = options.robot_options.package_paths;
 
@@ -154,6 +171,9 @@ void add_serve(CLI::App& program, Action& action) {
   command.add_option("--problem", options->problem,
                      "problem that gives the group, the fixed joints, the first view of the page, "
                      "and the scene of requests without obstacles: YAML file, or FILE.json#NAME");
+  command.add_option("--cell", options->cells,
+                     "file of 'mneme cell build' that answers its tasks before anything is "
+                     "planned; several if it is given several times");
   command.add_option("--token-file", options->token_file,
                      "file whose first line clients must send as Authorization: Bearer TOKEN");
   add_settings(command, options->service);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// mneme settings: the declarations of all settings as JSON; tools/generate_settings.py reads it.
+#include "mneme/cell.h"
 #include "mneme/pipeline.h"
 
 #include "commands.h"
@@ -72,7 +73,8 @@ void add_settings_list(CLI::App& program, Action& action) {
                 kinds(),
                 {{"group", "learn"}, {"settings", settings_of<LearnSettings>()}},
                 {{"group", "trajectory"}, {"settings", settings_of<TrajectorySettings>()}},
-                {{"group", "ik"}, {"settings", settings_of<IkSettings>()}}});
+                {{"group", "ik"}, {"settings", settings_of<IkSettings>()}},
+                {{"group", "cell"}, {"settings", settings_of<CellSettings>()}}});
     return ExitCode::done;
   };
   CLI::App& command =

@@ -57,6 +57,7 @@ void add_learn(CLI::App& program, Action& action);
 void add_db(CLI::App& program, Action& action);
 void add_robot(CLI::App& program, Action& action);
 void add_scene(CLI::App& program, Action& action);
+void add_cell(CLI::App& program, Action& action);
 void add_bench(CLI::App& program, Action& action);
 void add_view(CLI::App& program, Action& action);
 void add_serve(CLI::App& program, Action& action);

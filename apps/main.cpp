@@ -53,6 +53,7 @@ void set_up(CLI::App& program, Action& action) {
   add_db(program, action);
   add_robot(program, action);
   add_scene(program, action);
+  add_cell(program, action);
   add_bench(program, action);
   add_view(program, action);
   add_serve(program, action);

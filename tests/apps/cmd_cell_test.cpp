@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/run_program.h"
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+namespace mneme::test {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr const char* kRegion = R"(robot: panda
+scene:
+  obstacles:
+    - {name: table, type: box, position: [0.5, 0, 0.1], size: [0.6, 1.2, 0.04]}
+start: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]
+goal: {link: panda_hand, position: [0.5, 0, 0.35], quat_xyzw: [1, 0, 0, 0]}
+region: {x: 0.04, y: 0.04, starts: {side: [0.4, -0.785, 0, -2.356, 0, 1.571, 0.785]}}
+)";
+
+}  // namespace
+
+TEST_SUITE("flow") {
+  TEST_CASE("a cell is built, queried, verified and shown") {
+    const TemporaryDirectory directory;
+    const std::string region = directory / "region.yaml", cell = directory / "a.cell";
+    write_file(region, kRegion);
+    const ProgramRun built =
+        run_program({"cell", "build", region, "-o", cell, "--boxes", "20", "--json"});
+    REQUIRE_MESSAGE(built.exit_code == 0, built.err);
+    const Json summary = Json::parse(built.out);
+    CHECK(summary["boxes"] > 0);
+    CHECK(summary["starts"].size() == 2);
+    CHECK(summary["starts"][1]["start"] == "side");
+    CHECK(summary["starts"][0]["proven"] > 0.95);
+
+    const ProgramRun asked =
+        run_program({"cell", "query", cell, "--at", "0.01,-0.02", "--start", "side", "--json"});
+    REQUIRE_MESSAGE(asked.exit_code == 0, asked.err);
+    const Json answer = Json::parse(asked.out);
+    CHECK(answer["tier"] == "certified");
+    CHECK(answer["path"][0][0] == 0.4);
+
+    const ProgramRun verified = run_program({"cell", "verify", cell, "--samples", "50"});
+    CHECK_MESSAGE(verified.exit_code == 0, verified.err);
+    CHECK(verified.out.find("0 in contact") != std::string::npos);
+
+    const ProgramRun shown = run_program({"cell", "show", cell});
+    CHECK(shown.exit_code == 0);
+    CHECK(shown.out.find("proven for the modelled scene") != std::string::npos);
+  }
+
+  TEST_CASE("wrong words of a cell are explained") {
+    const TemporaryDirectory directory;
+    const std::string region = directory / "region.yaml", cell = directory / "a.cell";
+    write_file(region, kRegion);
+    REQUIRE(run_program({"cell", "build", region, "-o", cell, "--boxes", "1"}).exit_code == 0);
+    const ProgramRun start = run_program({"cell", "query", cell, "--at", "0", "--start", "sude"});
+    CHECK(start.exit_code == 1);
+    CHECK(start.err.find("did you mean 'side'?") != std::string::npos);
+    CHECK(run_program({"cell", "query", cell, "--at", "0,0,0,0,0"}).exit_code == 2);
+    const ProgramRun beyond = run_program({"cell", "query", cell, "--at", "1"});
+    CHECK(beyond.exit_code == 3);
+    CHECK(beyond.err.find("beyond the region") != std::string::npos);
+    write_file(cell, "no cell");
+    const ProgramRun damaged = run_program({"cell", "show", cell});
+    CHECK(damaged.exit_code == 5);
+    CHECK(damaged.err.find("mneme cell, version 1") != std::string::npos);
+    const ProgramRun itself = run_program({"cell", "build", region, "-o", region});
+    CHECK(itself.exit_code != 0);
+    CHECK(itself.err.find("region") != std::string::npos);
+  }
+
+  TEST_CASE("regions are made around goals, and can be built") {
+    const TemporaryDirectory directory;
+    std::string problem = kRegion;
+    problem.resize(problem.find("region:"));
+    write_file(directory / "task.yaml", problem);
+    const ProgramRun made =
+        run_program({"cell", "regions", directory / "task.yaml", "--link", "panda_hand",
+                     "--extents", "0.02,0.02,0,0.1", "--tries", "3", "-o", directory / "made"});
+    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
+    const std::string region = made.out.substr(0, made.out.find('\n'));
+    const ProgramRun built =
+        run_program({"cell", "build", region, "-o", directory / "a.cell", "--boxes", "5"});
+    CHECK_MESSAGE(built.exit_code == 0, built.err);
+  }
+}
+
+}  // namespace mneme::test
