@@ -6,6 +6,7 @@
 #pragma once
 
 #include "mneme/base.h"
+#include "mneme/cell.h"
 #include "mneme/experience.h"
 #include "mneme/problem.h"
 #include "mneme/robot.h"
@@ -45,6 +46,8 @@ struct ServiceSettings {
   /// A problem of the service's robot. The page at `/` begins with it, and requests without a scene
   /// and obstacles use its scene. Null: no obstacles, and the robot at rest.
   std::shared_ptr<const Problem> shown;
+  /// Cells that answer their tasks before anything is planned, the first that can.
+  std::vector<std::shared_ptr<const Cell>> cells;
   std::string robot_path;  ///< the robot's URDF, for its visual meshes on that page; may be empty
   std::vector<std::string> package_paths;  ///< as RobotOptions::package_paths, for visual meshes
 };

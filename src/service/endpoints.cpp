@@ -118,7 +118,33 @@ void Endpoints::refresh_memory() {
   set_failure(&Endpoints::read_failure_, refreshed ? "" : refreshed.error().message);
 }
 
+std::optional<Endpoints::Outcome> Endpoints::ask_cells(const PlanRequest& request) {
+  const SolveSettings& settings = request.settings;
+  if (request.wants_trace || settings.plan.improve > 0) return std::nullopt;
+  const Stopwatch stopwatch;
+  for (const std::shared_ptr<const Cell>& cell : settings_.cells) {
+    if (settings.margin > cell->margin()) continue;
+    auto found = answer_from(*cell, request.problem);
+    if (!found) continue;
+    Outcome outcome;
+    SolveResult& result = outcome.result;
+    result.plan.status = PlanStatus::solved;
+    result.plan.path = found->path;
+    result.goals = {found->path.back()};
+    result.planner = "cell";
+    result.sampler = to_string(found->tier);
+    result.planning_time_s = result.total_time_s = stopwatch.elapsed_s();
+    result.seed = settings.plan.seed;
+    result.isa = default_isa();
+    metrics_.add_cell_answer(to_string(found->tier));
+    outcome.cell = std::move(found);
+    return outcome;
+  }
+  return std::nullopt;
+}
+
 Result<Endpoints::Outcome> Endpoints::solve_remembering(const PlanRequest& request) {
+  if (auto answered = ask_cells(request)) return *std::move(answered);
   const Stopwatch stopwatch;
   Result<SolveResult> result = solve(request.problem, database_.get(), request.settings);
   if (result) return Outcome{*std::move(result), ""};
@@ -226,8 +252,12 @@ Answer Endpoints::plan_in_turn(const Call& call, Work& work) {
     set_failure(&Endpoints::write_failure_, remembered.failure);
   }
   std::string text = to_json(request->problem, result, 0, measures ? &*measures : nullptr);
-  if (!request->wants_trace && outcome->memory_failure.empty()) return {200, std::move(text)};
+  const bool is_plain = !request->wants_trace && outcome->memory_failure.empty() && !outcome->cell;
+  if (is_plain) return {200, std::move(text)};
   Json json = Json::parse(text);
+  if (outcome->cell) {
+    json["cell"] = {{"tier", to_string(outcome->cell->tier)}, {"box", outcome->cell->box}};
+  }
   if (!outcome->memory_failure.empty()) json["memory_failure"] = outcome->memory_failure;
   if (request->wants_trace) {
     json["id"] = keep_trace({std::move(request->problem), result, std::move(recorder)});

@@ -18,6 +18,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace mneme::internal {
@@ -81,6 +82,7 @@ class Endpoints {
   struct Outcome {
     SolveResult result;
     std::string memory_failure;  ///< the reason why it planned without memory, or empty
+    std::optional<CellAnswer> cell = std::nullopt;  ///< the answer of a cell, if it has one
   };
   class Work;
   /// Answers by `work` in a turn of one thread. `work` and all that it calls may throw Interrupted.
@@ -89,6 +91,8 @@ class Endpoints {
   [[nodiscard]] Answer inverse_kinematics_in_turn(const Call& call);
   [[nodiscard]] Answer check_in_turn(const Call& call);
   [[nodiscard]] RequestContext context() const;
+  /// Returns the answer of a cell, if the request is a task of one.
+  [[nodiscard]] std::optional<Outcome> ask_cells(const PlanRequest& request);
   [[nodiscard]] Result<Outcome> solve_remembering(const PlanRequest& request);
   [[nodiscard]] std::string keep_trace(TracedPlan plan);
   void set_failure(std::string Endpoints::*failure, const std::string& message);

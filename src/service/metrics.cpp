@@ -65,6 +65,14 @@ void add_plans(std::string& text, const ServiceCounts& counts, const QueuedRows&
              "Rows of plans that could not be stored.", queued.lost);
 }
 
+void add_cell_answers(std::string& text, const ServiceCounts& counts) {
+  add_head(text, "mneme_cell_answers_total", "counter", "Plans that cells answered, by tier.");
+  for (const auto& [tier, count] : counts.cell_answers) {
+    fmt::format_to(std::back_inserter(text), "mneme_cell_answers_total{{tier=\"{}\"}} {}\n", tier,
+                   count);
+  }
+}
+
 void add_gauges(std::string& text, const ServiceGauges& gauges) {
   add_single(text, "mneme_memory_rows", "gauge", "Rows of the memory.", gauges.memory_rows);
   add_single(text, "mneme_remembered_waiting", "gauge", "Rows of plans that wait to be stored.",
@@ -102,6 +110,11 @@ void Metrics::add_plan(std::string_view status, std::size_t retrieved, int remem
   counts_.remembered += static_cast<std::uint64_t>(remembered);
 }
 
+void Metrics::add_cell_answer(std::string_view tier) {
+  const std::lock_guard lock(mutex_);
+  ++counts_.cell_answers[std::string(tier)];
+}
+
 std::string Metrics::text(const ServiceGauges& gauges) const {
   // A copy, so that requests do not wait for sorting and printing.
   ServiceCounts counts = [&] {
@@ -112,6 +125,7 @@ std::string Metrics::text(const ServiceGauges& gauges) const {
   add_requests(text, counts);
   add_latencies(text, counts);
   add_plans(text, counts, gauges.queued);
+  if (!counts.cell_answers.empty()) add_cell_answers(text, counts);
   add_gauges(text, gauges);
   return text;
 }

@@ -43,6 +43,7 @@ struct ServiceCounts {
   std::map<std::pair<std::string, int>, std::uint64_t, std::less<>> requests;
   std::map<std::string, Latencies, std::less<>> latencies;
   std::map<std::string, std::uint64_t, std::less<>> plans;
+  std::map<std::string, std::uint64_t, std::less<>> cell_answers;  ///< by tier
   std::uint64_t hits = 0, retrieved = 0, remembered = 0;
 };
 
@@ -53,6 +54,8 @@ class Metrics {
   void add_request(std::string_view endpoint, int status, double seconds);
   /// `status`: a PlanStatus in words. `retrieved`: local samplers from memory.
   void add_plan(std::string_view status, std::size_t retrieved, int remembered);
+  /// `tier`: a CellTier in words.
+  void add_cell_answer(std::string_view tier);
 
   /// Returns all metrics in the text format of Prometheus.
   [[nodiscard]] std::string text(const ServiceGauges& gauges) const;
