@@ -17,6 +17,7 @@ void bind_scene(pybind11::module_& module);
 void bind_goal(pybind11::module_& module);
 void bind_problem(pybind11::module_& module);
 void bind_collision(pybind11::module_& module);
+void bind_cell(pybind11::module_& module);
 void bind_primitive(pybind11::module_& module);
 void bind_experience(pybind11::module_& module);
 void bind_learning(pybind11::module_& module);

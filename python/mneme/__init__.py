@@ -13,6 +13,8 @@ plan(), plan_many(), learn() and bench() let other threads run and end at Contro
 """
 from ._mneme import (
     BenchmarkRow,
+    Cell,
+    CellAnswer,
     CollisionChecker,
     Database,
     Error,
@@ -53,6 +55,8 @@ __all__ = [
     "Benchmark",
     "BenchmarkRow",
     "Busy",
+    "Cell",
+    "CellAnswer",
     "Client",
     "CollisionChecker",
     "Database",

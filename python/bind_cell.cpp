@@ -1,0 +1,149 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "mneme/cell.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "errors.h"
+#include "interruptible.h"
+#include "keywords.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <atomic>
+#include <string>
+#include <vector>
+
+namespace mneme::python {
+namespace {
+
+std::size_t start_of(const CellRegion& region, const std::string& name) {
+  std::vector<std::string> names;
+  for (const CellStart& start : region.starts) names.push_back(start.name);
+  const auto found = std::ranges::find(names, name);
+  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  raise_invalid(fmt::format("start: expected one of {}, got '{}'", fmt::join(names, ", "), name));
+}
+
+CellTask to_task(const py::object& task) {
+  const std::vector<double> values = to_vector(task, static_cast<int>(kTaskSize), "task");
+  CellTask result;
+  std::ranges::copy(values, result.begin());
+  return result;
+}
+
+Cell build(const std::string& path, const py::kwargs& arguments) {
+  CellSettings settings;
+  Keywords keywords("Cell.build", arguments);
+  keywords.apply(settings);
+  keywords.finish();
+  std::atomic<bool> cancel = false;
+  settings.cancel = &cancel;
+  return unwrap(run_interruptible(cancel, [&]() -> Result<Cell> {
+    return load_region(path).and_then(
+        [&](const CellRegion& region) { return build_cell(region, settings); });
+  }));
+}
+
+py::dict to_dict(const CellCoverage& coverage) {
+  py::dict gaps;
+  for (int i = 0; i < kCellGaps; ++i) {
+    const double share = coverage.gaps[static_cast<std::size_t>(i)];
+    if (share > 0) gaps[to_text(to_string(static_cast<CellGap>(i)))] = share;
+  }
+  py::dict result;
+  result["proven"] = coverage.proven;
+  result["unproven"] = gaps;
+  result["samples"] = coverage.samples;
+  return result;
+}
+
+py::dict verify(Cell& cell, int samples, std::uint64_t seed, int threads) {
+  const CellVerification done =
+      run_interruptible([&] { return cell.verify(samples, seed, threads); });
+  py::dict result;
+  result["boxes"] = done.checked;
+  result["proven"] = done.proven;
+  result["paths"] = done.paths;
+  result["in_contact"] = done.in_contact;
+  return result;
+}
+
+void bind_answer(py::module_& module) {
+  py::class_<CellAnswer>(module, "CellAnswer", "The path of a task.")
+      .def_property_readonly(
+          "tier", [](const CellAnswer& self) { return to_text(to_string(self.tier)); },
+          "\"certified\": proven beforehand. \"verified\": a path of the cell, bent and verified\n"
+          "now. \"planned\": a new plan. \"none\": no path.")
+      .def_readonly("box", &CellAnswer::box, "Index of the box whose path it is, or -1.")
+      .def_property_readonly(
+          "path",
+          [](const CellAnswer& self) {
+            const std::size_t joints = self.path.empty() ? 0 : self.path.front().size();
+            return to_array(self.path, static_cast<int>(joints));
+          },
+          "Waypoints, shape (n, joint_count).")
+      .def_property_readonly(
+          "message", [](const CellAnswer& self) { return to_text(self.note); },
+          "Why there is no path.");
+}
+
+}  // namespace
+
+void bind_cell(py::module_& module) {
+  bind_answer(module);
+  py::class_<Cell>(module, "Cell", "Tasks of a region with motions that are proven beforehand.")
+      .def_static("build", &build, py::arg("region"),
+                  ("Builds the cell of a region file (docs/cells.md).\n\n" +
+                   describe_keywords<CellSettings>())
+                      .c_str())
+      .def_static(
+          "load",
+          [](const std::string& path, const std::string& region) {
+            return unwrap(run_interruptible([&] { return load_cell(path, region); }));
+          },
+          py::arg("path"), py::arg("region") = "",
+          "Reads a cell, and its region's file: `region`, or the one that it was built from.")
+      .def(
+          "ask",
+          [](const Cell& self, const py::object& task, const std::string& start, double timeout) {
+            const CellTask offsets = to_task(task);
+            const std::size_t index = start_of(self.region(), start);
+            const py::gil_scoped_release released;
+            return self.ask(offsets, index, timeout);
+          },
+          py::arg("task"), py::arg("start") = "start", py::arg("timeout") = 1.0,
+          "Returns the path of a task: offsets x, y, z, yaw from the region's middle. Bends near\n"
+          "paths where nothing is proven, then plans for at most `timeout` seconds.")
+      .def(
+          "coverage",
+          [](const Cell& self, const std::string& start, int samples) {
+            return to_dict(self.coverage(start_of(self.region(), start), samples));
+          },
+          py::arg("start") = "start", py::arg("samples") = 10000,
+          "Returns shares of the region, by samples: what is proven, and why the rest is not.")
+      .def("verify", &verify, py::arg("samples") = 1000, py::arg("seed") = 1,
+           py::arg("threads") = 1,
+           "Proves all boxes again, and checks `samples` paths by exact distances.")
+      .def(
+          "save", [](const Cell& self, const std::string& path) { unwrap(self.save(path)); },
+          py::arg("path"))
+      .def_property_readonly("box_count", &Cell::box_count)
+      .def_property_readonly("proven_count", &Cell::proven_count,
+                             "Boxes that are proven for the present scene.")
+      .def_property_readonly("is_of_this_world", &Cell::is_of_this_world,
+                             "False after a change of robot, scene or allowed contacts: then\n"
+                             "boxes are hints until verify().")
+      .def_property_readonly("margin", &Cell::margin, "Metres.")
+      .def("__repr__", [](const Cell& self) {
+        return fmt::format("<mneme.Cell of {} boxes, {} proven>", self.box_count(),
+                           self.proven_count());
+      });
+}
+
+}  // namespace mneme::python

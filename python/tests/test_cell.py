@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: The mneme authors
+# SPDX-License-Identifier: BSD-3-Clause
+"""Certified cells."""
+import numpy as np
+import pytest
+
+import mneme
+
+REGION = """robot: panda
+scene:
+  obstacles:
+    - {name: table, type: box, position: [0.5, 0, 0.1], size: [0.6, 1.2, 0.04]}
+start: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]
+goal: {link: panda_hand, position: [0.5, 0, 0.35], quat_xyzw: [1, 0, 0, 0]}
+region: {x: 0.04, y: 0.04}
+"""
+
+
+@pytest.fixture(scope="module")
+def region(tmp_path_factory):
+    path = tmp_path_factory.mktemp("cell") / "region.yaml"
+    path.write_text(REGION)
+    return str(path)
+
+
+def test_a_cell_answers_certified_tasks_and_survives_its_file(region, tmp_path):
+    cell = mneme.Cell.build(region, boxes=20, seconds=1000)
+    assert cell.proven_count == cell.box_count > 0
+    assert cell.coverage()["proven"] > 0.95
+    answer = cell.ask([0.01, -0.02, 0, 0])
+    assert answer.tier == "certified" and answer.path.shape[1] == 7
+    cell.save(str(tmp_path / "a.cell"))
+    again = mneme.Cell.load(str(tmp_path / "a.cell"))
+    assert again.is_of_this_world
+    assert np.array_equal(again.ask([0.01, -0.02, 0, 0]).path, answer.path)
+    done = again.verify(samples=20)
+    assert done["proven"] == done["boxes"] and done["in_contact"] == 0
+
+
+def test_wrong_words_of_a_cell_raise(region, tmp_path):
+    cell = mneme.Cell.build(region, boxes=1)
+    with pytest.raises(mneme.Error, match="start: expected one of start"):
+        cell.ask([0, 0, 0, 0], start="tray")
+    assert cell.ask([1, 0, 0, 0]).message == "the task is beyond the region"
+    with pytest.raises(TypeError):
+        mneme.Cell.build(region, colour="red")
+    (tmp_path / "b.cell").write_text("no cell")
+    with pytest.raises(mneme.Error, match="mneme cell"):
+        mneme.Cell.load(str(tmp_path / "b.cell"))
