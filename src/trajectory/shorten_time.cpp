@@ -28,7 +28,8 @@ constexpr double kLeastRoom = 1e-8;  ///< of a box around a joint's limit
 /// Share of time that barriers may cost, at first and at last.
 constexpr double kGap = 0.1, kLeastGap = 0.01;
 constexpr double kGapFactor = 0.1;    ///< per round
-constexpr double kLeastGain = 0.001;  ///< relative; rounds end below it
+constexpr double kLeastGain = 0.001;  ///< relative
+constexpr int kIdleRounds = 3;        ///< without this gain end the search
 /// Deviation of verified chords from the motion, L2 joint distance.
 constexpr double kChordError = 1e-4;
 
@@ -85,14 +86,15 @@ class TimeShortener {
     sample(motion);
     if (tolerance_ <= 0 || !barrier_.admits(spline_)) return motion;
     double gap = kGap;
-    for (int round = 0; round < rounds_; ++round) {
+    int idle = 0;
+    for (int round = 0; round < rounds_ && idle < kIdleRounds; ++round) {
       TimeSpline next = spline_;
-      barrier_.shorten(next, boxes(), gap);
+      const bool is_centred = barrier_.shorten(next, boxes(), gap);
       if (!find_failures(next)) {
         const double gain = 1 - next.duration_s() / spline_.duration_s();
         spline_ = std::move(next);
-        if (gap <= kLeastGap && gain < kLeastGain) break;
-        gap = std::max(kLeastGap, kGapFactor * gap);
+        idle = gap <= kLeastGap && gain < kLeastGain ? idle + 1 : 0;
+        if (is_centred) gap = std::max(kLeastGap, kGapFactor * gap);
       }
       for (std::size_t i = 0; i < radii_.size(); ++i) {
         radii_[i] = has_failed_[i] ? kShrink * radii_[i] : std::min(kGrow * radii_[i], kMostRadius);

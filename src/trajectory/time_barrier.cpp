@@ -171,10 +171,11 @@ double TimeBarrier::find_share(const TimeSpline& spline, const Boxes& boxes,
   return std::min(1.0, (1 - kKept) / most);
 }
 
-void TimeBarrier::shorten(TimeSpline& spline, const Boxes& boxes, double gap) {
+bool TimeBarrier::shorten(TimeSpline& spline, const Boxes& boxes, double gap) {
   constexpr double kBarriers = 8;  // of a control point of a joint
   const std::size_t count = spline.count();
   for (auto* values : {&slopes_, &curves_, &mixed_}) values->resize(count);
+  bool is_full = false;
   for (int k = 0; k < kNewtonSteps; ++k) {
     // The duration of the barriers' minimum is too long by the number of barriers over this weight.
     step_gradient_ = kBarriers * static_cast<double>(count * joints_.size()) / gap / spline.step_s;
@@ -192,12 +193,14 @@ void TimeBarrier::shorten(TimeSpline& spline, const Boxes& boxes, double gap) {
       for (std::size_t i = 0; i < count; ++i) joint.move[i] -= step_move * joint.border_move[i];
     }
     const double share = find_share(spline, boxes, step_move);
-    if (!std::isfinite(share * step_move)) return;
+    if (!std::isfinite(share * step_move)) return true;
+    is_full = share == 1;
     spline.step_s += share * step_move;
     for (std::size_t j = 0; j < joints_.size(); ++j) {
       for (std::size_t i = 0; i < count; ++i) spline.points[j][i] += share * joints_[j].move[i];
     }
   }
+  return is_full;
 }
 
 }  // namespace mneme::internal

@@ -47,7 +47,8 @@ class TimeBarrier {
   [[nodiscard]] bool admits(const TimeSpline& spline) const;
   /// Makes `spline` faster; it must be admitted and strictly within `boxes`, and stays so. The
   /// barriers allow for a duration that is longer than the least by about `gap`, as a share of it.
-  void shorten(TimeSpline& spline, const Boxes& boxes, double gap);
+  /// Returns true once that is reached: the last step met no limit.
+  bool shorten(TimeSpline& spline, const Boxes& boxes, double gap);
 
  private:
   /// Newton's equations of a joint, and their solutions for the gradient and for the border.

@@ -59,8 +59,8 @@ TEST_SUITE("oracle") {
   TEST_CASE("in free space a detour does not matter: the slowest joint decides") {
     const EmptyScene empty(gantry());
     Rng rng(6);
-    std::vector<double> ratios;
-    for (int i = 0; i < 31; ++i) {
+    double worst = 0;
+    for (int i = 0; i < 30; ++i) {
       CAPTURE(i);
       const auto q = [&] {
         return Configuration{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0.5, 1.5)};
@@ -70,11 +70,10 @@ TEST_SUITE("oracle") {
       const double ratio =
           timed(empty, path, limits, 100).duration_s() / least_time(path[0], path[2], limits);
       CHECK(ratio > 1 - 1e-6);
-      ratios.push_back(ratio);
+      CHECK(ratio < 1.01);
+      worst = std::max(worst, ratio);
     }
-    std::ranges::sort(ratios);
-    CHECK(ratios[15] < 1.04);
-    MESSAGE("median: ", ratios[15], ", slowest: ", ratios.back());
+    MESSAGE("slowest: ", worst);
   }
 }
 
