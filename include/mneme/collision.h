@@ -74,13 +74,23 @@ struct WalkStep {
   std::span<const float> jitter;
 };
 
+/// The cost of a straight motion: its L2 joint distance, or about the seconds that it takes.
+struct MotionCost {
+  /// Share of the slowest joint's time in the cost; the rest is the L2 norm of all joints' times,
+  /// so that joints that are not the slowest matter, too.
+  static constexpr float kSlowest = 0.6f;
+  /// Seconds per radian or metre of each joint. Empty: the cost is the L2 joint distance.
+  std::span<const float> pace;
+};
+
 /// A path prepared for rating shortcuts. Continuous joints are unwrapped, so that motions are
 /// straight between rows.
 struct PathView {
   std::span<const float> rows;         ///< waypoints, joint_count values each; at least two
-  std::span<const float> arc_lengths;  ///< of each waypoint from the first, L2 joint distance
+  std::span<const float> arc_lengths;  ///< of each waypoint from the first; see MotionCost
   std::span<const float> directions;   ///< row by row: displacement per arc length of the motion
                                        ///< that begins at the waypoint
+  MotionCost cost = {};                ///< of motions, which arc lengths sum up
 };
 
 /// Number of candidates that one call rates, the same for all instruction sets.

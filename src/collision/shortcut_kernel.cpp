@@ -39,13 +39,16 @@ class JointSubsets {
   HWY_ALIGN std::int32_t low_[kLanes], high_[kLanes];
 };
 
-HWY_INLINE V distance(const V* a, const V* b, int joint_count) {
-  V sum = hn::Zero(Tag());
+HWY_INLINE V cost_of(const MotionCost& cost, const V* a, const V* b, int joint_count) {
+  V sum = hn::Zero(Tag()), most = sum;
   for (int j = 0; j < joint_count; ++j) {
-    const V delta = hn::Sub(b[j], a[j]);
+    V delta = hn::Sub(b[j], a[j]);
+    if (!cost.pace.empty()) delta = hn::Mul(delta, splat(cost.pace[static_cast<size_t>(j)]));
     sum = hn::MulAdd(delta, delta, sum);
+    most = hn::Max(most, hn::Abs(delta));
   }
-  return hn::Sqrt(sum);
+  const V all = hn::Sqrt(sum);
+  return cost.pace.empty() ? all : hn::MulAdd(splat(MotionCost::kSlowest), hn::Sub(most, all), all);
 }
 
 /// The states of a path at an arc length per lane.
@@ -96,11 +99,11 @@ class Stretches {
       const V fraction = hn::Mul(hn::Sub(at, begin_), inverse);
       const float* row = path_.rows.data() + i * static_cast<size_t>(joint_count_);
       for (int j = 0; j < joint_count_; ++j) next[j] = straight_or(splat(row[j]), fraction, j);
-      const V step = distance(last, next, joint_count_);
+      const V step = cost_of(path_.cost, last, next, joint_count_);
       length = hn::Add(length, hn::IfThenElseZero(is_inside, step));
       for (int j = 0; j < joint_count_; ++j) last[j] = hn::IfThenElse(is_inside, next[j], last[j]);
     }
-    length = hn::Add(length, distance(last, to_, joint_count_));
+    length = hn::Add(length, cost_of(path_.cost, last, to_, joint_count_));
     return hn::Sub(hn::Sub(end_, begin_), length);
   }
 
@@ -177,7 +180,7 @@ void rate_relaxations(const RobotTables& robot, const SceneTables& scene, const 
       const V moved = hn::MulAdd(step, splat(aim), splat(row[j]));
       q[j] = hn::IfThenElse(subsets.holding(j), moved, splat(row[j]));
     }
-    const V left = hn::Add(distance(a, q, joints), distance(q, b, joints));
+    const V left = hn::Add(cost_of(path.cost, a, q, joints), cost_of(path.cost, q, b, joints));
     Verdict<false> verdict;
     checker.check(q, verdict);
     const V gain = hn::IfThenElse(verdict.hit, hn::Zero(d), hn::Sub(splat(length), left));

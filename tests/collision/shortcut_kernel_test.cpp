@@ -15,25 +15,35 @@ namespace {
 
 using Row = std::vector<float>;
 
-float distance(const Row& a, const Row& b) {
-  float sum = 0;
-  for (std::size_t j = 0; j < a.size(); ++j) sum += (b[j] - a[j]) * (b[j] - a[j]);
-  return std::sqrt(sum);
+/// The cost of a motion: see MotionCost.
+float cost_of(const Row& pace, const Row& a, const Row& b) {
+  float sum = 0, most = 0;
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    const float part = std::abs(b[j] - a[j]) * (pace.empty() ? 1 : pace[j]);
+    sum += part * part;
+    most = std::max(most, part);
+  }
+  const float share = pace.empty() ? 0 : MotionCost::kSlowest;
+  return share * most + (1 - share) * std::sqrt(sum);
 }
 
 /// A path of random waypoints, and what its view refers to.
 struct OwnedPath {
   std::vector<Row> waypoints;
   std::vector<float> rows, arc_lengths, directions;
+  Row pace;  ///< of every other path
 
   OwnedPath(const Robot& robot, int count, Rng& rng) {
+    for (int j = 0; j < robot.joint_count() && count % 2 == 0; ++j) {
+      pace.push_back(static_cast<float>(rng.uniform(0.2, 5)));
+    }
     for (int i = 0; i < count; ++i) {
       waypoints.push_back(random_states(robot, 1, rng));
       rows.insert(rows.end(), waypoints.back().begin(), waypoints.back().end());
     }
     arc_lengths.push_back(0);
     for (std::size_t i = 0; i + 1 < waypoints.size(); ++i) {
-      const float length = distance(waypoints[i], waypoints[i + 1]);
+      const float length = cost_of(pace, waypoints[i], waypoints[i + 1]);
       arc_lengths.push_back(arc_lengths.back() + length);
       for (std::size_t j = 0; j < waypoints[i].size(); ++j) {
         directions.push_back((waypoints[i + 1][j] - waypoints[i][j]) / length);
@@ -42,7 +52,7 @@ struct OwnedPath {
     directions.resize(rows.size());
   }
 
-  [[nodiscard]] PathView view() const { return {rows, arc_lengths, directions}; }
+  [[nodiscard]] PathView view() const { return {rows, arc_lengths, directions, {pace}}; }
 
   [[nodiscard]] Row at(float s) const {
     std::size_t motion = 0;
@@ -74,10 +84,10 @@ float gain_of(const OwnedPath& path, const Shortcut& shortcut) {
     if (s <= shortcut.begin || s >= shortcut.end) continue;
     const float fraction = (s - shortcut.begin) / whole;
     const Row next = with_straight(path.waypoints[i], shortcut.joints, from, to, fraction);
-    length += distance(last, next);
+    length += cost_of(path.pace, last, next);
     last = next;
   }
-  return whole - length - distance(last, to);
+  return whole - length - cost_of(path.pace, last, to);
 }
 
 Row middle_of(const OwnedPath& path, const Shortcut& shortcut) {
@@ -168,7 +178,8 @@ TEST_SUITE("oracle") {
           if (is_near_contact(checker, moved)) continue;
           const bool is_free = checker.is_valid(moved);
           ++(is_free ? free_count : blocked_count);
-          const float gain = is_free ? before - distance(a, moved) - distance(moved, b) : 0;
+          const float after = cost_of(path.pace, a, moved) + cost_of(path.pace, moved, b);
+          const float gain = is_free ? before - after : 0;
           CHECK(std::abs(gains[static_cast<std::size_t>(i)] - gain) < 1e-3f);
         }
       }
