@@ -26,6 +26,10 @@ using Path = std::vector<Configuration>;
 /// Returns the sum of L2 joint distances, radians; a metre of a prismatic joint counts as a radian.
 [[nodiscard]] double path_length(const Robot& robot, const Path& path);
 
+/// Returns about the seconds that `path` takes at the velocity limits of the URDF without stopping:
+/// the sum of MotionCost with these.
+[[nodiscard]] double path_time(const Robot& robot, const Path& path);
+
 /// The proof that the motions of a path must pass before it is returned.
 enum class Verification {
   none,
@@ -85,16 +89,17 @@ struct ShortenEffort {
   /// Shortening ends after this number of consecutive checks, of 16 states each, without a gain.
   /// 0: only drops waypoints.
   double patience = 40;
-  double least_gain = 0.007;  ///< smallest gain that counts, as a share of the path's length
-  double refinement = 1;      ///< MotionDetail::refinement of new motions
-  double margin = 1e-3;       ///< metres that new motions keep from contact, if their ends do
+  double least_gain = 0.007;   ///< smallest gain that counts, as a share of the path's length
+  double refinement = 1;       ///< MotionDetail::refinement of new motions
+  double margin = 1e-3;        ///< metres that new motions keep from contact, if their ends do
+  bool minimize_time = false;  ///< of path_time(), instead of path_length()
 };
 
-/// Shortens `path`: drops waypoints, then relaxes them and straightens random joints, or all, over
-/// random stretches. Keeps both ends. New motions stay the effort's margin from contact, or as far
-/// as the nearer end of the path, and pass `verifier` unless it is null. Stops once `must_stop`
-/// returns true; it is called before each step and may be empty. After Geraerts and Overmars,
-/// DOI 10.1177/0278364907079280.
+/// Shortens `path`, or its time: drops waypoints, then relaxes them and straightens random joints,
+/// or all, over random stretches. Keeps both ends. New motions stay the effort's margin from
+/// contact, or as far as the nearer end of the path, and pass `verifier` unless it is null. Stops
+/// once `must_stop` returns true; it is called before each step and may be empty. After Geraerts
+/// and Overmars, DOI 10.1177/0278364907079280.
 void shorten(const CollisionChecker& checker, Path& path, std::uint64_t seed,
              const ShortenEffort& effort, const MotionVerifier* verifier, CheckCounters& counters,
              const std::function<bool()>& must_stop = {});
@@ -107,6 +112,7 @@ struct FinishSettings {
   double timeout_s = 10;  ///< from construction; shortening takes at most half of the rest
   const std::atomic<bool>* cancel = nullptr;  ///< may be null
   int patience = 40;                          ///< ShortenEffort::patience
+  bool minimize_time = false;                 ///< ShortenEffort::minimize_time
 };
 
 /// Shortens and verifies paths that a planner offers; the planner continues if one is refused. A

@@ -154,6 +154,7 @@ Path PathFinisher::shorten(Path path, int patience, const MotionVerifier* verifi
   const double end_s = 0.5 * (begin_s + settings_.timeout_s);
   ShortenEffort effort;
   effort.patience = patience;
+  effort.minimize_time = settings_.minimize_time;
   if (is_coarse_) {
     effort.refinement = kCoarseRefinement;
     effort.margin = kCoarseMargin;

@@ -33,7 +33,7 @@ class Shortener {
             const std::function<bool()>& must_stop)
       : checker_(checker),
         path_(path),
-        waypoints_(checker.robot()),
+        waypoints_(checker.robot(), effort.minimize_time),
         joints_(waypoints_.joint_count()),
         all_joints_(joints_ < 64 ? (std::uint64_t{1} << joints_) - 1 : ~std::uint64_t{0}),
         rng_(seed),
@@ -293,6 +293,13 @@ double path_length(const Robot& robot, const Path& path) {
   double length = 0;
   for (std::size_t i = 1; i < path.size(); ++i) length += robot.distance(path[i - 1], path[i]);
   return length;
+}
+
+double path_time(const Robot& robot, const Path& path) {
+  if (path.empty()) return 0;
+  internal::Waypoints waypoints(robot, true);
+  waypoints.assign(internal::to_rows(path));
+  return waypoints.length();
 }
 
 void shorten(const CollisionChecker& checker, Path& path, std::uint64_t seed,

@@ -36,6 +36,16 @@ std::vector<float> to_floats(std::span<const double> q) {
   return result;
 }
 
+/// Seconds per radian or metre of each joint, by the velocity limits of the URDF.
+std::vector<double> pace_of(const Robot& robot) {
+  constexpr double kSlowest = 1e-3;  // a limit of 0 means that a joint does not move by itself
+  std::vector<double> pace;
+  for (int i = 0; i < robot.joint_count(); ++i) {
+    pace.push_back(1 / std::max(robot.group_joint(i).velocity, kSlowest));
+  }
+  return pace;
+}
+
 std::vector<float> to_rows(const Path& path) {
   std::vector<float> rows;
   for (const Configuration& q : path) rows.insert(rows.end(), q.begin(), q.end());
@@ -51,7 +61,9 @@ Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path) {
   return result;
 }
 
-Waypoints::Waypoints(const Robot& robot) : space_(robot) {}
+Waypoints::Waypoints(const Robot& robot, bool has_pace) : space_(robot) {
+  if (has_pace) pace_ = to_floats(pace_of(robot));
+}
 
 void Waypoints::assign(std::vector<float> rows) {
   const auto joints = as_index(joint_count());
@@ -90,9 +102,14 @@ void Waypoints::write(const PathPoint& point, float* q) const {
 }
 
 float Waypoints::distance(const float* a, const float* b) const {
-  float sum = 0;
-  for (int j = 0; j < joint_count(); ++j) sum += (b[j] - a[j]) * (b[j] - a[j]);
-  return std::sqrt(sum);
+  float sum = 0, most = 0;
+  for (int j = 0; j < joint_count(); ++j) {
+    const float delta = (b[j] - a[j]) * (pace_.empty() ? 1 : pace_[as_index(j)]);
+    sum += delta * delta;
+    most = std::max(most, std::abs(delta));
+  }
+  const float all = std::sqrt(sum);
+  return pace_.empty() ? all : all + MotionCost::kSlowest * (most - all);
 }
 
 bool Waypoints::has_unique_direction(const float* from, const float* to) const {

@@ -29,7 +29,8 @@ struct PathPoint {
 /// segment as real numbers. Radians, metres for prismatic joints.
 class Waypoints {
  public:
-  explicit Waypoints(const Robot& robot);
+  /// Arc lengths are L2 joint distances or, with `has_pace`, estimates of time: see MotionCost.
+  explicit Waypoints(const Robot& robot, bool has_pace = false);
 
   void assign(std::vector<float> rows);
   /// Replaces the waypoints after `first` and before `last` by `rows`.
@@ -42,7 +43,7 @@ class Waypoints {
   [[nodiscard]] std::span<const float> rows(int first, int last) const {
     return {(*this)[first], static_cast<std::size_t>((last - first) * joint_count())};
   }
-  [[nodiscard]] PathView view() const { return {rows_, arc_lengths_, directions_}; }
+  [[nodiscard]] PathView view() const { return {rows_, arc_lengths_, directions_, {pace_}}; }
   /// Length of the whole path.
   [[nodiscard]] float length() const { return arc_lengths_.back(); }
   /// From the start to waypoint `i`.
@@ -58,6 +59,7 @@ class Waypoints {
   void measure();
 
   JointSpace space_;
+  std::vector<float> pace_;  ///< MotionCost::pace
   std::vector<float> rows_;
   std::vector<float> arc_lengths_;  ///< per waypoint
   std::vector<float> directions_;   ///< row by row, of the motion that begins there

@@ -43,7 +43,45 @@ TEST_SUITE("law") {
   }
 }
 
+TEST_SUITE("law") {
+  TEST_CASE("shortening that minimizes time never takes longer, and less than by length") {
+    double by_time = 0, by_length = 0;
+    for (const World& world : small_worlds()) {
+      const CollisionChecker checker = make_checker(world);
+      for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+        INFO(world.name, ", seed ", seed);
+        PlanSettings settings = patient_settings(seed);
+        settings.simplify = false;
+        const Path planned = run(prm, world, settings).path;
+        const double before = path_time(world.robot, planned);
+        for (const bool minimize_time : {false, true}) {
+          Path path = planned;
+          ShortenEffort effort;
+          effort.minimize_time = minimize_time;
+          CheckCounters counters;
+          shorten(checker, path, seed, effort, nullptr, counters);
+          const double after = path_time(world.robot, path);
+          (minimize_time ? by_time : by_length) += after;
+          if (minimize_time) CHECK(after <= before * (1 + 1e-5) + 1e-6);
+        }
+      }
+    }
+    CHECK(by_time < by_length);
+  }
+}
+
 TEST_SUITE("unit") {
+  TEST_CASE("the time of a path is mostly that of the slowest joint of each motion") {
+    const Robot robot = gantry();
+    CHECK(path_time(robot, {}) == 0);
+    CHECK(path_time(robot, {{0, 0, 1}}) == 0);
+    const double speed = robot.group_joint(0).velocity;
+    CHECK(path_time(robot, {{0, 0, 1}, {1, 0, 1}}) == doctest::Approx(1 / speed));
+    const double both = path_time(robot, {{0, 0, 1}, {1, 1, 1}});
+    CHECK(both > 1 / speed);
+    CHECK(both < std::sqrt(2) / speed);
+  }
+
   TEST_CASE("detours without an obstacle become one straight motion") {
     const World world{"", planar8(), {}, {}};
     const CollisionChecker checker = make_checker(world);
