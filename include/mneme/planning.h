@@ -52,6 +52,7 @@ struct PlanSettings {
   std::uint64_t seed = 1;
   bool simplify = true;
   int patience = 40;
+  std::optional<bool> minimize_time;
   double improve = 0;
   std::optional<std::uint64_t> improve_rounds;
   bool verify = true;
@@ -75,7 +76,8 @@ struct PlanSettings {
     return continuous ? Verification::motions : Verification::states;
   }
   [[nodiscard]] FinishSettings finish() const {
-    return {simplify, verification(), seed, timeout_s, cancel, patience};
+    return {
+        simplify, verification(), seed, timeout_s, cancel, patience, minimize_time.value_or(false)};
   }
 };
 
@@ -105,6 +107,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("patience", s.patience, 0, 1000000,
         "Shortening ends after this many checks of 16 states without a gain. More takes longer for "
         "a shorter path; 0 only drops waypoints.");
+  visit("minimize-time", s.minimize_time, false, true,
+        "Shorten, and improve, the time that a path takes at the velocity limits of the URDF "
+        "instead of its L2 joint distance. Default: where a trajectory is wanted.");
   visit("improve", s.improve, 0.0, 1e6,
         "Time to look for shorter paths once there is one, seconds. Plans from other seeds, "
         "several at once, and shortens the best one further.");

@@ -629,6 +629,7 @@ def plan(
     seed: int = 1,
     simplify: bool = True,
     patience: int = 40,
+    minimize_time: Optional[bool] = None,
     improve: float = 0.0,
     improve_rounds: Optional[int] = None,
     verify: bool = True,

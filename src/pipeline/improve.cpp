@@ -14,7 +14,7 @@ namespace {
 /// matters more than further shortening, and a rough path shows it.
 constexpr int kPlansPerRound = 3;
 constexpr int kPatience = 160;
-constexpr double kLengthRounding = 1e-9;  ///< relative
+constexpr double kRounding = 1e-6;  ///< relative, of single precision
 
 class Improvement {
  public:
@@ -24,15 +24,15 @@ class Improvement {
         sampler_(sampler),
         best_(result.plan),
         curve_(result.improvements),
-        length_(path_length(resolved.query.problem.robot, result.plan.path)) {
-    curve_.push_back({0, length_});
+        cost_(cost_of(result.plan.path)) {
+    note(0);
     const auto straight_to = [&](const Configuration& goal) {
-      return resolved.checker.robot().distance(resolved.ends.start, goal) * (1 + kLengthRounding);
+      return cost_of({resolved.ends.start, goal}) * (1 + kRounding);
     };
     // The goal reached may have been found while planning.
-    shortest_length_ = straight_to(result.plan.path.back());
+    least_cost_ = straight_to(result.plan.path.back());
     for (const Configuration& goal : resolved.ends.goals) {
-      shortest_length_ = std::min(shortest_length_, straight_to(goal));
+      least_cost_ = std::min(least_cost_, straight_to(goal));
     }
   }
 
@@ -45,12 +45,20 @@ class Improvement {
   }
 
  private:
+  [[nodiscard]] double cost_of(const Path& path) const {
+    const Robot& robot = query_.problem.robot;
+    return query_.settings.plan.minimize_time.value_or(false) ? path_time(robot, path)
+                                                              : path_length(robot, path);
+  }
+  void note(double time_s) {
+    curve_.push_back({time_s, path_length(query_.problem.robot, best_.path)});
+  }
   [[nodiscard]] double remaining_s() const {
     return query_.settings.plan.improve - stopwatch_.elapsed_s();
   }
   /// True also if no path can be shorter.
   [[nodiscard]] bool is_over() const {
-    return remaining_s() <= verification_time_s_ || length_ <= shortest_length_ ||
+    return remaining_s() <= verification_time_s_ || cost_ <= least_cost_ ||
            is_set(query_.settings.plan.cancel);
   }
   [[nodiscard]] PlanSettings settings_of(std::uint64_t task) const {
@@ -77,10 +85,10 @@ class Improvement {
       if (!planned || !planned->is_solved()) continue;
       best_.iterations += planned->iterations;
       count({planned->states_checked, planned->motions_checked});
-      const double length = path_length(query_.problem.robot, planned->path);
-      if (!shortest.empty() && length >= least) continue;
+      const double cost = cost_of(planned->path);
+      if (!shortest.empty() && cost >= least) continue;
       shortest = std::move(planned->path);
-      least = length;
+      least = cost;
     }
     return shortest;
   }
@@ -90,10 +98,11 @@ class Improvement {
     const PlanSettings settings = settings_of(round * kPlansPerRound);
     ShortenEffort effort;
     effort.patience = std::max(kPatience, settings.patience);
+    effort.minimize_time = settings.minimize_time.value_or(false);
     CheckCounters counters;
     shorten(resolved_.checker, path, settings.seed, effort, nullptr, counters,
             [&] { return is_over(); });
-    if (path_length(query_.problem.robot, path) < length_) verify(std::move(path), counters);
+    if (cost_of(path) < cost_) verify(std::move(path), counters);
     count(counters);
   }
 
@@ -103,11 +112,11 @@ class Improvement {
     PathFinisher finisher(resolved_.checker, settings);
     const int invalid = finisher(path, counters);
     verification_time_s_ = std::max(verification_time_s_, finisher.verification_time_s());
-    const double length = path_length(query_.problem.robot, path);
-    if (invalid >= 0 || length >= length_) return;
+    const double cost = cost_of(path);
+    if (invalid >= 0 || cost >= cost_) return;
     best_.path = std::move(path);
-    length_ = length;
-    curve_.push_back({stopwatch_.elapsed_s(), length});
+    cost_ = cost;
+    note(stopwatch_.elapsed_s());
   }
 
   void count(const CheckCounters& counters) {
@@ -123,8 +132,8 @@ class Improvement {
   const Sampler& sampler_;
   PlanResult& best_;
   std::vector<Improved>& curve_;
-  double length_;
-  double shortest_length_ = 0;      ///< lower bound for any path
+  double cost_;                     ///< of the best path: seconds or length
+  double least_cost_ = 0;           ///< lower bound for any path
   double verification_time_s_ = 0;  ///< the longest so far; reserved for the next one
   Stopwatch stopwatch_;
 };
