@@ -103,12 +103,23 @@ class Trajectory {
   [[nodiscard]] Result<std::vector<Point>> sample(double dt) const;
   /// Adds `offset` to all positions, such as whole turns of continuous joints.
   void shift(const Configuration& offset);
+  [[nodiscard]] const std::vector<Stretch>& stretches() const { return stretches_; }
 
  private:
   std::vector<Stretch> stretches_;
   Configuration end_;
   double end_s_;
 };
+
+/// Measures of a motion. Jerk is that within stretches: jumps of acceleration do not count.
+struct MotionMeasures {
+  double duration_s = 0;
+  double jerk_integral = 0;  ///< of the squared L2 norm over time, rad^2/s^5
+  /// Greatest values of each joint, rad/s, rad/s^2 and rad/s^3 (metres for prismatic joints).
+  std::vector<double> velocity, acceleration, jerk;
+};
+/// Returns exact integrals, and greatest values at 9 times of each stretch.
+[[nodiscard]] MotionMeasures measure_motion(const Trajectory& motion);
 
 /// Returns a fast motion near `path`, within the path tolerance and `limits`, that passes
 /// `verifier`. At first it follows the path: exactly time-optimal from stop to stop, with rounded

@@ -143,6 +143,38 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("measures of a motion are its greatest rates and the integral of its jerk") {
+    const EmptyScene empty(gantry());
+    RateLimits limits = kOnes;
+    limits.jerk = {4, 4, 4};
+    const Trajectory motion = require_timed(empty, {{-1, 0, 1}, {1, 0, 1}}, limits);
+    const MotionMeasures measures = measure_motion(motion);
+    CHECK(measures.duration_s == motion.duration_s());
+    CHECK(measures.velocity[0] == doctest::Approx(1));
+    CHECK(measures.acceleration[0] == doctest::Approx(1));
+    CHECK(measures.jerk[0] == doctest::Approx(4));
+    CHECK(measures.velocity[1] == 0);
+    // Four ramps of a quarter of a second.
+    CHECK(measures.jerk_integral == doctest::Approx(4 * 0.25 * 16));
+    CHECK(measure_motion(require_timed(empty, {{1, 1, 1}}, limits)).jerk_integral == 0);
+  }
+
+  TEST_CASE("no rate between samples is greater than measured") {
+    const EmptyScene empty(planar8());
+    Rng rng(8);
+    for (const int rounds : {0, 4}) {
+      const RateLimits limits = random_jerk_limits(empty.robot(), rng);
+      const Trajectory motion =
+          require_timed(empty, random_path(empty.robot(), rng), limits, 0.1, rounds);
+      const MotionMeasures measures = measure_motion(motion);
+      for (int i = 0; i <= 500; ++i) {
+        const Trajectory::Point point = motion.at(motion.duration_s() * i / 500);
+        CHECK(excess(point.velocity, measures.velocity) <= 0.02);
+        CHECK(excess(point.acceleration, measures.acceleration) <= 0.02);
+      }
+    }
+  }
+
   TEST_CASE("a path of one configuration is a trajectory of one point") {
     const EmptyScene empty(gantry());
     for (const Path& path : {Path{{1, 1, 1}}, Path{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}}) {
