@@ -272,8 +272,10 @@ void print_answer(const PlanOptions& options, const LoadedPlan& loaded, const So
   const PathMeasures measures =
       measure_path(loaded.problem.robot, checked_scene(loaded.problem, result), result.plan.path);
   if (options.is_json) {
-    const auto duration_s = trajectory ? std::optional(trajectory->duration_s()) : std::nullopt;
-    fmt::print("{}\n", to_json(loaded.problem, result, loaded.load_time_s, &measures, duration_s));
+    std::optional<MotionMeasures> motion;
+    if (trajectory) motion = measure_motion(*trajectory);
+    fmt::print("{}\n", to_json(loaded.problem, result, loaded.load_time_s, &measures,
+                               motion ? &*motion : nullptr));
   } else {
     print_result(loaded, result, measures);
     if (trajectory) fmt::print("motion      {:.3f} s\n", trajectory->duration_s());

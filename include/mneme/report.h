@@ -47,10 +47,10 @@ struct PathMeasures {
 
 /// Returns the JSON that `mneme plan --json` prints. `load_time_s`: seconds to open files and the
 /// database. `measures`: null leaves out the keys of the clearance, the costliest ones.
-/// `duration_s`: seconds of the trajectory, if there is one.
+/// `motion`: of the trajectory, if there is one.
 [[nodiscard]] std::string to_json(const Problem& problem, const SolveResult& result,
                                   double load_time_s, const PathMeasures* measures = nullptr,
-                                  std::optional<double> duration_s = {});
+                                  const MotionMeasures* motion = nullptr);
 
 /// A planar picture in the style of the paper's figures. Metres, y upwards.
 struct PlanarPicture {

@@ -59,10 +59,18 @@ Json to_json(const Problem& problem, const Replay& replay) {
   return json;
 }
 
+void add_motion(Json& json, const MotionMeasures& motion) {
+  json["duration_s"] = motion.duration_s;
+  json["motion"] = {{"greatest_velocity", motion.velocity},
+                    {"greatest_acceleration", motion.acceleration},
+                    {"greatest_jerk", motion.jerk},
+                    {"jerk_integral", motion.jerk_integral}};
+}
+
 }  // namespace
 
 std::string to_json(const Problem& problem, const SolveResult& result, double load_time_s,
-                    const PathMeasures* measures, std::optional<double> duration_s) {
+                    const PathMeasures* measures, const MotionMeasures* motion) {
   Json json;
   json["problem"] = problem.name;
   json["robot"] = problem.robot.name();
@@ -75,7 +83,7 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   json["path_length"] = path_length(problem.robot, path);
   json["straight_length"] = path.empty() ? 0 : problem.robot.distance(path.front(), path.back());
   if (measures != nullptr && measures->clearance) add_clearance(json, *measures->clearance);
-  if (duration_s) json["duration_s"] = *duration_s;
+  if (motion != nullptr) add_motion(json, *motion);
   add_times(json, result, load_time_s);
   if (!result.improvements.empty()) json["improvements"] = to_json(result.improvements);
   json["iterations"] = result.plan.iterations;
