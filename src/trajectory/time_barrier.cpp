@@ -36,7 +36,8 @@ double difference(const double* p) {
 std::array<double, 4> TimeSpline::piece(std::size_t joint, std::size_t i) const {
   const double* p = points[joint].data() + i;
   const double h = step_s;
-  return {(p[0] + 4 * p[1] + p[2]) / 6, (p[2] - p[0]) / (2 * h), difference<2>(p) / (2 * h * h),
+  // Exact where control points are the same, as at both ends.
+  return {p[1] + difference<2>(p) / 6, (p[2] - p[0]) / (2 * h), difference<2>(p) / (2 * h * h),
           difference<3>(p) / (6 * h * h * h)};
 }
 

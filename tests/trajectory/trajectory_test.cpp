@@ -135,6 +135,7 @@ TEST_SUITE("unit") {
       for (const int rounds : {0, 2, 8, 40}) {
         const Trajectory motion = require_timed(empty, kTurn, limits, 1, rounds);
         CHECK(motion.duration_s() <= last);
+        CHECK(motion.at(0).position == kTurn.front());
         last = motion.duration_s();
         const auto flaw = trajectory_flaw(empty.robot(), kTurn, limits, 1, motion);
         CHECK_MESSAGE(!flaw, flaw.value_or(""));
