@@ -93,6 +93,16 @@ TEST_SUITE("unit") {
     CHECK(measure_path(problem.robot, problem.scene, {}).length == 0);
   }
 
+  TEST_CASE("JSON of a plan has the measures of its motion, if there is one") {
+    const Problem problem = test::gap_problem();
+    const MotionMeasures motion{1.5, 8, {1, 0.5}, {2, 1}, {4, 2}};
+    const auto json = nlohmann::json::parse(to_json(problem, solved_result(), 0, nullptr, &motion));
+    CHECK(json.at("duration_s") == 1.5);
+    CHECK(json.at("motion").at("greatest_acceleration") == std::vector<double>{2, 1});
+    CHECK(json.at("motion").at("jerk_integral") == 8);
+    CHECK_FALSE(nlohmann::json::parse(to_json(problem, solved_result(), 0)).contains("motion"));
+  }
+
   TEST_CASE("JSON of a failure says why, and has an empty path") {
     SolveResult result;
     result.plan.status = PlanStatus::invalid_start;
