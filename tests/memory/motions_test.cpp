@@ -28,7 +28,7 @@ struct Lesson {
     CheckCounters counters;
     auto places = MotionFinder(checker).find(motion, counters);
     CHECK(counters.states > 0);
-    CHECK(counters.states < 5000);
+    CHECK(counters.states < 3000);
     return places;
   }
 };
