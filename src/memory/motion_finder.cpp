@@ -14,7 +14,7 @@ namespace {
 /// Of the coarse search: radians about the axis, or metres along it.
 constexpr float kTurnStep = 2 * std::numbers::pi_v<float> / 180, kLiftStep = 0.01f;
 /// Fine steps in a coarse one, and searched on either side.
-constexpr int kFineSteps = 16, kFineReach = 10;
+constexpr int kFineSteps = 4, kFineReach = 2;
 /// The coarse search deflates the robot by what it may miss between two places.
 constexpr double kDeflation = -0.01;
 /// A state is near obstacles if it is not free with this extra margin, metres.
@@ -25,7 +25,7 @@ constexpr std::size_t kQuickStates = 16;  ///< whose nearness rules out open pla
 constexpr double kLeastNearAtOnce = 0.2;  ///< share of them
 constexpr double kLeastNear = 0.3;        ///< share of the core
 constexpr double kLeastMissed = 0.65;     ///< share of the near misses that are blocked
-constexpr int kTriesPerRun = 5;
+constexpr int kTriesPerRun = 3;
 
 /// Indices from the first tight waypoint to the last: the tightest first, then always the one
 /// farthest from those before, tight ones before others.
