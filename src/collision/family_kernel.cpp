@@ -160,18 +160,9 @@ class BoxMargins {
     turn_to(robot_.moving_count + i);
     return hn::Add(sum_of(displacement_of_pair(i)), splat(margins_.links));
   }
-  /// Joints move by this number of cells within the box, and may begin anywhere in theirs.
-  [[nodiscard]] HWY_INLINE V needed_rings(const SeparationTable& table) const {
-    if (margins_.links > SeparationTable::kApart) return splat(SeparationTable::kMostRings + 1);
-    V cells = hn::Zero(Tag());
-    for (const SeparationTable::Axis& axis : table.axes) {
-      V moved = states_.rest[axis.joint];
-      for (int k = 0; k < states_.directions; ++k) {
-        moved = hn::MulAdd(hn::Abs(states_.rates[k][axis.joint]), states_.half[k], moved);
-      }
-      cells = hn::Max(cells, hn::Mul(moved, splat(axis.scale)));
-    }
-    return rings_around(cells);
+  /// No value: tables decide vectors, and the verdict of a box must not depend on its neighbours.
+  [[nodiscard]] HWY_INLINE V needed_rings(const SeparationTable&) const {
+    return splat(SeparationTable::kMostRings + 1);
   }
   /// With a simple bound on the pair's approach.
   [[nodiscard]] HWY_INLINE V reach2(const BodyPairRow& pair, int) const {
