@@ -145,6 +145,14 @@ float widest_margin(const CollisionChecker& checker, const RandomFamily& family,
 
 constexpr double kRounding = 2e-5;
 
+/// A ball of 0.1 m on a slide along x.
+Robot sliding_ball() {
+  return require_parsed(R"(<robot name="slide"><link name="base"/>
+    <link name="ball"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+    <joint name="x" type="prismatic"><parent link="base"/><child link="ball"/>
+      <axis xyz="1 0 0"/><limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>)");
+}
+
 }  // namespace
 
 TEST_SUITE("oracle") {
@@ -241,11 +249,28 @@ TEST_SUITE("unit") {
     CHECK_FALSE(with_nothing_else(1e-4f));
   }
 
+  TEST_CASE("points count, as far as a body moves less than the tables reach") {
+    const std::vector<CloudPoint> points = {{1, 0, 0}};
+    const PointCloud cloud{{}, std::make_shared<const Parts<CloudPoint>>(points), 0.05};
+    const CollisionChecker checker =
+        require_checker(sliding_ball(), Scene{"", {{"cloud", {cloud}}}});
+    const GoalShift shift{1, {0}, {0.5f}, {0}, {0}};
+    const auto is_free_around = [&](float middle, float half) {
+      const std::vector<float> at = {middle};
+      const FamilyMotion motion{&shift, at, at, 1, 1};
+      const FamilyBox box{0.5f, 0, {0}, {half}};
+      FamilyVerdict verdict;
+      CheckCounters counters;
+      checker.check_family(motion, {&box, 1}, 1e-3f, {&verdict, 1}, counters);
+      return verdict.is_free;
+    };
+    CHECK(is_free_around(0.6f, 0.4f));        // up to 0.8 + 0.1 of 0.95
+    CHECK_FALSE(is_free_around(0.7f, 0.4f));  // up to 0.9 + 0.1
+    CHECK_FALSE(is_free_around(0, 1));        // free, but too wide to tell
+  }
+
   TEST_CASE("a blocked box says how far what blocks it moves along each direction") {
-    const Robot robot = require_parsed(R"(<robot name="slide"><link name="base"/>
-      <link name="ball"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
-      <joint name="x" type="prismatic"><parent link="base"/><child link="ball"/>
-        <axis xyz="1 0 0"/><limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>)");
+    const Robot robot = sliding_ball();
     const Scene scene{"", {{"pea", {Sphere{Vec3(1, 0, 0), 0.1}}}}};
     const CollisionChecker checker = require_checker(robot, scene);
     const GoalShift shift{1, {0}, {0.5f}, {0}, {0.01f}};
