@@ -125,7 +125,8 @@ struct CellAnswer {
   std::string note;  ///< why there is no path
 };
 
-/// Why a part of the region is not proven.
+/// Why a part of the region is not proven. For boxes that were not examined before the build ended:
+/// of the larger box around them.
 enum class CellGap {
   blocked,      ///< the link or what it carries touches an obstacle in every task: proven
   unreachable,  ///< inverse kinematics found nothing free
@@ -133,7 +134,7 @@ enum class CellGap {
   bends,        ///< inverse kinematics bends too much over the smallest box
   contact,      ///< the motions that were tried come too close to contact
   no_path,      ///< planning found no path
-  budget,       ///< not examined to the end
+  budget,       ///< the proof, or the build, ended before anything was decided
 };
 inline constexpr int kCellGaps = 7;
 /// Returns a short sentence.

@@ -54,7 +54,7 @@ class CellBuilder {
       if (on_progress) on_progress(progress());
     }
     while (!queue_.empty()) {
-      leave(queue_.top(), CellGap::budget, nullptr);
+      leave(queue_.top(), queue_.top().around);
       queue_.pop();
     }
     std::ranges::stable_sort(cell_.unproven, std::greater(), &UnprovenBox::share);
@@ -131,10 +131,13 @@ class CellBuilder {
     }
     if (result.is_served) return;
     if (result.is_blocked) blocked_ += open.share;
+    UnprovenBox reason;
+    reason.gap = result.gap;
+    if (result.failure) examiner_.describe(*result.failure, reason);
     if (result.is_blocked || open.share / 2 < kLeastShare) {
-      leave(open, result.gap, result.failure ? &*result.failure : nullptr);
+      leave(open, reason);
     } else {
-      cut(open, result, std::move(above));
+      cut(open, result, above, reason);
     }
   }
 
@@ -148,18 +151,16 @@ class CellBuilder {
     }
   }
 
-  void leave(const OpenBox& open, CellGap gap, const ProofFailure* failure) {
-    UnprovenBox box;
-    box.center = open.tasks.center;
-    box.half_extents = open.tasks.half;
-    box.gap = gap;
-    box.share = open.share;
-    if (failure != nullptr) examiner_.describe(*failure, box);
-    cell_.unproven.push_back(std::move(box));
+  void leave(const OpenBox& open, UnprovenBox reason) {
+    reason.center = open.tasks.center;
+    reason.half_extents = open.tasks.half;
+    reason.share = open.share;
+    cell_.unproven.push_back(std::move(reason));
   }
 
   /// Cuts a box across the parameter that moves the arm most and was most to blame.
-  void cut(const OpenBox& open, const Examined& result, std::vector<int> above) {
+  void cut(const OpenBox& open, const Examined& result, const std::vector<int>& above,
+           const UnprovenBox& reason) {
     constexpr double kSizeWeight = 0.7, kMetresPerRadian = 0.25;
     const std::vector<int>& varying = examiner_.frame().varying();
     const auto size = [&](int k) {
@@ -185,7 +186,7 @@ class CellBuilder {
     node.above = node.below + 1;
     const double half = open.tasks.half[as_index(widest)] / 2;
     for (const double side : {-1.0, 1.0}) {
-      OpenBox part{open.tasks, open.share / 2, static_cast<int>(cell_.tree.size()), above};
+      OpenBox part{open.tasks, open.share / 2, static_cast<int>(cell_.tree.size()), above, reason};
       part.tasks.half[as_index(widest)] = half;
       part.tasks.center[as_index(widest)] += side * half;
       queue_.push(std::move(part));

@@ -45,7 +45,7 @@ std::string_view to_string(CellGap gap) {
       "inverse kinematics bends too much",
       "too close to contact",
       "no path found",
-      "not examined to the end"};
+      "the build ended before anything was decided"};
   return kSentences.at(static_cast<std::size_t>(gap));
 }
 
@@ -336,20 +336,24 @@ CellCoverage Cell::coverage(std::size_t start, int samples) const {
   coverage.samples = samples;
   Rng rng(99);
   CellAnswer answer;
-  const double unit = samples > 0 ? 1.0 / samples : 0;
+  std::array<int, kCellGaps> gap_counts = {};
+  int proven = 0;
   const std::vector<UnprovenBox>& gaps = data_->starts[start].unproven;
   for (int i = 0; i < samples; ++i) {
     const CellTask task = random_task(data_->frame, rng);
     look_up(task, answer, start);
     if (answer.tier == CellTier::certified) {
-      coverage.proven += unit;
+      ++proven;
       continue;
     }
     const auto gap =
         std::ranges::find_if(gaps, [&](const UnprovenBox& box) { return is_within(box, task); });
     const CellGap reason = gap != gaps.end() ? gap->gap : CellGap::limits;
-    coverage.gaps[static_cast<std::size_t>(reason)] += unit;
+    ++gap_counts[static_cast<std::size_t>(reason)];
   }
+  const auto share = [samples](int count) { return samples > 0 ? double(count) / samples : 0; };
+  coverage.proven = share(proven);
+  std::ranges::transform(gap_counts, coverage.gaps.begin(), share);
   return coverage;
 }
 

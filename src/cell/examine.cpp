@@ -101,11 +101,25 @@ class Examination {
     return 10 * count >= 3 * needed_;
   }
 
+  /// The same to first order, for a fraction of the cost of a fit.
+  [[nodiscard]] bool may_be_useful(const Branch& branch) const {
+    const Eigen::MatrixXd motion = e_.fitter_->slopes(box_, branch);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      const std::vector<double>& u = e_.fitter_->probes()[i];
+      const Eigen::Map<const Eigen::VectorXd> at(u.data(), motion.cols());
+      const JointVector q = branch.q0 + motion * at;
+      if (is_needed_[i] && e_.chain().keeps_limits(q)) ++count;
+    }
+    return 10 * count >= 2 * needed_;
+  }
+
   // One branch.
 
   /// True if the branch has a model that is worth a proof.
   bool fit(const Branch& branch, GoalShift& shift) {
-    FitFault fault = e_.fitter_->fit(box_, branch, shift);
+    FitFault fault = FitFault::limits;
+    if (may_be_useful(branch)) fault = e_.fitter_->fit(box_, branch, shift);
     if (fault == FitFault::none && !is_useful(branch, shift)) fault = FitFault::limits;
     if (fault == FitFault::none) return true;
     if (!result_.failure) result_.gap = gap_of(fault);
@@ -160,8 +174,9 @@ class Examination {
         return needed_ == 0;
       }
       blame(failure);
+      // No profile helps at the goal; a proof that takes too long takes a smaller box.
       constexpr double kAtGoal = 0.98;
-      if (failure.along > kAtGoal && !failure.is_over_budget) break;  // no profile helps
+      if (failure.along > kAtGoal || failure.is_over_budget) break;
     }
     return false;
   }

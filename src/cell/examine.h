@@ -25,9 +25,10 @@ namespace mneme::internal {
 /// What is examined next.
 struct OpenBox {
   TaskBox tasks;
-  double share = 1;        ///< of the region's volume
-  int node = 0;            ///< of the tree
-  std::vector<int> above;  ///< boxes that serve some of its tasks already
+  double share = 1;         ///< of the region's volume
+  int node = 0;             ///< of the tree
+  std::vector<int> above;   ///< boxes that serve some of its tasks already
+  UnprovenBox around = {};  ///< why the box that it is a half of was not proven throughout
 };
 
 /// What became of it.
