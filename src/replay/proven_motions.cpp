@@ -132,8 +132,11 @@ std::shared_ptr<StaticCell> StaticCell::find(const Robot& robot, const Scene& sc
     const CollisionChecker& kept = cell.checker();
     const bool is_as_fine = settings.resolution ? kept.resolution() == *settings.resolution
                                                 : kept.has_default_resolution();
-    return is_same(kept.robot(), robot) && is_as_fine && kept.margin() == settings.margin &&
-           kept.isa() == isa && are_same_obstacles(kept.scene(), scene);
+    // A checker rounds its margin to single precision.
+    const bool is_as_wide =
+        kept.margin() == static_cast<double>(static_cast<float>(settings.margin));
+    return is_same(kept.robot(), robot) && is_as_fine && is_as_wide && kept.isa() == isa &&
+           are_same_obstacles(kept.scene(), scene);
   });
 }
 

@@ -161,6 +161,25 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("queries of other ends in a scene share its checker") {
+    const StaticCell cell;
+    CheckerSettings settings;
+    settings.margin = 0.01;  // no float
+    const auto find = [&](const Configuration& start) {
+      return internal::find_or_make_checker(cell.problem.robot, cell.problem.scene, settings,
+                                            {start, cell.problem.goals})
+          .value();
+    };
+    const internal::CellChecker first = find({0, 0.5}), second = find({0.1, 0.5});
+    REQUIRE(first.cell != nullptr);
+    CHECK(second.cell == first.cell);
+    CHECK(&second.checked.checker.scene() == &first.checked.checker.scene());
+    CHECK(second.checked.are_ends_clear);
+    const internal::CellChecker blocked = find({-2.2, 0});
+    CHECK(blocked.cell == first.cell);
+    CHECK_FALSE(blocked.checked.are_ends_clear);
+  }
+
   TEST_CASE("ends that a known cell has not seen are looked at") {
     StaticCell cell;
     cell.put(0.5);
