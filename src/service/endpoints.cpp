@@ -105,10 +105,9 @@ void Endpoints::set_failure(std::string Endpoints::*failure, const std::string& 
   this->*failure = message;
 }
 
-void Endpoints::leave_memory() {
-  constexpr double kLongest_s = 0.1;  // the queue has emptied itself while requests ended
+void Endpoints::leave_memory(double patience_s) {
   if (database_ == nullptr) return;
-  (void)database_->flush(kLongest_s);
+  (void)database_->flush(patience_s);
   database_->stop_waiting();
 }
 

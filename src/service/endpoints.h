@@ -67,8 +67,8 @@ class Endpoints {
   [[nodiscard]] Metrics& metrics() { return metrics_; }
   /// Loads new rows of other processes.
   void refresh_memory();
-  /// Stores queued rows as far as that takes 0.1 s, and ends calls that wait for a server.
-  void leave_memory();
+  /// Stores queued rows as far as `patience_s` allows, and ends calls that wait for a server.
+  void leave_memory(double patience_s);
   /// Makes health() report "stopping".
   void set_stopping() { is_stopping_ = true; }
 

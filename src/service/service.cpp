@@ -32,8 +32,10 @@ using internal::refusal;
 namespace http = internal::http;
 namespace beast = boost::beast;
 
-constexpr double kGrace = 0.5;    ///< seconds for running requests when the service stops
-constexpr double kGoodbye = 0.3;  ///< seconds to answer requests that were cancelled then
+constexpr double kGrace = 0.5;     ///< seconds for running requests when the service stops
+constexpr double kGoodbye = 0.25;  ///< seconds to answer requests that were cancelled then
+/// Seconds from the request to stop until queued rows are given up, and at least those for them.
+constexpr double kLastRow = 0.8, kLeastFlush = 0.05;
 constexpr std::string_view kScenes = "/v1/scenes/";
 constexpr std::string_view kId = "{id}";
 constexpr std::size_t kMostIdBytes = 64;
@@ -239,6 +241,7 @@ class Service::State {
 
  private:
   void stop_once() {
+    const Stopwatch stopwatch;
     {
       const std::lock_guard lock(mutex_);
       is_stopping_ = true;
@@ -250,7 +253,7 @@ class Service::State {
     server_.cancel_all();
     server_.wait(kGoodbye);
     server_.join();
-    endpoints_.leave_memory();
+    endpoints_.leave_memory(std::max(kLeastFlush, kLastRow - stopwatch.elapsed_s()));
     if (refresher_.joinable()) refresher_.join();
   }
 
