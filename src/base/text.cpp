@@ -6,6 +6,8 @@
 #include <utf8.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 namespace mneme::internal {
 
@@ -47,6 +49,70 @@ std::string escape_csv(std::string_view text) {
   }
   quoted += '"';
   return quoted;
+}
+
+std::string xml_escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '&') {
+      result += "&amp;";
+    } else if (c == '<') {
+      result += "&lt;";
+    } else if (c == '"') {
+      result += "&quot;";
+    } else {
+      result += c;
+    }
+  }
+  return result;
+}
+
+namespace {
+
+/// Elements and attributes: tinyxml2 takes some 100 bytes for each.
+constexpr std::size_t kMostXmlParts = 2'000'000;
+/// tinyxml2 takes quadratic time for the attributes of one element.
+constexpr std::size_t kMostAttributes = 100;
+
+/// Returns the position of the last byte of the comment, text or declaration that begins at
+/// `begin`, or `begin` if a tag does; npos if it does not end.
+std::size_t skip_no_tag(std::string_view text, std::size_t begin) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kOthers = {
+      {{"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<?", "?>"}, {"<!", ">"}}};
+  for (const auto& [open, close] : kOthers) {
+    if (text.substr(begin).starts_with(open)) return text.find(close, begin + open.size());
+  }
+  return begin;
+}
+
+}  // namespace
+
+std::optional<std::string> find_costly_xml(std::string_view text) {
+  std::size_t parts = 0, attributes = 0;
+  char quote = 0;
+  bool is_in_tag = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quote != 0) {
+      if (c == quote) quote = 0;
+    } else if (is_in_tag) {
+      if (c == '"' || c == '\'') quote = c;
+      if (c == '>') is_in_tag = false;
+      parts += c == '=' ? 1 : 0;
+      if (c == '=' && ++attributes > kMostAttributes) {
+        return fmt::format("has an element with more than {} attributes", kMostAttributes);
+      }
+    } else if (c == '<') {
+      ++parts;
+      attributes = 0;
+      i = skip_no_tag(text, i);
+      if (i == text.npos) break;
+      is_in_tag = text[i] == '<';
+    }
+  }
+  if (parts <= kMostXmlParts) return std::nullopt;
+  return fmt::format("has {} XML elements and attributes, expected at most {}", parts,
+                     kMostXmlParts);
 }
 
 }  // namespace mneme::internal

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// UTF-8, fields of CSV files, and names similar to a misspelt one.
+/// UTF-8, fields of CSV files, costly XML, and names similar to a misspelt one.
 #pragma once
 
 #include <cstddef>
@@ -26,6 +26,12 @@ struct CodePoint {
 
 /// Returns a field of a CSV file (RFC 4180), quoted if necessary.
 [[nodiscard]] std::string escape_csv(std::string_view text);
+
+/// Returns `text` escaped for an XML attribute in double quotes.
+[[nodiscard]] std::string xml_escaped(std::string_view text);
+/// Returns what tinyxml2 would take very long or very much memory for, such as "has an element with
+/// more than 100 attributes", or nothing.
+[[nodiscard]] std::optional<std::string> find_costly_xml(std::string_view text);
 
 /// Returns the number of letters to insert, delete or replace to turn `a` into `b`. Case does not
 /// count.

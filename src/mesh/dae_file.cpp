@@ -5,6 +5,7 @@
 // expand without end: depth, steps and triangles are limited. Elements with several references are
 // read once, so that time stays linear in the size of the file.
 #include "base/fail.h"
+#include "base/text.h"
 #include "mesh/line_reader.h"
 #include "mesh/mesh_file.h"
 #include "mesh/surface_builder.h"
@@ -27,10 +28,6 @@ using tinyxml2::XMLElement;
 constexpr int kMostDepth = 100;
 /// Elements that are visited when all instances are expanded.
 constexpr std::size_t kMostSteps = 200'000;
-/// Elements and attributes: tinyxml2 takes some 100 bytes for each.
-constexpr std::size_t kMostXmlParts = 2'000'000;
-/// tinyxml2 takes quadratic time for the attributes of one element.
-constexpr std::size_t kMostAttributes = 100;
 
 /// An affine transform.
 struct Placement {
@@ -42,44 +39,6 @@ struct Placement {
   }
   Vec3 operator*(const Vec3& p) const { return linear * p + offset; }
 };
-
-/// Fails for text that tinyxml2 would take very long or very much memory for.
-void check_xml(std::string_view text, const std::string& source) {
-  std::size_t parts = 0, attributes = 0;
-  char quote = 0;
-  bool is_in_tag = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quote != 0) {
-      if (c == quote) quote = 0;
-    } else if (is_in_tag) {
-      if (c == '"' || c == '\'') quote = c;
-      if (c == '>') is_in_tag = false;
-      if (c == '=' && ++attributes > kMostAttributes) {
-        throw_failure(ErrorCode::unsupported, "{}: has an element with more than {} attributes",
-                      source, kMostAttributes);
-      }
-      parts += c == '=' ? 1 : 0;
-    } else if (c == '<') {
-      ++parts;
-      attributes = 0;
-      for (const auto& [open, close] :
-           {std::pair<std::string_view, std::string_view>{"<!--", "-->"},
-            {"<![CDATA[", "]]>"},
-            {"<?", "?>"},
-            {"<!", ">"}}) {
-        if (text.substr(i).starts_with(open)) i = text.find(close, i + open.size());
-        if (i == text.npos) return;
-      }
-      is_in_tag = text[i] == '<';
-    }
-  }
-  if (parts > kMostXmlParts) {
-    throw_failure(ErrorCode::unsupported,
-                  "{}: has {} XML elements and attributes, expected at most {}", source, parts,
-                  kMostXmlParts);
-  }
-}
 
 class DaeReader {
  public:
@@ -403,7 +362,9 @@ class DaeReader {
 }  // namespace
 
 void read_dae(std::string_view bytes, SurfaceBuilder& surface) {
-  check_xml(bytes, surface.source());
+  if (const auto flaw = find_costly_xml(bytes)) {
+    throw_failure(ErrorCode::unsupported, "{}: {}", surface.source(), *flaw);
+  }
   tinyxml2::XMLDocument document;
   if (document.Parse(bytes.data(), bytes.size()) != tinyxml2::XML_SUCCESS) {
     const bool is_deep = document.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED;

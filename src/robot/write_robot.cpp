@@ -6,6 +6,7 @@
 
 #include "base/as_index.h"
 #include "base/fail.h"
+#include "base/text.h"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -29,22 +30,6 @@ Vec3 rpy_of(const Eigen::Matrix3d& r) {
 }
 
 }  // namespace
-
-std::string xml_escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '&') {
-      result += "&amp;";
-    } else if (c == '<') {
-      result += "&lt;";
-    } else if (c == '"') {
-      result += "&quot;";
-    } else {
-      result += c;
-    }
-  }
-  return result;
-}
 
 std::string xml_vector(const Vec3& v) {
   // Adding zero makes a zero positive.

@@ -7,12 +7,8 @@
 #include "mneme/geometry.h"
 
 #include <string>
-#include <string_view>
 
 namespace mneme::internal {
-
-/// Returns `text` escaped for an attribute in double quotes.
-[[nodiscard]] std::string xml_escaped(std::string_view text);
 
 /// Returns three numbers that read back to the same bits, except for the sign of zero.
 [[nodiscard]] std::string xml_vector(const Vec3& v);

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/xml_reader.h"
 
+#include "base/text.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -135,6 +137,7 @@ const XmlElement& XmlReader::read_root(tinyxml2::XMLDocument& document, std::str
   if (null != text.end()) {
     fail(1 + static_cast<int>(std::count(text.begin(), null, '\n')), "a null byte is no XML");
   }
+  if (const auto flaw = find_costly_xml(text)) fail(1, *flaw, ErrorCode::unsupported);
   if (document.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     const bool is_xml =
         text.substr(0, text.find_first_not_of(" \t\r\n\xef\xbb\xbf") + 1).ends_with('<');

@@ -67,6 +67,19 @@ TEST_SUITE("unit") {
     CHECK(internal::escape_bytes(text) == text);
   }
 
+  TEST_CASE("XML that is costly to parse is recognised by its attributes, outside of comments") {
+    const auto element = [](int attributes) {
+      std::string text = "<a";
+      for (int i = 0; i < attributes; ++i) text += " b='=<>'";
+      return text + "/>";
+    };
+    CHECK_FALSE(internal::find_costly_xml(element(100) + element(100) + "x = 1 = 2"));
+    CHECK_FALSE(internal::find_costly_xml("<!-- " + element(101) + " --><![CDATA[ <a ' ]]>"));
+    CHECK_FALSE(internal::find_costly_xml("<!-- does not end"));
+    CHECK(internal::find_costly_xml("<!-- ' -->" + element(101)) ==
+          "has an element with more than 100 attributes");
+  }
+
   TEST_CASE("what is not UTF-8 or holds a NUL is refused, and can be escaped") {
     for (const std::string& bad :
          {std::string("\0", 1), std::string("\x80"), std::string("\xc0\x80"), std::string("\xc3"),

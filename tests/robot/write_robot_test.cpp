@@ -3,6 +3,7 @@
 #include "robot/small_robots.h"
 #include "robot/srdf.h"
 #include "robot/write_robot.h"
+#include "base/text.h"
 #include "support/support.h"
 
 #include <cmath>

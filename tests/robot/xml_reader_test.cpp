@@ -103,6 +103,9 @@ TEST_SUITE("unit") {
     CHECK(contains(fault_of_document("<r>\n</s>"), "f:1: malformed XML: mismatched element"));
     CHECK(contains(fault_of_document("<r a='1' a='2'/>"), "f:1: malformed XML"));
     CHECK(contains(fault_of_document("<r>"), "malformed XML"));
+    std::string many = "<r";
+    for (int i = 0; i < 100000; ++i) many += " a" + std::to_string(i) + "='1'";
+    CHECK(fault_of_document(many + "/>") == "f:1: has an element with more than 100 attributes");
     CHECK(contains(fault_of_document("<r><s/>\n"), "f:1: malformed XML: an element that does not"));
     CHECK(fault_of_document("r: 1") ==
           "f:1: malformed XML: text that no tag follows; expected a <r> element");
