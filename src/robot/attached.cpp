@@ -17,8 +17,8 @@ namespace {
 
 using internal::as_index;
 
-/// The pairs of links to check grow with the square.
-constexpr std::size_t kMostAttached = 1000;
+/// Pairs to check grow with the square of the number of objects that different bodies carry.
+constexpr std::size_t kMostPairs = 500'000;
 
 template <class... Args>
 tl::unexpected<Error> refusal(const AttachedObject& object, fmt::format_string<Args...> what,
@@ -86,13 +86,6 @@ Result<Robot> Robot::with_attached(std::vector<ApproximatedObject> objects) cons
   Model model = *bare_model();
   model.attached = model_->attached;
   std::ranges::move(objects, std::back_inserter(model.attached));
-  if (model.attached.size() > kMostAttached) {
-    return fail(
-        ErrorCode::unsupported,
-        "robot '{}' would carry {} attached objects, expected at most {}; an object may have "
-        "many shapes",
-        name(), model.attached.size(), kMostAttached);
-  }
   const int first = static_cast<int>(model.links.size());
   LinkIndices indices;
   for (int i = 0; i < first; ++i) indices.emplace(model.links[as_index(i)].name, i);
@@ -100,8 +93,14 @@ Result<Robot> Robot::with_attached(std::vector<ApproximatedObject> objects) cons
     MNEME_TRY(add_link(object, model.links, model.joints, indices));
   }
   const internal::LinkPairs allowed = MNEME_TRY(find_allowed(model.attached, indices));
-  const internal::LinkPairs pairs =
-      internal::derive_self_pairs(model.links, model.joints, model.group, allowed, first);
+  const internal::LinkPairs pairs = internal::derive_self_pairs(
+      model.links, model.joints, model.group, allowed, first, kMostPairs);
+  if (pairs.size() > kMostPairs) {
+    return fail(ErrorCode::unsupported,
+                "robot '{}' would carry {} attached objects with more than {} pairs to check; an "
+                "object may have many shapes",
+                name(), model.attached.size(), kMostPairs);
+  }
   model.self_pairs.insert(model.self_pairs.end(), pairs.begin(), pairs.end());
   model.is_planar =
       model.is_planar && internal::moves_in_plane(model.links, model.joints, model.group);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/fail.h"
 #include "base/files.h"
+#include "base/text.h"
 #include "robot/urdf_reader.h"
 
 #include <fmt/format.h>
@@ -65,9 +66,9 @@ MeshFinder::MeshFinder(const std::string& urdf_path, const std::vector<std::stri
   }
 }
 
-Result<std::string> MeshFinder::find(const std::string& name) const {
+Result<std::string> MeshFinder::find(const std::string& name, std::string* unknown) const {
   for (const char* scheme : {"package://", "model://"}) {
-    if (const auto rest = after(name, scheme)) return find_in_package(*rest);
+    if (const auto rest = after(name, scheme)) return find_in_package(*rest, unknown);
   }
   fs::path path = fs::path(urdf_directory_) / name;
   if (const auto rest = after(name, "file://")) {
@@ -89,7 +90,8 @@ std::string package_name(const fs::path& directory) {
   if (!is_file(directory / "package.xml")) return {};
   tinyxml2::XMLDocument document;
   const auto text = read_text_file((directory / "package.xml").string(), kMaxPackageText);
-  if (!text || document.Parse(text->data(), text->size()) != tinyxml2::XML_SUCCESS) return {};
+  if (!text || find_costly_xml(*text)) return {};
+  if (document.Parse(text->data(), text->size()) != tinyxml2::XML_SUCCESS) return {};
   const XmlElement* root = document.RootElement();
   const XmlElement* name = root ? root->FirstChildElement("name") : nullptr;
   return name != nullptr && name->GetText() != nullptr ? name->GetText() : "";
@@ -134,7 +136,8 @@ const std::vector<std::string>& MeshFinder::folders_of(const std::string& packag
   return entry->second;
 }
 
-Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path) const {
+Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path,
+                                                std::string* unknown) const {
   // package:///NAME is common, and means the same.
   name_and_path.remove_prefix(std::min(name_and_path.find_first_not_of('/'), name_and_path.size()));
   const std::size_t slash = std::min(name_and_path.find('/'), name_and_path.size());
@@ -152,6 +155,11 @@ Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path) 
     if (is_file(tried.back())) return tried.back();
   }
   if (!tried.empty()) return no_file(tried);
+  fs::path above = urdf_directory_;
+  for (int level = 0; unknown != nullptr && level < 3; ++level, above = above.parent_path()) {
+    *unknown = package;
+    if (is_file(above / path)) return (above / path).lexically_normal().string();
+  }
   return fail(ErrorCode::io,
               "there is no package '{}' in {}; expected its directory as package path "
               "(--package-path, package_paths), in ROS_PACKAGE_PATH or AMENT_PREFIX_PATH",

@@ -9,6 +9,7 @@
 
 #include <tl/expected.hpp>
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -49,9 +50,10 @@ using LinkPairs = std::vector<std::pair<int, int>>;
 
 /// Returns pairs of links with shapes, first < second, that move relative to each other, except
 /// `allowed` ones (in any order). Joints that do not move weld links into bodies. Only pairs whose
-/// second link is `first_second` or later.
+/// second link is `first_second` or later. Ends after more than `most` pairs.
 [[nodiscard]] LinkPairs derive_self_pairs(std::span<const Link> links,
                                           std::span<const Joint> joints, std::span<const int> group,
-                                          const LinkPairs& allowed, int first_second = 0);
+                                          const LinkPairs& allowed, int first_second = 0,
+                                          std::size_t most = SIZE_MAX);
 
 }  // namespace mneme::internal

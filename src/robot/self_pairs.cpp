@@ -8,7 +8,6 @@
 #include <set>
 
 namespace mneme::internal {
-
 namespace {
 
 /// The body of each link: the index of the body's topmost link.
@@ -45,8 +44,8 @@ LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> jo
 }
 
 LinkPairs derive_self_pairs(std::span<const Link> links, std::span<const Joint> joints,
-                            std::span<const int> group, const LinkPairs& allowed,
-                            int first_second) {
+                            std::span<const int> group, const LinkPairs& allowed, int first_second,
+                            std::size_t most) {
   const std::vector<int> bodies = weld(links, joints, find_moving(joints, group));
   std::set<std::pair<int, int>> may_touch;
   for (const auto& [a, b] : allowed) may_touch.insert(std::minmax({a, b}));
@@ -56,7 +55,7 @@ LinkPairs derive_self_pairs(std::span<const Link> links, std::span<const Joint> 
     after[i] = i + 1 < links.size() && bodies[i + 1] == bodies[i] ? after[i + 1] : i + 1;
   }
   LinkPairs pairs;
-  for (std::size_t a = 0; a < links.size(); ++a) {
+  for (std::size_t a = 0; a < links.size() && pairs.size() <= most; ++a) {
     if (!has_shapes(links[a])) continue;
     std::size_t b = std::max(a + 1, as_index(first_second));
     while (b < links.size()) {

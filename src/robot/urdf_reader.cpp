@@ -83,9 +83,13 @@ void add_mesh(XmlReader& xml, const MeshFinder& meshes, const XmlElement& mesh,
   }
   if ((scale.array() == 0).any()) xml.fail(mesh, "a scale is 0");
   const std::string name = xml.text(mesh, "filename");
-  auto path = meshes.find(name);
+  std::string unknown;
+  auto path = meshes.find(name, xml.is_strict() ? nullptr : &unknown);
   if (!path) {
     xml.fail(mesh, fmt::format("'{}': {}", name, path.error().message), path.error().code);
+  }
+  if (!unknown.empty()) {
+    xml.tolerate(mesh, fmt::format("no package '{}', took files above the URDF", unknown), name);
   }
   link.solids.push_back(MeshFile{*std::move(path), scale, pose});
 }

@@ -25,11 +25,15 @@ class MeshFinder {
  public:
   MeshFinder(const std::string& urdf_path, const std::vector<std::string>& package_paths);
 
-  /// Returns the path of an existing file. The error lists the paths that were tried.
-  [[nodiscard]] Result<std::string> find(const std::string& name) const;
+  /// Returns the path of an existing file. The error lists the paths that were tried. With
+  /// `unknown`, which receives the name, files of an unknown package may lie in three folders above
+  /// the URDF.
+  [[nodiscard]] Result<std::string> find(const std::string& name,
+                                         std::string* unknown = nullptr) const;
 
  private:
-  [[nodiscard]] Result<std::string> find_in_package(std::string_view name_and_path) const;
+  [[nodiscard]] Result<std::string> find_in_package(std::string_view name_and_path,
+                                                    std::string* unknown) const;
   [[nodiscard]] const std::vector<std::string>& folders_of(const std::string& package) const;
 
   std::string urdf_directory_;

@@ -106,6 +106,23 @@ TEST_SUITE("unit") {
     CHECK(!carrying(bare, {above}).is_planar());
   }
 
+  TEST_CASE("10,000 objects are carried, unless their pairs are too many") {
+    const Robot bare = require_robot(make_chain(4));
+    const auto balls = [](int count, int carriers) {
+      std::vector<ApproximatedObject> objects;
+      for (int i = 0; i < count; ++i) {
+        objects.push_back(ball("ball" + std::to_string(i), "l" + std::to_string(1 + i % carriers)));
+      }
+      return objects;
+    };
+    const Robot robot = carrying(bare, balls(10000, 1));
+    CHECK(robot.self_pairs().size() >= 20000);
+    const auto refused = bare.with_attached(balls(2000, 4));
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().code == ErrorCode::unsupported);
+    CHECK(refused.error().message.ends_with("an object may have many shapes"));
+  }
+
   TEST_CASE("objects that nothing can carry are refused by name") {
     const Robot bare = require_robot(make_chain(4));
     CHECK(refusal(bare, ball("cup", "hand")) ==

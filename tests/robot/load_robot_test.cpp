@@ -261,6 +261,28 @@ TEST_SUITE("unit") {
     CHECK(contains(refusal(nowhere, "empty", ErrorCode::io), "is a directory"));
   }
 
+  TEST_CASE("files of an unknown package may lie in the folders above the URDF") {
+    const Workspace w;
+    const MeshFinder meshes(w / "src/arm_description/urdf/arm.urdf", {});
+    std::string unknown;
+    CHECK(meshes.find("package://old_name/meshes/a.stl", &unknown) == w.mesh());
+    CHECK(meshes.find("package:///old_name/meshes/a.stl", &unknown) == w.mesh());
+    CHECK(unknown == "old_name");
+    CHECK_FALSE(meshes.find("package://old_name/meshes/a.stl"));
+    CHECK_FALSE(meshes.find("package://old_name/meshes/b.stl", &unknown));
+    const std::string urdf = w / "src/arm_description/urdf/arm.urdf";
+    test::write_file(urdf, R"(<robot name="r"><link name="l"><collision><geometry>
+      <mesh filename="package://old_name/meshes/a.stl"/></geometry></collision></link>
+      <link name="m"/><joint name="j" type="revolute"><parent link="l"/><child link="m"/>
+      <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>)");
+    const auto parts = read_robot(urdf);
+    REQUIRE_MESSAGE(parts.has_value(), (parts ? "" : parts.error().message));
+    CHECK(std::get<MeshFile>(parts->links[0].solids[0]).path == w.mesh());
+    RobotOptions strict;
+    strict.strict = true;
+    CHECK(contains(read_robot(urdf, strict).error().message, "there is no package 'old_name'"));
+  }
+
   TEST_CASE("a package's path must stay in the package") {
     const Workspace w;
     const MeshFinder meshes(w / "arm.urdf", {w / "src", w / "src/arm_description"});
