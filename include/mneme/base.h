@@ -21,7 +21,7 @@
 
 namespace mneme {
 
-/// The type of a setting's value: T for T and for std::optional<T>.
+/// The type of a setting's value: `T` for a field of the type T or std::optional<T>.
 template <class T>
 struct SettingTraits {
   using Value = T;
@@ -93,12 +93,13 @@ T take_value(Result<T>&& result) {
 /// underscores do not count.
 [[nodiscard]] std::string did_you_mean(std::string_view word, std::span<const std::string> names);
 
-/// Thrown by long work in an InterruptScope that is over.
+/// Thrown by long work within an InterruptScope whose `is_over` returns true.
 struct Interrupted {};
 
-/// Ends long work without a cancel flag, such as reading, attaching and preparing: while this
-/// object lives, such work of its thread throws Interrupted within about 50 ms once `is_over`
-/// returns true. `is_over` is called from threads of the library, too. Scopes may be nested.
+/// Stops long work that has no cancel flag, such as reading files, attaching objects and preparing
+/// obstacles. While this object lives, such work of the thread that made it throws Interrupted
+/// within about 50 ms after `is_over` returns true. Threads of the library call `is_over`, too.
+/// Scopes may be nested.
 class InterruptScope {
  public:
   explicit InterruptScope(std::function<bool()> is_over);

@@ -12,17 +12,17 @@
 
 namespace mneme {
 
-/// Adds to samplers() the baselines on the same memory: "pooled", "nearest_scenes" and "cvae". Call
-/// it before planning.
+/// Adds to samplers() the baselines, which use the same databases as "gl": "pooled",
+/// "nearest_scenes" and "cvae". Call this function before planning.
 void add_baseline_samplers();
 
-/// Replaces a planner in a suite. To add one: src/baselines/NAME.cpp, a declaration and a
-/// row in src/baselines/rivals.cpp, a test.
+/// A method for comparison, which a suite names in place of a planner. To add one:
+/// src/baselines/NAME.cpp, a declaration and a row in src/baselines/rivals.cpp, a test.
 struct Rival {
   std::string_view name;
   std::string_view summary;
-  /// Solves a problem like mneme::solve(), with rows of kinds that keep whole paths. The planner of
-  /// `settings` is ignored. Errors: those of solve().
+  /// Solves a problem like mneme::solve(), with the whole paths that the database holds.
+  /// SolveSettings::planner is ignored. Errors: those of solve().
   Result<SolveResult> (*solve)(const Problem& problem, Database* database,
                                const SolveSettings& settings) = nullptr;
 };

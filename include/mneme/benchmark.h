@@ -28,18 +28,19 @@
 
 namespace mneme {
 
-/// Problems of a benchmark, as arguments of `mneme bench run` or entries of a suite.
+/// Names problems of a benchmark that load_bench_problems() loads: an argument of `mneme bench run`
+/// or an entry of a suite.
 struct SuiteProblems {
   std::string where;       ///< A file, FILE.json#NAME, SCENE.yaml,REQUEST.yaml or a directory.
-  std::string set;         ///< Name of their group. Empty: the name of the file.
+  std::string set;         ///< Name of the problems' group. Empty: the name of the file.
   std::string part;        ///< "I/N": every N-th problem, from the I-th on. Empty: all.
-  std::string robot = {};  ///< URDF that replaces the problems' robot. Empty: theirs.
-  std::string srdf = {};   ///< SRDF of `robot`. Empty: the one next to it.
+  std::string robot = {};  ///< URDF that replaces the problems' robot. Empty: no replacement.
+  std::string srdf = {};   ///< SRDF of `robot`. Empty: the SRDF beside that URDF.
 };
 /// Lists the single problems of `arguments` in order. A compact file stands for all its problems, a
-/// directory for all problems below it, sorted by path. `part` "I/N", with 1 <= I <= N, selects a
-/// share: learn from one and measure on another. Problems of one file form a set; so do files of
-/// one problem in the same directory.
+/// directory for all problems below it, sorted by path. `part` "I/N", with 1 <= I <= N, selects
+/// every N-th problem, so that one can learn from one part and measure on another. Problems of one
+/// file form a set; so do files of one problem in the same directory.
 [[nodiscard]] Result<std::vector<SuiteProblems>> find_bench_problems(
     const std::vector<std::string>& arguments, const std::string& part = "");
 
@@ -61,7 +62,8 @@ struct LoadedProblem {
   std::string set;
   Problem problem;
 };
-/// Loads the problems `found`. `on_note`, if set, receives each warning once.
+/// Loads the problems that find_bench_problems() found. `on_note`, if set, receives each warning
+/// once.
 [[nodiscard]] Result<std::vector<LoadedProblem>> load_bench_problems(
     const std::vector<SuiteProblems>& found, const ProblemOptions& overrides,
     const OnNote& on_note);
@@ -71,7 +73,7 @@ struct LoadedProblem {
     const std::vector<SuiteProblems>& found, const ProblemOptions& overrides,
     const OnNote& on_note);
 
-/// True for samplers that need a database: "gl" and the baselines on the same memory.
+/// True for samplers that need a database: "gl" and the baselines of add_baseline_samplers().
 [[nodiscard]] bool needs_memory(std::string_view sampler);
 
 /// One configuration to run on each problem with each seed.
@@ -108,17 +110,17 @@ struct BenchPlan {
   int seed_count = 1;
   std::uint64_t first_seed = 1;
   int jobs = 1;  ///< threads; with one, all callbacks come from the caller's
-  /// True, cold: runs all problems with one seed before the next seed, and checks each path exactly
-  /// before the next run. This evicts caches, so that each phase takes longer. False, warm: all
-  /// runs of a problem follow each other, and their paths are checked afterwards.
+  /// True (cold): runs all problems with one seed before the next seed, and checks each path
+  /// exactly before the next run. This evicts CPU caches, so that each phase takes longer. False
+  /// (warm): all runs of a problem follow each other, and their paths are checked afterwards.
   bool is_cold = false;
-  /// Reverse the order of cases with every other seed, because the first case of a problem has cold
-  /// caches.
+  /// Reverse the order of cases with every second seed, because the first case of a problem has
+  /// cold caches.
   bool alternates = true;
   /// Skip a case on a problem once this many runs were all unsolved; 0: never. Deterministic with
   /// one job.
   int hopeless_after = 0;
-  /// Keys: name of the memory, hash of the robot.
+  /// Databases by name of the memory and hash of the robot.
   std::map<std::pair<std::string, std::string>, std::shared_ptr<Database>> memories;
   SolveRun solve = solve_case;
   const std::atomic<bool>* cancel = nullptr;  ///< cancels the current run, which leaves no row
@@ -128,7 +130,8 @@ struct BenchPlan {
   [[nodiscard]] bool is_warm() const;
 };
 
-/// Fails if `rows` were run with other settings or limits than the plan's of the same name.
+/// Fails if `rows` were run with settings or limits that differ from those of the plan's setting
+/// with the same name.
 [[nodiscard]] Result<void> check_same_settings(const BenchPlan& plan,
                                                std::span<const BenchmarkRow> rows);
 /// Sorts rows into the order in which one job runs the plan. Rows of other plans go last.
@@ -141,11 +144,11 @@ using OnRow = std::function<Result<void>(const BenchmarkRow& row, const SolveRes
 [[nodiscard]] Result<bool> run_bench(BenchPlan& plan, std::span<const BenchmarkRow> done,
                                      const OnRow& on_row);
 
-/// Rows in memory, and in a CSV file if it has a name.
+/// Rows of a benchmark in RAM, and in a CSV file if open() names one.
 class RowFile {
  public:
-  /// Opens the file `csv`; no file if empty. With `is_resumed` its rows are kept, except an
-  /// incomplete last line.
+  /// Opens the file `csv`, or no file if `csv` is empty. With `is_resumed` the file's rows are
+  /// kept, except an incomplete last line.
   Result<void> open(const std::string& csv, bool is_resumed);
   Result<void> add(const BenchmarkRow& row);
   /// Sorts the rows, also in the file, with sort_rows().
@@ -204,8 +207,8 @@ struct Suite {
 };
 
 /// Reads a suite. Errors name file, line and key: unknown keys and names, values out of range, a
-/// sampler that needs a memory without one. Planners of OMPL are accepted also in builds without
-/// it.
+/// setting without the memory that its sampler needs. Planners of OMPL are accepted also in builds
+/// without it.
 [[nodiscard]] Result<Suite> load_suite(const std::string& path);
 
 /// Reads the rows of a suite's memories; none if the file does not exist.
@@ -239,11 +242,11 @@ struct SuiteResult {
   std::string report;        ///< path of the page
   bool is_complete = false;  ///< false if cancelled
 };
-/// Runs a suite (docs/results/benchmarks.md): learns missing memories, runs what is missing in the
-/// rows of an earlier run, and writes rows, memories, report and OMPL logs. Planners that this
-/// build lacks are skipped with a note. Errors: those of load_suite() and of its files; an output
-/// that is also an input; a planner that learns by itself without a memory learned from problems;
-/// rows of other settings.
+/// Runs a suite (docs/results/benchmarks.md): learns missing memories, runs what the rows of an
+/// earlier run lack, and writes rows, memories, report and OMPL logs. Planners that this build
+/// lacks are skipped with a note. Errors: those of load_suite() and of its files; an output that is
+/// also an input; a planner that learns by itself without a memory learned from problems; rows of
+/// other settings.
 [[nodiscard]] Result<SuiteResult> run_suite(const SuiteRun& run, const SuiteHooks& hooks);
 
 }  // namespace mneme

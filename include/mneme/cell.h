@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Certified cells: regions of tasks whose motions are proven free of contact before they are asked
-/// for.
+/// Certified cells: regions of tasks whose motions are proven free of contact before they are
+/// requested.
 #pragma once
 
 #include "mneme/base.h"
@@ -40,14 +40,15 @@ struct CellStart {
 
 /// Tasks of a robot in a scene: from one of several starts to the poses of a link in a box.
 struct CellRegion {
-  /// Robot, scene, first start. Its one goal is the link's pose in the middle.
+  /// Robot, scene and first start. The problem's one goal is the link's pose in the middle of the
+  /// box.
   Problem problem;
   std::vector<CellStart> starts;  ///< at least one
   CellTask half_extents = {};     ///< of the box, each >= 0; 0: this parameter does not vary
-  /// Its columns are the directions of x, y and z in the root link's frame. Yaw turns about z.
+  /// Columns: the directions of x, y and z in the root link's frame. Yaw turns about this z.
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   Vec3 pivot = Vec3::Zero();  ///< the point that yaw keeps in place, in the link's frame
-  std::string path;           ///< the file that it was read from
+  std::string path;           ///< the file that the region was read from
 
   [[nodiscard]] const PoseGoal& middle() const { return problem.pose_goals.front(); }
 };
@@ -68,7 +69,7 @@ struct CellRegion {
 
 /// A region around the goal of a problem.
 struct RegionSettings {
-  std::string link;  ///< that is placed
+  std::string link;  ///< link whose poses are the tasks
   CellTask half_extents = {0.15, 0.1, 0.025, 0.785};
   Vec3 pivot = Vec3::Zero();  ///< CellRegion::pivot
   int tries = 40;             ///< middles to try; 1: the goal itself
@@ -76,10 +77,10 @@ struct RegionSettings {
 };
 
 /// Makes a region from a problem of one configuration or pose as goal. Its x axis is along the
-/// largest box of the scene. Obstacles smaller than 0.3 m and within 0.1 m of the pivot are left
-/// out, as if they were grasped. Of `tries` middles within 0.25 m of the goal it takes the one
-/// where most tasks can be reached 0.02 m clear. Errors: invalid, for another link or goal; those
-/// of CollisionChecker::make().
+/// largest box of the scene. Obstacles smaller than 0.3 m and within 0.1 m of the pivot are
+/// dropped, as if they were grasped. Tries `tries` middles within 0.25 m of the goal, and takes the
+/// one with most tasks that can be reached 0.02 m clear. Errors: invalid, for another link or goal;
+/// those of CollisionChecker::make().
 [[nodiscard]] Result<CellRegion> make_region(const Problem& problem,
                                              const RegionSettings& settings);
 
@@ -89,7 +90,7 @@ struct CellSettings {
   int threads = 1;
   double margin = 5e-4;
   std::uint64_t seed = 1;
-  /// Another thread sets it to end the build; may be null.
+  /// Flag that another thread sets to end the build; may be null.
   const std::atomic<bool>* cancel = nullptr;
 };
 
@@ -113,14 +114,14 @@ void visit_settings(Settings& s, Visitor&& visit) {
 enum class CellTier {
   none,       ///< there is no path: none was found, or the task is beyond the region
   certified,  ///< from a box that was proven before
-  verified,   ///< a path of the cell, bent to the task and verified now
+  verified,   ///< a path of the cell, deformed to lead to the task, and verified now
   planned,    ///< a new plan
 };
 [[nodiscard]] std::string_view to_string(CellTier tier);
 
 struct CellAnswer {
   CellTier tier = CellTier::none;
-  int box = -1;      ///< the box whose path it is; -1: none
+  int box = -1;      ///< the box that `path` comes from; -1: none
   Path path;         ///< begins at the start as given and is unwrapped; empty without an answer
   std::string note;  ///< why there is no path
 };
@@ -153,7 +154,7 @@ struct UnprovenBox {
 struct CellCoverage {
   int samples = 0;
   double proven = 0;
-  std::array<double, kCellGaps> gaps = {};  ///< of the rest, by CellGap
+  std::array<double, kCellGaps> gaps = {};  ///< shares of the rest, by CellGap
 };
 
 /// A step of building.
@@ -170,7 +171,7 @@ struct CellVerification {
   int checked = 0;  ///< boxes
   double time_s = 0;
   int paths = 0;       ///< answers that were checked by exact distances
-  int in_contact = 0;  ///< of these, in contact: a fault of the proof
+  int in_contact = 0;  ///< answers in contact among these: a fault of the proof
 };
 
 /// Boxes of tasks with a path each, which bends with the task. All motions of a proven box, for all
@@ -182,7 +183,7 @@ class Cell {
   [[nodiscard]] double margin() const;
   [[nodiscard]] std::size_t box_count() const;
   [[nodiscard]] std::size_t proven_count() const;  ///< boxes; 0 after a change of the world
-  [[nodiscard]] std::size_t path_count() const;    ///< paths that were planned for them
+  [[nodiscard]] std::size_t path_count() const;    ///< paths that were planned for the boxes
   /// True if robot, scene, allowed contacts and starts are those of the build. Otherwise boxes are
   /// hints until verify().
   [[nodiscard]] bool is_of_this_world() const;
@@ -190,11 +191,12 @@ class Cell {
   [[nodiscard]] bool is_of(const Problem& problem) const;
   [[nodiscard]] const std::vector<CellProgress>& progress() const;
 
-  /// Looks the task up among proven boxes. Writes tier `certified` or `none`. Cost: microseconds;
-  /// without allocation if `answer` is used again.
+  /// Looks the task up among proven boxes. Writes an answer of tier `certified` or `none`. Cost:
+  /// microseconds, without allocation if `answer` is used again.
   void look_up(const CellTask& task, CellAnswer& answer, std::size_t start = 0) const;
-  /// The same, then bends the nearest boxes' paths and verifies them, then plans for at most
-  /// `timeout_s` seconds. A path of any tier is proven free before it is returned.
+  /// As look_up(). Without a certified answer, deforms the nearest boxes' paths to the task and
+  /// verifies them; then plans for at most `timeout_s` seconds. A path of any tier is proven free
+  /// before it is returned.
   [[nodiscard]] CellAnswer ask(const CellTask& task, std::size_t start = 0,
                                double timeout_s = 1) const;
 
@@ -224,9 +226,10 @@ class Cell {
     const CellRegion& region, const CellSettings& settings = {},
     const std::function<void(const CellProgress&)>& on_progress = {});
 
-/// Answers a problem from a cell without planning. Nothing if it is none of the cell's tasks: its
-/// start is one of the region's starts, its one goal is a pose of the region, and robot, scene and
-/// allowed contacts are those of the cell. Cost: that of look_up(), and of reading the scene.
+/// Answers a problem from a cell without planning. Returns nothing if the problem is no task of the
+/// cell. In a task, the start is one of the region's starts, the one goal is a pose of the region,
+/// and robot, scene and allowed contacts are those of the cell. Cost: that of look_up(), and of
+/// reading the scene.
 [[nodiscard]] std::optional<CellAnswer> answer_from(const Cell& cell, const Problem& problem);
 
 /// Reads a cell. The region's file is read, too: `region_path`, or the one that the cell was built

@@ -24,15 +24,15 @@ struct Contact {
   double distance = 0;   ///< metres between the surfaces; negative: depth of overlap
 };
 
-/// The exact geometry behind a contact of spheres.
+/// The distance by exact geometry of a pair whose spheres are in contact.
 struct ExactContact {
-  double excess = 0;  ///< largest protrusion of the spheres, metres; summed over both links
+  double excess = 0;  ///< largest distance that spheres stick out, metres; summed over both links
   int approximated_links = 0;  ///< 1, or 2 if both links are approximated by spheres
   double distance = 0;         ///< metres between the exact geometries; 0 if they touch
 };
 
-/// Finds the exact geometry of a contact at `q`; nothing if no link of it is approximated by
-/// spheres. Cost: milliseconds for large meshes.
+/// Measures the pair of `contact` at `q` by exact geometry. Returns nothing if no link of the pair
+/// is approximated by spheres. Cost: milliseconds for large meshes.
 [[nodiscard]] std::optional<ExactContact> find_exact_contact(const Robot& robot, const Scene& scene,
                                                              std::span<const double> q,
                                                              const Contact& contact);
@@ -43,19 +43,20 @@ struct ExactContact {
 [[nodiscard]] bool is_path_free(const Robot& robot, const Scene& scene,
                                 const std::vector<Configuration>& path, double resolution);
 
-/// Exceptions for the ends of a path. At the start limits may be exceeded and contact may exist; an
-/// attached object may be in contact at the goal, too. The first motion must end where all limits
-/// and distances are kept, and the last one must begin there. 0: no exception.
+/// Exceptions for the ends of a path. The start may exceed limits and be in contact. At the goal
+/// only an attached object may be in contact. All limits and distances must be kept where the first
+/// motion ends and where the last motion begins. A value of 0 allows no exception.
 struct EndTolerances {
   double angle = 0.05;    ///< Radians that a start may be beyond limits of joints and cones.
   double length = 0.005;  ///< Metres that a start may be beyond limits of prismatic joints.
-  /// Metres that any pair may overlap at the start; at most half the radius of its thinnest shape.
+  /// Largest overlap of any pair at the start, metres; at most half the radius of the pair's
+  /// thinnest shape.
   double depth = 0.001;
-  /// Metres that an attached object may move while it is in contact at start or goal.
+  /// Largest distance, metres, that an attached object may move while in contact at start or goal.
   double stretch = 0.005;
 };
-/// The same with exceptions at the ends: contact may only decrease along the first motion and only
-/// increase along the last one. False for a path that does anything else.
+/// As above, with exceptions at the ends of the path: contact may only decrease along the first
+/// motion and only increase along the last motion.
 [[nodiscard]] bool is_path_free(const Robot& robot, const Scene& scene,
                                 const std::vector<Configuration>& path, double resolution,
                                 const EndTolerances& tolerances);
@@ -68,13 +69,13 @@ struct OrientationConstraint {
   double angle = 0;           ///< largest angle between `axis` and `up`, radians
 };
 
-/// The narrowest cone that single precision can follow, radians.
+/// Least OrientationConstraint::angle, radians: single precision cannot follow a narrower cone.
 inline constexpr double kLeastTilt = 0.001;
 /// Checks keep motions this far inside the cone, radians, so that rounding a path cannot leave it.
 inline constexpr double kTiltMargin = 1e-5;
 
-/// Returns the angle between the constraint's two directions at `q`, radians. The constraint passes
-/// describe_fault().
+/// Returns the angle between the constraint's two directions at `q`, radians. Precondition:
+/// describe_fault() returns nothing for the constraint.
 [[nodiscard]] double tilt(const Robot& robot, const OrientationConstraint& constraint,
                           std::span<const double> q);
 /// Returns the largest tilt at states of `path` at most `resolution` radians apart; infinite unless

@@ -20,14 +20,14 @@
 namespace mneme {
 
 struct CheckerSettings {
-  /// Largest L2 joint distance between two checked states of a motion, radians, at least 1e-4.
-  /// Halving it doubles the cost of a motion. Default: 0.02 for a planar arm, 1/32 otherwise.
+  /// Largest L2 joint distance between two checked states of a motion, radians, at least 1e-4. Half
+  /// the value doubles the cost of a motion. Default: 0.02 for a planar arm, 1/32 otherwise.
   std::optional<double> resolution = std::nullopt;
   /// Inflation of the robot's shapes against obstacles, metres, >= 0. Links are not inflated
   /// against each other.
   double margin = 0;
   Isa isa = Isa::automatic;
-  /// Orientation constraints that valid states and motions keep, too.
+  /// Orientation constraints that valid states and motions must satisfy.
   std::vector<OrientationConstraint> constraints = {};
 };
 
@@ -47,30 +47,30 @@ struct MotionDetail {
 
 /// Margins of a continuous check.
 struct SweepDetail {
-  /// Metres, >= 0: added to the checker's margin to obstacles, and kept between links. The limit of
-  /// MotionDetail::margin near points, meshes and octrees holds here, too.
+  /// Metres, >= 0. Added to the checker's margin to obstacles, and itself the margin between links.
+  /// Beyond 0.25 every motion near points, meshes and octrees is invalid.
   double margin = 0;
-  /// The motion begins at the problem's start, or ends at its goal. There the margin is 0, and it
-  /// grows by 1/500 of a link's arc length, so that a motion may leave or reach a place close to
-  /// contact.
+  /// True if the motion begins at the problem's start, or ends at its goal. At such an end the
+  /// margin is 0. It grows with distance from the end, by 1/500 of a link's arc length, so that a
+  /// motion may leave or reach a place close to contact.
   bool is_from_start = false, is_to_goal = false;
-  /// The links are proven to keep apart on this motion: only obstacles are checked.
+  /// True if the links are proven to keep apart on this motion: only obstacles are checked.
   bool are_links_apart = false;
 };
 
 /// A small step that retracts a limb along itself and pushes the whole robot off obstacles. A limb
-/// is the chain from a tip of the robot down to the first revolute joint. Its points are the tip
-/// and the origins of the joints.
+/// is the chain from a tip of the robot down to the first revolute joint. A limb's points are the
+/// tip and the origins of its joints.
 struct WalkStep {
   int limb = 0;  ///< index into CollisionChecker::limbs()
-  /// Number of points, from the tip on, that move towards their next point. 0: only push.
+  /// Number of points, counted from the tip, that move towards the limb's next point. 0: only push.
   int pulled_points = 1;
   float length = 0;     ///< distance that pulled points move, metres, >= 0
   float clearance = 0;  ///< distance from obstacles that the push aims at, metres, >= 0
   /// joint_count values: the motion of joints that are not pulled, radians per metre of the step.
   std::span<const float> drift;
-  /// 3 values per candidate: a vector added to the unit vector of each pull. Its axes are those
-  /// that most boxes of the scene are aligned with.
+  /// 3 values per candidate: a vector added to the unit vector of each pull. Its x, y and z are
+  /// along the axes of most boxes of the scene.
   std::span<const float> jitter;
 };
 
@@ -83,14 +83,14 @@ struct MotionCost {
   std::span<const float> pace;
 };
 
-/// A path prepared for rating shortcuts. Continuous joints are unwrapped, so that motions are
-/// straight between rows.
+/// A path prepared for rating shortcuts. Continuous joints are unwrapped, so that the motion
+/// between two rows is a straight line in their values.
 struct PathView {
   std::span<const float> rows;         ///< waypoints, joint_count values each; at least two
   std::span<const float> arc_lengths;  ///< of each waypoint from the first; see MotionCost
   std::span<const float> directions;   ///< row by row: displacement per arc length of the motion
                                        ///< that begins at the waypoint
-  MotionCost cost = {};                ///< of motions, which arc lengths sum up
+  MotionCost cost = {};                ///< cost of motions: arc lengths are its sums
 };
 
 /// Number of candidates that one call rates, the same for all instruction sets.
@@ -99,9 +99,9 @@ inline constexpr int kShortcuts = 16;
 /// A stretch of a path in which a subset of joints goes straight from one end to the other.
 struct Shortcut {
   float begin = 0, end = 0;   ///< arc lengths; begin <= end
-  std::uint64_t joints = 0;   ///< a bit per joint
-  float gain = 0;             ///< how much shorter the path becomes
-  bool is_promising = false;  ///< gains enough, and its middle is free of contact
+  std::uint64_t joints = 0;   ///< subset of joints that go straight: a bit per joint
+  float gain = 0;             ///< reduction of the path's cost (MotionCost)
+  bool is_promising = false;  ///< the gain suffices, and the midpoint is free of contact
 };
 
 /// Candidates for an inner waypoint: each of four subsets of joints goes 1, 1/2, 1/4 or 1/8 of the
@@ -135,14 +135,14 @@ struct GoalShift {
 
 /// A straight motion that bends with its goal. For t in [0, 1]:
 ///   q(t, u) = from + t (to - from) + (first_share + t (last_share - first_share)) Q(u).
-/// Continuous joints are real numbers: they turn as far as these say.
+/// Values of continuous joints are not wrapped: such a joint turns as far as they say.
 struct FamilyMotion {
   const GoalShift* shift = nullptr;
   std::span<const float> from, to;
   float first_share = 0, last_share = 0;  ///< each >= 0
 };
 
-/// The times t +- half_time and the parameters at +- half, in units of u.
+/// A box of times and parameters: `time` +- `half_time`, and `at` +- `half` in units of u.
 struct FamilyBox {
   float time = 0, half_time = 0;
   std::array<float, kMostParameters> at = {}, half = {};
@@ -177,8 +177,9 @@ struct LimbInfo {
 /// touch: on motions continuously, with 1e-4 m more margin.
 ///
 /// Joint limits are not checked (Robot::describe_violation does that). A straight motion between
-/// configurations within limits stays within them. Beyond the limits of prismatic joints, points,
-/// meshes and octrees are ignored farther out than the robot's reach within its limits plus 0.25 m.
+/// configurations within limits stays within them. If a prismatic joint is beyond its limits,
+/// points, meshes and octrees are ignored where they are farther away than the robot's reach within
+/// its limits plus 0.25 m.
 ///
 /// Precision: kernels compute in float. Their answers are exact except within about 1e-5 m of
 /// contact, for robots and obstacles within 100 m of the origin (docs/design/numerics.md). A
@@ -187,10 +188,10 @@ struct LimbInfo {
 /// Copies share their tables. All functions are const and parallel-safe.
 class CollisionChecker {
  public:
-  /// Errors: the scene names a link that the robot lacks; this machine lacks the instruction set; a
-  /// constraint does not pass describe_fault(). An obstacle is an error if it is empty, not finite,
-  /// without positive size or beyond 10 km (kFarthestShape). In a compound shape's own frame,
-  /// points may be up to 10 km away, triangles and cubes up to 10000 km.
+  /// Errors: the scene names a link that the robot lacks; this machine lacks the instruction set;
+  /// describe_fault() finds a fault in a constraint. An obstacle is an error if it is empty, not
+  /// finite, without positive size or beyond 10 km (kFarthestShape). In a compound shape's own
+  /// frame, points may be up to 10 km away, triangles and cubes up to 10000 km.
   [[nodiscard]] static Result<CollisionChecker> make(const Robot& robot, const Scene& scene,
                                                      const CheckerSettings& settings = {});
 
@@ -204,7 +205,7 @@ class CollisionChecker {
   [[nodiscard]] Isa isa() const;
   [[nodiscard]] std::span<const OrientationConstraint> constraints() const;
 
-  /// `q` has joint_count() values.
+  /// Returns true if `q`, of joint_count() values, is valid.
   [[nodiscard]] bool is_valid(std::span<const float> q) const;
   [[nodiscard]] bool is_valid(std::span<const double> q) const;
 
@@ -223,37 +224,40 @@ class CollisionChecker {
   [[nodiscard]] bool is_motion_valid(std::span<const double> from, std::span<const double> to,
                                      const MotionDetail& detail = {}) const;
 
-  /// is_motion_valid for all motions from row to row of `configurations`; the first row is assumed
-  /// valid. Faster than one call per motion where motions are short: they share vectors.
+  /// True if the motions between consecutive rows of `configurations` pass is_motion_valid(). The
+  /// first row is assumed valid. Faster than one call per motion where motions are short, because
+  /// short motions share SIMD vectors.
   [[nodiscard]] bool is_chain_valid(std::span<const float> configurations, CheckCounters& counters,
                                     const MotionDetail& detail = {}) const;
 
-  /// Writes `gain` and `is_promising` of each shortcut. A shortcut that gains less than
-  /// `least_gain` is not promising. A filter: only the middle is checked, without exact geometry
-  /// and constraints.
+  /// Writes `gain` and `is_promising` of each shortcut. A shortcut is promising if it reduces the
+  /// path's cost by at least `least_gain` and its midpoint is free of contact. This is a quick
+  /// filter: no other state, no exact geometry and no constraint is checked.
   void rate_shortcuts(const PathView& path, float least_gain,
                       std::span<Shortcut, kShortcuts> shortcuts) const;
-  /// Writes how much shorter the path becomes by each candidate; 0 if it is in contact. A filter,
-  /// as rate_shortcuts().
+  /// Writes by how much each candidate reduces the path's cost; 0 if the candidate is in contact. A
+  /// quick filter, as rate_shortcuts().
   void rate_relaxations(const PathView& path, const Relaxation& relaxation,
                         std::span<float, kShortcuts> gains) const;
 
   /// True if nothing touches anywhere on the motion. Halves intervals of the motion until bounds on
-  /// the displacement of links exclude contact in each. False if they do not once they are below
-  /// half the margin (5e-6 m without a margin, or next to an exempt end). Links that do not move
-  /// are assumed free.
-  /// Conservative advancement: Schwarzer, Saha and Latombe, DOI 10.1109/TRO.2004.838012.
+  /// the displacement of links exclude contact in each interval. Returns false if contact is not
+  /// excluded when the bounds are below half the margin, or below 5e-6 m where the margin is 0.
+  /// Links that do not move are assumed free. Conservative advancement: Schwarzer, Saha and
+  /// Latombe, DOI 10.1109/TRO.2004.838012.
   [[nodiscard]] bool is_sweep_valid(std::span<const float> from, std::span<const float> to,
                                     CheckCounters& counters, const SweepDetail& detail = {}) const;
-  /// True if the straight motion keeps the constraints at every point, with every joint off by up
-  /// to its value in `bow` (empty: 0).
+  /// True if every point of the straight motion satisfies the constraints, even if each joint
+  /// deviates from the motion by up to its value in `bow` (empty: no deviation).
   [[nodiscard]] bool keeps_constraints(std::span<const float> from, std::span<const float> to,
                                        std::span<const float> bow = {}) const;
-  /// Moves `q`, by damped least squares, to a configuration nearby that keeps the constraints with
-  /// some room. False, with `q` unchanged, if that fails. `q` that keeps them is not changed.
+  /// Moves `q`, by damped least squares, to a nearby configuration that satisfies the constraints
+  /// with some margin. If `q` satisfies them already, it is not changed. Returns false and leaves
+  /// `q` unchanged if no such configuration is found.
   bool project(std::span<float> q) const;
-  /// Displacement bound, metres, of any point of the robot, seen from the root or from another
-  /// link, while joints move by `delta` between the configurations `from` and `to`.
+  /// Returns an upper bound, metres, of the distance that any point of the robot moves relative to
+  /// the root or to another link while the joints move by `delta` between the configurations `from`
+  /// and `to`.
   [[nodiscard]] double displacement_bound(std::span<const float> from, std::span<const float> to,
                                           std::span<const float> delta) const;
 
@@ -266,11 +270,11 @@ class CollisionChecker {
   void check_family(const FamilyMotion& motion, std::span<const FamilyBox> boxes, float margin,
                     std::span<FamilyVerdict> verdicts, CheckCounters& counters) const;
 
-  /// Takes a step from `from`: one configuration, or one per jitter, row by row. Writes a candidate
-  /// within the limits per jitter. Candidates may be in contact. Near singularities they may be far
-  /// from where they began.
+  /// Takes a step from `from`: one configuration, or one per vector of `step.jitter`, row by row.
+  /// Writes one candidate within the limits per vector. Candidates may be in contact, and far from
+  /// `from` near singularities.
   void walk(std::span<const float> from, const WalkStep& step, std::span<float> candidates) const;
-  /// Empty for a robot of more than 32 joints, for which no steps are computed.
+  /// The limbs that walk() can pull. Empty for a robot of more than 32 joints.
   [[nodiscard]] std::vector<LimbInfo> limbs() const;
 
   /// Returns all contacts at `q`, in double precision by code that the kernels do not share.

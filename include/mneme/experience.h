@@ -30,11 +30,11 @@ struct OpenOptions;
 enum class RobotDifference {
   none,
   shapes,  ///< collision model differs: spheres, fingers, tools, checked pairs; experience applies
-  limits,  ///< joint limits differ; `adopt_database` makes experience apply
-  frames,  ///< joints, their order or their frames differ: another arm
+  limits,  ///< joint limits differ; experience applies after adopt_database()
+  frames,  ///< joints, their order or frames differ: another arm
 };
-/// Compares two signatures. Returns `frames` if an older database stores no kinematics and another
-/// model.
+/// Compares two signatures. Returns `frames` if an older database stores no kinematics hash and its
+/// model hash differs.
 [[nodiscard]] RobotDifference compare_robots(const RobotSignature& learned_with,
                                              const RobotSignature& robot);
 
@@ -43,10 +43,11 @@ struct KeyMatch {
   std::shared_ptr<const Experience> experience;  ///< never null
   double similarity_error = 0;                   ///< squared distance of the keys, unit of the keys
                                                  ///< squared
-  std::size_t image = 0;                         ///< index of the nearest queried image
+  std::size_t image = 0;                         ///< index of the queried image with the nearest
+                                                 ///< key
 };
 
-/// The rows of one kind.
+/// The rows of one kind of memory.
 struct KindInfo {
   std::string kind;
   int key_size = 0;  ///< numbers in a key
@@ -64,14 +65,15 @@ struct DatabaseInfo {
                                 ///< tables
   int schema_version = 0;       ///< 0 if the database is empty
   std::int64_t generation = 0;  ///< number of changes so far
-  std::int64_t tombstones = 0;  ///< rows set aside: damaged, or superseded in a merge
+  std::int64_t tombstones = 0;  ///< rows set aside (searches skip them): damaged, or superseded in
+                                ///< a merge
 };
 
 /// Settings of an open database.
 struct DatabaseSettings {
   /// Memory for rows, bytes, without their keys; at least 0. A smaller database is read and checked
-  /// as a whole when it is opened. A larger one is opened with its keys only. Each row is read when
-  /// it first matches, and the least recently used rows are dropped from memory.
+  /// as a whole when it is opened. A larger database is opened with its keys only. Each row is read
+  /// when it first matches, and the least recently used rows are dropped from memory.
   std::int64_t memory_bytes = std::int64_t{256} << 20;
   /// Seconds that a call waits for a server that does not answer; more than 0. Work that takes a
   /// server long, such as migration, may take longer.
@@ -90,16 +92,16 @@ struct QueuedRows {
 };
 
 /// An append-only set of experience in one SQLite file or on a PostgreSQL server
-/// (docs/design/database.md). A URL is the path of a file or `postgresql://...` for libpq. All keys
-/// are in memory while it is open, and rows up to DatabaseSettings::memory_bytes. Thread-safe;
-/// find() does not wait for insert() and refresh(). Other processes may insert at the same time;
-/// refresh(), insert() and opening make their rows visible.
+/// (docs/design/database.md). A URL is the path of a file or `postgresql://...` for libpq. While a
+/// database is open, all keys are in RAM, and rows up to DatabaseSettings::memory_bytes.
+/// Thread-safe; find() does not wait for insert() and refresh(). Other processes may insert at the
+/// same time; refresh(), insert() and opening make their rows visible.
 class Database {
  public:
-  /// Opens `url`. `create` turns a missing or empty file, or a server without our tables, into an
-  /// empty database of that robot. A file whose creation was interrupted counts as empty. Errors:
-  /// wrong_robot if the database is of another robot; corrupt if it is no database or damaged;
-  /// unsupported if a newer or older mneme wrote it or the engine is not built in; io.
+  /// Opens `url`. `create` turns a missing or empty file, or a server without mneme's tables, into
+  /// an empty database of the robot. A file whose creation was interrupted counts as empty. Errors:
+  /// wrong_robot; corrupt for a file that is damaged or no database; unsupported for a database of
+  /// a newer or older mneme, and for an engine that is not built in; io.
   [[nodiscard]] static Result<Database> open(const std::string& url,
                                              const RobotSignature& signature, OpenMode mode,
                                              const DatabaseSettings& settings = {});
@@ -126,8 +128,8 @@ class Database {
   /// Returns the rows of `kind` with a squared key distance below `threshold` to the nearest of
   /// `images`: nearest first, ties by id, each row once, at most `max_matches` (0: all). `images`
   /// are equivalent forms of one key; keys of another length match nothing. Finds only paths stored
-  /// under `constraints`, the hash of the query's; samplers have 0. `keys_left`, if not null,
-  /// limits the keys inspected and is reduced by their number, in steps of up to 64; at 0 the
+  /// under `constraints`, the hash of the query's; samplers are stored under 0. `keys_left`, if not
+  /// null, limits the keys inspected and is reduced by their number, in steps of up to 64; at 0 the
   /// search ends with the matches found so far. Errors: corrupt, naming a damaged row; io. Cost:
   /// two levels of bounding-box pruning, then a scan of the remaining leaves.
   [[nodiscard]] Result<std::vector<KeyMatch>> find(std::string_view kind,
@@ -138,40 +140,42 @@ class Database {
 
   /// Appends rows in one transaction. After success they survive a killed process and a loss of
   /// power. A row whose kind, key and content are already stored is not added again, so a failed
-  /// insertion can be repeated. The first row of a kind sets its key length. Returns the ids and,
-  /// in `is_new` if not null, for each row if it was added. Errors: io (disk full, read-only,
-  /// locked, connection lost); invalid (wrong sizes, not finite, a key number beyond 1e6, text that
-  /// is not UTF-8). After an error nothing was inserted, unless the connection was lost during the
-  /// commit.
+  /// insertion can be repeated. The first row of a kind sets its key length. Returns the ids.
+  /// Writes for each row whether it was added into `is_new`, unless that is null. Errors: io (disk
+  /// full, read-only, locked, connection lost); invalid (wrong sizes, not finite, a key number
+  /// beyond 1e6, text that is not UTF-8). After an error nothing was inserted, unless the
+  /// connection was lost during the commit.
   Result<std::vector<std::int64_t>> insert(std::vector<Experience> rows,
                                            std::vector<bool>* is_new = nullptr);
 
-  /// Returns the lessons (Provenance::lesson) that were completed and whose rows are all in the
-  /// database, not set aside. Errors: io, corrupt. Cost: reads all marks of lessons.
+  /// Returns the hashes of the lessons (units of learning, Provenance::lesson) that need not be
+  /// learned again: all their rows are in the database and usable. Errors: io, corrupt. Cost: reads
+  /// one record per row of a lesson.
   [[nodiscard]] Result<std::unordered_set<std::uint64_t>> finished_lessons() const;
 
-  /// Queues rows for a thread that inserts them, many in one transaction; they are found once they
-  /// are stored. While a server or disk fails they wait and are tried again. A killed process loses
-  /// rows that still wait. Cost: some microseconds. Errors: invalid, as of insert(); then no row
-  /// was queued.
+  /// Queues rows for a thread that inserts them, many in one transaction. find() returns them once
+  /// they are stored. While a server or disk fails, the rows wait and are tried again. A killed
+  /// process loses rows that still wait. Cost: some microseconds. Error: invalid, as in insert();
+  /// then no row was queued.
   Result<void> insert_later(std::vector<Experience> rows);
-  /// Waits until no queued row waits any more. Error: io, with the number of rows that still wait.
+  /// Waits until all queued rows are stored or dropped, for at most `timeout_s` seconds. Error: io
+  /// if rows still wait then; the message says how many.
   Result<void> flush(double timeout_s = 1e6);
   [[nodiscard]] QueuedRows queued_rows() const;
-  /// The setting of the same name.
+  /// DatabaseSettings::is_queued.
   [[nodiscard]] bool is_queued() const;
-  /// Ends calls that wait for a server within 20 ms, and lets all later ones fail. The destructor
-  /// waits up to 30 s for queued rows, except after this.
+  /// Ends calls that wait for a server within 20 ms, and lets all later calls fail. Without
+  /// stop_waiting(), the destructor waits up to 30 s for queued rows.
   void stop_waiting();
 
-  /// Rate limit on insertion. Returns true, and resets, once `price` iterations have accumulated in
-  /// this process. A caller that inserts one row per true result inserts at most K / price rows
-  /// in K iterations.
+  /// Rate limit on insertion: adds `iterations` to a count of this process. Returns true, and
+  /// resets the count, once it reaches `price`. A caller that inserts one row per true result
+  /// inserts at most K / price rows in K iterations.
   [[nodiscard]] bool earns_row(std::uint64_t iterations, std::uint64_t price);
 
-  /// Reads rows that other processes added, and drops rows that were set aside. Matches stay valid.
-  /// Returns the number of new rows. Cost: one small query if nothing changed. Errors: io, corrupt;
-  /// then nothing changed in memory.
+  /// Reads rows that other processes added, and drops rows that they set aside. Results of find()
+  /// stay valid. Returns the number of new rows. Cost: one small query if nothing changed. Errors:
+  /// io, corrupt; then nothing changed in memory.
   Result<std::int64_t> refresh();
 
  private:

@@ -4,7 +4,8 @@
 /// Rigid transforms, shapes and exact distances in double precision. Metres; `X_AB` is the pose of
 /// B in A.
 ///
-/// To add a shape: a struct and a `Shape` alternative here; CONTRIBUTING.md lists the other places.
+/// To add a shape, add a struct and a `Shape` alternative here; CONTRIBUTING.md lists the other
+/// places.
 #pragma once
 
 #include <Eigen/Core>
@@ -42,7 +43,7 @@ struct Transform {
 [[nodiscard]] Eigen::Matrix3d rotation_about(const Vec3& axis, double angle);
 /// Rotation of URDF's `rpy`: roll about x, then pitch about y, then yaw about z, all fixed axes.
 [[nodiscard]] Eigen::Matrix3d rotation_from_rpy(const Vec3& rpy);
-/// Rotation of a quaternion, which is normalised first; it must not be zero.
+/// Rotation of a quaternion. The quaternion is normalised first and must not be zero.
 [[nodiscard]] Eigen::Matrix3d rotation_from_quaternion(double w, double x, double y, double z);
 
 struct Sphere {
@@ -68,7 +69,7 @@ struct Box {
   bool operator==(const Box&) const = default;
 };
 
-/// A solid cylinder about the z axis of `pose`, which is at its centre.
+/// A solid cylinder about the z axis of `pose`, with its centre at the origin of `pose`.
 struct Cylinder {
   Transform pose;
   double radius = 0;
@@ -77,7 +78,7 @@ struct Cylinder {
   bool operator==(const Cylinder&) const = default;
 };
 
-/// A point as sensors give it. Metres.
+/// A point of a cloud: x, y, z, metres.
 using CloudPoint = std::array<float, 3>;
 
 /// A flat surface with two sides. Metres.
@@ -100,9 +101,9 @@ namespace internal {
 struct PartsAccess;
 }
 
-/// The small parts of one compound shape, in the shape's frame. All scenes and checkers with this
-/// shape share them. Trees and grids for fast distances are built at first use and kept.
-/// Const functions are parallel-safe.
+/// The points, triangles or cubes of one compound shape, in the shape's frame. All scenes and
+/// checkers with the shape share this object. Trees and grids for fast distances are built at first
+/// use and kept. Const functions are parallel-safe.
 template <class Part>
 class Parts {
  public:
@@ -118,19 +119,19 @@ class Parts {
   mutable std::shared_ptr<void> bounds_, tree_, grid_, corners_;  ///< built at first use
 };
 
-/// All points within `radius` of many parts.
+/// A point cloud, mesh or octree: all points within `radius` of its parts.
 template <class Part>
 struct CompoundShape {
   Transform pose;                            ///< of the parts' frame
   std::shared_ptr<const Parts<Part>> parts;  ///< must not be null
   double radius = 0;                         ///< metres; above 0 for points, otherwise at least 0
 
-  /// True for the same parts object; equal copies differ.
+  /// Compares `parts` as pointers: two objects with equal parts differ.
   bool operator==(const CompoundShape&) const = default;
 };
 
 using PointCloud = CompoundShape<CloudPoint>;
-/// A surface: bodies wholly inside do not touch it.
+/// A surface without an inside: a body wholly within a closed mesh does not touch the mesh.
 using Mesh = CompoundShape<Triangle>;
 /// The occupied leaves of an octree.
 using Octree = CompoundShape<Cube>;
@@ -139,16 +140,16 @@ using Shape = std::variant<Sphere, Box, Cylinder, Capsule, PointCloud, Mesh, Oct
 
 /// "sphere", "box", "cylinder", "capsule", "points", "mesh" or "octree".
 [[nodiscard]] std::string_view shape_name(const Shape& shape);
-/// `shape`, given in frame B, expressed in frame A.
+/// Converts `shape` from frame B to frame A.
 [[nodiscard]] Shape transformed(const Transform& X_AB, const Shape& shape);
 /// A sphere that contains `shape`; the smallest one for shapes that are not compound.
 [[nodiscard]] Sphere bounding_sphere(const Shape& shape);
 
-/// Distance from a point to a shape: 0 inside. A mesh counts as its surface.
+/// Distance from a point to a shape; 0 for a point inside the shape. A mesh has no inside.
 [[nodiscard]] double distance(const Vec3& point, const Shape& shape);
-/// Distance between two convex solids: 0 if they meet. Iterative: too large by a few 1e-5 m at
-/// most, or up to a millimetre where nearly parallel faces end close to each other. With compound
-/// shapes the result is only the distance between some of their parts.
+/// Distance between two convex solids: 0 if they meet. Iterative: the result is too large by at
+/// most a few 1e-5 m, or up to 1 mm where nearly parallel faces end close to each other. For
+/// compound shapes: only the distance between some of their parts.
 [[nodiscard]] double distance(const Shape& a, const Shape& b);
 /// Distance between the segment ab, which may be a point, and a shape: 0 if they meet. Exact, for
 /// cylinders to within 1e-9 m.

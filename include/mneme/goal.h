@@ -43,11 +43,11 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("ik-solutions", s.solutions, 1, 1000,
         "Number of solutions that end the search. Planners start with this number of goals.");
   visit("ik-position-tolerance", s.position_tolerance, 1e-5, 1.0,
-        "Largest distance of a solution from its pose, metres. Counts within a region's own "
-        "tolerances.");
+        "Largest distance of a solution from the goal pose, metres. In a goal region the solution "
+        "itself is within the region.");
   visit("ik-rotation-tolerance", s.rotation_tolerance, 1e-4, 1.0,
-        "Largest angle between a solution and its pose, radians. Counts within a region's own "
-        "tolerances.");
+        "Largest angle between a solution and the goal pose, radians. In a goal region the "
+        "solution itself is within the region.");
   visit("ik-apart", s.apart, 0.0, 1e3,
         "Joint-space distance below which two solutions count as one, radians.");
 }
@@ -59,7 +59,7 @@ struct IkResult {
   /// The first few configurations that reach the goal, but are in contact or within the margin.
   std::vector<Configuration> blocked;
   int seeds = 0;      ///< number of seeds tried
-  PoseError closest;  ///< error of the attempt closest to the goal
+  PoseError closest;  ///< error of the seed's result closest to the goal
 };
 
 /// Inverse kinematics of one link, by Levenberg and Marquardt's method on 16 seeds at a time. For
@@ -71,10 +71,11 @@ class InverseKinematics {
   [[nodiscard]] static Result<InverseKinematics> make(const Robot& robot, const std::string& link,
                                                       Isa isa = Isa::automatic);
 
-  /// Finds configurations that bring the link to `goal`, which is for this link and passes
-  /// describe_fault(). Seeds are `near`, some around it, and uniform ones. Joints that do not move
-  /// the link keep their values in `near`. With a checker of the same robot, solutions are free
-  /// with `clearance` metres of margin. The result depends on the arguments alone.
+  /// Finds configurations that bring the link to `goal`. Precondition: `goal` is for this link, and
+  /// describe_fault() returns nothing for it. Seeds are `near`, configurations around `near`, and
+  /// uniform ones. Joints that do not move the link keep their values in `near`. With a checker of
+  /// the same robot, solutions are free with `clearance` metres of margin. The result depends on
+  /// the arguments alone.
   [[nodiscard]] IkResult solve(const PoseGoal& goal, std::span<const double> near,
                                const IkSettings& settings = {},
                                const CollisionChecker* checker = nullptr,
@@ -86,8 +87,8 @@ class InverseKinematics {
   std::shared_ptr<const Chain> chain_;
 };
 
-/// Returns the links at the ends of the planning group: the links of its last joints, or the last
-/// link of a chain of fixed joints from there, up to its end or first branch.
+/// Returns the links at the ends of the planning group: the child links of its last joints. Where a
+/// chain of fixed joints follows, the link before its end or first branch.
 [[nodiscard]] std::vector<std::string> find_tips(const Robot& robot);
 
 /// Free configurations in regions of poses.
@@ -101,10 +102,10 @@ class PoseGoalSource final : public GoalSource {
 
   /// Searches all regions with all the settings' seeds. Returns the nearest solutions first.
   [[nodiscard]] std::vector<Configuration> find_all();
-  /// The first call is find_all() for up to IkSettings::solutions regions. For more regions it
-  /// tries a few seeds each and returns the first few solutions, so that planning can begin; only
-  /// while there are none it tries more seeds. Each later call tries a few seeds for the next
-  /// regions.
+  /// The first call is find_all() for up to IkSettings::solutions regions. With more regions, the
+  /// first call tries a few seeds each and returns the first few solutions, so that planning can
+  /// begin; it tries more seeds only while there is no solution. Each later call tries a few seeds
+  /// for the next regions.
   [[nodiscard]] std::vector<Configuration> more() override;
   /// Returns the first few solutions of each region that are in contact.
   [[nodiscard]] std::vector<Configuration> blocked() const;
@@ -112,8 +113,9 @@ class PoseGoalSource final : public GoalSource {
   /// not with this rotation, only in contact, or no solution from a number of seeds. Tries some
   /// more seeds for this, unless the search has ended.
   [[nodiscard]] std::string describe_failure() const;
-  /// Returns a sentence for each region that find_all() did not reach, or a sentence about the
-  /// number of regions that the first call of more() has tried.
+  /// Returns a sentence for each region that find_all() did not reach. If there are too many
+  /// regions for find_all(), returns one sentence with the number of regions that the first call of
+  /// more() tried.
   [[nodiscard]] std::vector<std::string> describe_unreached() const;
 
  private:

@@ -31,8 +31,9 @@ struct Spread {
 struct Variation {
   std::string name;  ///< Name of the obstacles, with `*` for any characters. Unused for the scene.
   Spread position;   ///< Translation along x, y and z, metres.
-  Spread rpy;        ///< Radians, about fixed axes through the obstacle's middle or `center`.
-  Spread scale;      ///< One number, added to the scale factor 1, about the same point.
+  Spread rpy;        ///< Rotation, radians, about the fixed axes x, y and z through the obstacle's
+                     ///< middle, or through `center` for the whole scene.
+  Spread scale;      ///< One number, added to the scale factor 1, about the same point as `rpy`.
   /// Added to the sizes, metres: full extents of a box; radius and length of a cylinder or capsule;
   /// radius of a sphere. Only for obstacles of one shape.
   Spread size;
@@ -58,10 +59,11 @@ struct RepeatSettings {
   double base = 0;
   double turn = 0;  ///< rotation of the base about its z axis, radians
 };
-/// A repetition of `problem` with its first goal. Obstacles and goal are moved uniformly within
-/// balls, again until start and goal are free. The new goal is the solution of inverse kinematics
-/// nearest to the old one. Errors: no goal configuration; negative settings; a robot without a tip;
-/// no free repetition in 1000 tries; a scene that cannot be checked.
+/// Returns a repetition of `problem` with its first goal: the task in a slightly changed workcell.
+/// Obstacles and goal move by random vectors, uniform within balls; this is repeated until start
+/// and goal are free. The new goal is the solution of inverse kinematics nearest to the old one.
+/// Errors: no goal configuration; negative settings; a robot without a tip; no free repetition in
+/// 1000 tries; a scene that cannot be checked.
 [[nodiscard]] Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings,
                                      Rng& rng);
 
@@ -78,8 +80,8 @@ struct ThreadedSettings {
   std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
 };
 
-/// A problem of a planar arm that starts in the gap of a pair of circles and has to leave it, and
-/// to enter the gap of the second pair, if any.
+/// A problem of a planar arm that starts in the gap of a pair of circles and has to leave it. If
+/// ThreadedSettings::passages is 2 or 3, it then has to enter the gap of the second pair.
 struct ThreadedInstance {
   std::vector<std::array<double, 3>> circles;  ///< x, y, radius; pair by pair
   double gap = 0;                              ///< between the circles of the first pair, metres
@@ -94,7 +96,7 @@ struct ThreadedInstances {
   int dropped = 0;  ///< candidates without a proof
 };
 
-/// Changes whenever the same arguments give other instances.
+/// Version of make_threaded_instances(): changes whenever the same arguments give other instances.
 inline constexpr std::string_view kThreadedVersion = "threaded/1";
 
 /// Random instances, each with a path that RRT-Connect found with uniform samples. Unsolved
@@ -131,7 +133,7 @@ struct EnclosedInstances {
   int dropped = 0;  ///< candidates without a path even in the empty scene
 };
 
-/// Changes whenever the same arguments give other instances.
+/// Version of make_enclosed_instances(): changes whenever the same arguments give other instances.
 inline constexpr std::string_view kEnclosedVersion = "enclosed/1";
 
 /// Random instances of chosen difficulty with a known path, for any robot. The path is planned
@@ -148,7 +150,7 @@ struct ComposedSettings {
   /// Least distance between the robot and a module's boxes along the module's motion, metres, up to
   /// 1. Smaller is harder.
   double clearance = 0.004;
-  double open = 0.05;  ///< distance that boxes keep elsewhere on the witness, metres, up to 1
+  double open = 0.05;  ///< distance that boxes keep from the rest of the witness, metres, up to 1
   int boxes = 600;     ///< number of boxes of a module; fewer if there is no room
   std::array<double, 2> size = {0.03, 0.25};  ///< range of the full extents, metres, up to 10
   int modules = 12;                           ///< number of modules to compose, up to 1000
@@ -183,19 +185,19 @@ struct ComposedInstance {
 struct ComposedInstances {
   std::vector<ComposedModule> modules;  ///< those of instances first, then foreign ones
   std::vector<ComposedInstance> instances;
-  int dropped = 0;  ///< candidates whose modules do not go together
+  int dropped = 0;  ///< candidates whose modules could not be combined
 };
 
-/// Changes whenever the same arguments give other instances.
+/// Version of make_composed_instances(): changes whenever the same arguments give other instances.
 inline constexpr std::string_view kComposedVersion = "composed/1";
 
 /// Random modules, and problems composed of them: what was learned in each module alone is met
-/// again at another place, in another order and direction. An instance with one module starts in it
-/// and ends in the open; with several it ends in the last one. Boxes that are in the way of the
-/// rest of the witness are left out, at most 60 % of a module. Neither experience nor planning
-/// times are used. Deterministic for equal robot, settings, seed and instruction set. Errors:
-/// settings out of range; a robot without a turning joint (SymmetricJoints); too few candidates
-/// that go together.
+/// again at another place, in another order and direction. An instance with one module starts in
+/// that module and ends in the open. An instance with several ends in the last one. Boxes in the
+/// way of the rest of the witness are dropped, at most 60 % of a module. Neither experience nor
+/// planning times are used. Deterministic for equal robot, settings, seed and instruction set.
+/// Errors: settings out of range; a robot without a turning joint (SymmetricJoints); too few
+/// modules that can be combined.
 [[nodiscard]] Result<ComposedInstances> make_composed_instances(const Robot& robot, int count,
                                                                 const ComposedSettings& settings,
                                                                 std::uint64_t seed);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Learning offline: lessons from grids of primitives, from scenes and from solved problems.
+/// Learning offline: from grids of primitives, from scenes and from solved problems.
 #pragma once
 
 #include "mneme/base.h"
@@ -26,7 +26,7 @@ struct PrimitiveGrid {
   std::array<double, 2> radius = {1, 2};    ///< of each circle, metres
   std::array<double, 2> gap = {0.1, 1};     ///< between the circles, metres
   std::array<double, 2> distance = {1, 9};  ///< from the base to the midpoint of the gap, metres
-  /// Every primitive of the range must have a chosen one with a smaller similarity error, m^2.
+  /// Largest similarity error, m^2, of a primitive of the range to the nearest chosen primitive.
   double max_similarity_error = 3;
   int count = 0;  ///< least number of primitives to choose
 };
@@ -35,9 +35,9 @@ struct PrimitiveGrid {
 /// Samples a random canonical primitive of the grid's range; the base is outside both circles.
 [[nodiscard]] PrimitiveKey sample_primitive(const PrimitiveGrid& grid, Rng& rng);
 /// Chooses canonical primitives that cover the grid, each far from the previous ones: at least
-/// `count`, then more until random primitives of the range have a match. Deterministic; the first
-/// `count` primitives are also the first for any larger count. Ends within a few milliseconds after
-/// `cancel` is set.
+/// `count`, then more until random primitives of the range are within `max_similarity_error` of a
+/// chosen one. Deterministic; the first `count` primitives are also the first for any larger count.
+/// Ends within a few milliseconds after `cancel` is set.
 [[nodiscard]] std::vector<PrimitiveKey> cover(const PrimitiveGrid& grid, std::uint64_t seed,
                                               const std::atomic<bool>* cancel = nullptr);
 
@@ -61,7 +61,7 @@ struct LearnProgress {
   double elapsed_s = 0;
 };
 
-/// Settings common to all lessons.
+/// Settings common to all offline learning.
 struct LearnRun {
   std::uint64_t seed = 1;
   int jobs = 1;  ///< threads
@@ -73,8 +73,8 @@ struct LearnRun {
 
 struct LearnSummary {
   std::int64_t learned = 0;  ///< Primitives or problems learned in this run.
-  /// Already in the database with the same seed and settings, or learned by other processes that
-  /// share the work.
+  /// Primitives or problems already in the database with the same seed and settings, or learned by
+  /// other processes that share the work.
   std::int64_t skipped = 0;
   std::int64_t empty = 0;             ///< Primitives or problems learned without any component.
   std::vector<std::string> unsolved;  ///< Problems without a path: "NAME: not solved: REASON".
@@ -84,10 +84,11 @@ struct LearnSummary {
   double time_s = 0;
 };
 
-/// Makes a process one of several that share a job's primitives.
+/// Lets several processes share the primitives of a job.
 struct SharedWork {
   std::string url;  ///< the job's database; must be on a PostgreSQL server
-  /// Seconds without renewal after which other processes take a process's primitives, 0.1 to 86400.
+  /// Seconds after which other processes take over the primitives of a process that no longer
+  /// renews its lease, 0.1 to 86400.
   double lease_s = 30;
 };
 
@@ -96,17 +97,17 @@ struct LearnJob : LearnRun {
   std::optional<SharedWork> shared;
 };
 
-/// Learns `keys` into `database` in parallel. Rows are inserted during the run, in key order; a
-/// killed job continues when it is run again. The database's contents do not depend on `jobs`. With
-/// `shared`, any number of processes with equal arguments learn each primitive once between them,
-/// in any order, even if some are killed; each returns when all primitives are learned. A lost
-/// connection is retried for the duration of a lease. Errors: unsupported if `shared` and the
-/// database is not on a PostgreSQL server; those of Database::insert().
+/// Learns the primitives `keys` in parallel and inserts the rows into `database` during the run, in
+/// key order. A killed job continues when it is run again. The database's contents do not depend on
+/// `jobs`. With `shared`, any number of processes with equal arguments learn each primitive once
+/// between them, in any order, even if some are killed; each returns when all primitives are
+/// learned. A lost connection is retried for the duration of a lease. Errors: unsupported if
+/// `shared` and the database is not on a PostgreSQL server; those of Database::insert().
 [[nodiscard]] Result<LearnSummary> learn_primitives(const Robot& robot,
                                                     std::span<const PrimitiveKey> keys,
                                                     Database& database, const LearnJob& job);
 
-/// Settings of lessons that solve problems repeatedly.
+/// Settings for learning from problems, each solved several times.
 struct ProblemLesson : LearnRun {
   int paths = 5;                              ///< per problem
   double timeout_s = 10;                      ///< per path, 0 to 1e6
@@ -123,8 +124,8 @@ struct RepeatedPlan {
                                                     const ProblemLesson& lesson);
 
 /// Solves each problem several times and inserts the rows of learn_from_paths(), in the order of
-/// the problems, each problem's rows in one transaction. An interrupted lesson continues when it is
-/// run again: equal problems learned with the same kind, `max_gap`, number of paths and seed are
+/// the problems, each problem's rows in one transaction. An interrupted call continues when it is
+/// repeated: equal problems learned with the same kind, `max_gap`, number of paths and seed are
 /// skipped. All problems must be of the database's robot. Errors: those of solve_repeatedly(),
 /// learn_from_paths(), Database::insert().
 [[nodiscard]] Result<LearnSummary> learn_from_problems(std::span<const Problem> problems,

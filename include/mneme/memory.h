@@ -56,7 +56,8 @@ struct SymmetricJoints {
 };
 /// Finds the symmetric joints of the chain from the root: a prismatic joint along the root's z and
 /// a revolute or continuous one about it, in either order. All further joints of the group must
-/// follow them. A planar arm has joint 1; Fetch has torso lift and shoulder pan. O(links).
+/// follow them. Examples: joint 1 of a planar arm; torso lift and shoulder pan of Fetch. Cost:
+/// O(links).
 [[nodiscard]] SymmetricJoints find_symmetric_joints(const Robot& robot);
 
 /// Returns the configuration that moves the links of `q` by `motion`. The turning joint is wrapped
@@ -66,13 +67,15 @@ struct SymmetricJoints {
 /// Returns the pair of circles `key`, moved by `motion`.
 [[nodiscard]] PrimitiveKey moved_key(const Symmetry& motion, const PrimitiveKey& key);
 
-/// A local primitive lw_i of a query.
+/// A local primitive lw_i of a query: a small group of obstacles, mostly a pair, that experience is
+/// stored for.
 struct LocalPrimitive {
-  /// Indices into the scene; into make_scene(key) for a primitive of make_primitive().
+  /// Indices of the primitive's obstacles in the query's scene. A primitive of make_primitive() has
+  /// no query: its indices are into make_scene(key).
   std::vector<int> obstacles;
-  std::string kind;  ///< MemoryKind::version of the key's kind.
-  /// Canonical: seen from the axis of the turning joint, the midpoint of the two centres is on the
-  /// positive x axis. With a lift it is also at z = 0.
+  std::string kind;  ///< MemoryKind::version of the kind that made the key.
+  /// Canonical: the midpoint of the two obstacles' centres is on the positive x axis, seen from the
+  /// axis of the turning joint. If the robot has a lift joint, the midpoint is also at z = 0.
   PrimitiveKey key;
   Symmetry to_scene;              ///< Motion from the canonical primitive to the scene.
   double gap = 0;                 ///< Distance between the two obstacles' surfaces, metres.
@@ -81,7 +84,7 @@ struct LocalPrimitive {
 };
 
 /// One of several equivalent keys of a canonical primitive, such as the other order of a pair. A
-/// lookup queries all of them, because a unique choice would be discontinuous.
+/// lookup queries all images, because a unique choice would be discontinuous.
 struct KeyImage {
   PrimitiveKey key;
   bool is_mirrored = false;
@@ -102,18 +105,18 @@ template <class Settings, class Visitor>
 requires std::same_as<std::remove_const_t<Settings>, LearnSettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("starts-per-link", s.starts_per_link, 1, 1000,
-        "Local queries, which plan among the primitive's obstacles alone, per link that can be in "
-        "the gap. More make the sampler richer and slower to learn.");
+        "Number of local queries per link that can be in the gap. A local query plans among the "
+        "primitive's obstacles alone. More make the sampler richer and slower to learn.");
   visit("paths-per-start", s.paths_per_start, 1, 1000,
         "Paths per local query. More make the sampler robust to obstacles outside the primitive.");
   visit("learn-iterations", s.max_iterations, 1, 100000000,
-        "Iteration limit of one local query. A query that reaches it teaches nothing.");
+        "Iteration limit of one local query. A query that reaches the limit teaches nothing.");
   visit("learn-range", s.range, 1e-3, 1e3, "Extension range of local queries, radians.");
   visit("learn-resolution", s.resolution, 1e-4, 1.0,
         "Resolution of local queries, radians. Default: the robot's.");
   visit("merge-cliques", s.merge_cliques, false, true,
-        "Merge components whose means are all connected by free straight motions into one with "
-        "their covariance (section V-A of the paper). Makes a smaller database.");
+        "Merge components whose means are all connected by free straight motions into one "
+        "component with their covariance (section V-A of the paper). Makes a smaller database.");
 }
 /// The settings as one line of text, equal for equal settings; part of a row's provenance.
 [[nodiscard]] std::string describe(const LearnSettings& settings);
@@ -128,7 +131,7 @@ struct LearnResult {
 
 // Kinds of memory.
 
-/// A query to memory. Refers to its arguments.
+/// A query to memory. Scene, start, goals and constraints must outlive the query.
 struct MemoryQuery {
   Robot robot;  ///< without attached objects, which experience does not depend on
   const Scene& scene;
@@ -148,7 +151,7 @@ struct Match {
 struct PrimitiveRetrieval {
   LocalPrimitive primitive;
   std::vector<Match> matches;  ///< nearest first
-  bool is_learned = false;     ///< learned during this query, since nothing matched
+  bool is_learned = false;     ///< learned during this query, because nothing matched
 };
 
 /// When memory is queried and how often it is sampled.
@@ -181,8 +184,8 @@ struct MemoryDefaults {
 /// src/memory/memory_kinds.cpp. Functions are parallel-safe.
 struct MemoryKind {
   std::string_view name;
-  /// Name and number, such as "pairs/1". Raise the number when keys or means change their meaning;
-  /// rows of other versions are ignored.
+  /// Name and number, such as "pairs/1": the `kind` of stored rows. Raise the number when keys or
+  /// means change their meaning; rows of other versions are ignored.
   std::string_view version;
   std::string_view summary;
   MemoryDefaults defaults;
@@ -204,18 +207,18 @@ struct MemoryKind {
   /// component's source is the index of its retrieval.
   GaussianMixture (*synthesize)(const MemoryQuery& query,
                                 std::span<const PrimitiveRetrieval> retrievals) = nullptr;
-  /// Like synthesize(), but fits each mean to the query's primitives when it is first sampled. A
-  /// match is a group of components, the most relevant first. Sources count from `first_source`.
-  /// Null, or returns null, where only synthesize() is available.
+  /// Like synthesize(), but fits each mean to the query's primitives when it is first sampled. Each
+  /// match is a group of components; the most relevant group is first. Sample sources are numbered
+  /// from `first_source`. Null, or returns null, where only synthesize() is available.
   std::shared_ptr<const ComponentSource> (*retarget)(const MemoryQuery& query,
                                                      std::span<const PrimitiveRetrieval> retrievals,
                                                      SampleSource first_source) = nullptr;
-  /// Deforms a row's path so that it leads from the query's start to `goal`; empty if the row has
+  /// Returns a row's path, deformed to lead from the query's start to `goal`; empty if the row has
   /// no path. Null for a kind that does not store whole paths.
   Path (*bend)(const MemoryQuery& query, const Configuration& goal,
                const Experience& row) = nullptr;
   /// Turns solved paths of the query into rows with kind, key and content. Errors: those of
-  /// decompose.
+  /// `decompose`.
   Result<std::vector<Experience>> (*learn_from_paths)(const MemoryQuery& query,
                                                       std::span<const Path> paths, double max_gap,
                                                       double reach) = nullptr;
@@ -228,8 +231,8 @@ struct MemoryKind {
   /// Searches of less work, in iterations and checked states, teach nothing: 200,000 of them take
   /// about 0.1 s.
   std::uint64_t least_work = 0;
-  /// Rows are motions, which planners append to their trees where checking finds them to fit; they
-  /// belong to no primitive.
+  /// True if rows are motions that belong to no primitive. Planners append such a motion to their
+  /// trees where checks find that it fits.
   bool is_placed_by_checking = false;
 
   [[nodiscard]] bool can_learn_primitives() const { return learn != nullptr; }
@@ -240,27 +243,27 @@ struct MemoryKind {
 [[nodiscard]] std::span<const MemoryKind* const> memory_kinds();
 /// Finds a kind by name. Error: an unknown name; the message lists the known ones.
 [[nodiscard]] Result<const MemoryKind*> find_memory_kind(std::string_view name);
-/// The kind with this version; null if unknown.
+/// Returns the kind of stored rows: its MemoryKind::version is `version`. Null if unknown.
 [[nodiscard]] const MemoryKind* memory_kind_of(std::string_view version);
 /// Default kind for primitives of scenes; see MemoryKind::rank_for_scenes.
 [[nodiscard]] const MemoryKind& default_memory_kind(const Robot& robot);
 /// Default kind for solved problems; see MemoryKind::rank_for_paths.
 [[nodiscard]] const MemoryKind& default_kind_of_paths(const Robot& robot);
 
-/// A setting with a default by kind of memory, and these defaults as text.
+/// A setting whose default depends on the kind of memory, with these defaults as text.
 struct KindDefault {
   std::string_view setting;
   std::vector<std::string> values;  ///< one per kind, in their order
 };
-/// All settings with a default by kind, for help and documents; such as "0.8 (0.5 with walks)"
-/// where escape walks matter.
+/// Returns all settings whose default depends on the kind, for help and documents. A default that
+/// also depends on escape walks reads "0.8 (0.5 with walks)".
 [[nodiscard]] std::vector<KindDefault> kind_defaults(
     std::span<const MemoryKind* const> kinds = memory_kinds());
 
 /// Kind of memory and decomposition of scenes.
 struct MemorySettings {
-  std::optional<std::string> kind;  ///< name of one of memory_kinds(); the default depends on the
-                                    ///< function
+  std::optional<std::string> kind;  ///< name of one of memory_kinds(); each function states its
+                                    ///< default
   std::optional<double> max_gap;
 };
 
@@ -278,11 +281,12 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// Cuts a query into primitives of the kind of choose_kind().
 [[nodiscard]] Result<std::vector<LocalPrimitive>> decompose(const MemoryQuery& query,
                                                             const MemorySettings& settings = {});
-/// Turns solved paths into rows of the kind of choose_kind(), without provenance. For pairs of
-/// obstacles there is one row per primitive with waypoints: these are its components, moved to the
-/// canonical frame. A waypoint belongs to a primitive if one shape moved by the symmetric joints is
-/// closer than `reach` (metres) to all its obstacles. O(waypoints * shapes * obstacles). Error:
-/// unsupported, for constraints with a kind that does not store whole paths.
+/// Turns solved paths into rows of the kind of choose_kind(), without provenance. Kinds for pairs
+/// of obstacles return one row per primitive that has waypoints: the waypoints, moved to the
+/// canonical frame, are the row's components. A waypoint belongs to a primitive if a shape that the
+/// symmetric joints move is closer than `reach` metres to all obstacles of the primitive. Cost:
+/// O(waypoints * shapes * obstacles). Error: unsupported, for constraints with a kind that does not
+/// store whole paths.
 [[nodiscard]] Result<std::vector<Experience>> learn_from_paths(const MemoryQuery& query,
                                                                std::span<const Path> paths,
                                                                const MemorySettings& settings = {},
@@ -322,9 +326,9 @@ inline constexpr std::size_t kCirclePairKeySize = 6;
                                                       const std::atomic<bool>* cancel = nullptr);
 
 /// Merges components (section V-A): greedily groups means that are pairwise connected by free
-/// straight motions and have one source. A group becomes one component with its mean, and its
-/// covariance if it has more than joint_count members. Components with a factor and groups whose
-/// mean is in contact are kept unmerged. Stops merging once `is_late` returns true.
+/// straight motions and have one source. A group becomes one component with the group's mean, and
+/// with its covariance if the group has more than joint_count members. Components with a factor and
+/// groups whose mean is in contact are kept unmerged. Stops merging once `is_late` returns true.
 [[nodiscard]] LocalSampler merge_cliques(const CollisionChecker& checker,
                                          const LocalSampler& sampler,
                                          const std::function<bool()>& is_late = {});
@@ -344,15 +348,16 @@ inline constexpr int kBodyKeySize = 9;
 [[nodiscard]] LocalPrimitive make_body_primitive(const SymmetricJoints& joints, const Obstacle& a,
                                                  const Obstacle& b);
 
-// The kind "paths": whole solved paths, found by their ends and bent to those of the query.
+// The kind "paths": whole solved paths, found by their ends and deformed to lead from the query's
+// start to its goal.
 
 /// A whole query as a primitive of the kind "paths". Its key holds the distance between start and
-/// goal, then both configurations, with cosine and sine for continuous joints. The two images are
-/// the query and its reverse. Obstacles are not part of the key.
+/// goal, then both configurations, with cosine and sine for continuous joints. The two images of
+/// the key are the query and its reverse. Obstacles are not part of the key.
 [[nodiscard]] LocalPrimitive make_query_primitive(
     const Robot& robot, std::span<const double> start, std::span<const double> goal,
     std::span<const OrientationConstraint> constraints = {});
-/// Length of such a key.
+/// Length of a key of the kind "paths".
 [[nodiscard]] int query_key_size(const Robot& robot);
 
 }  // namespace mneme

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// The memory for planners of OMPL, and planners of OMPL for mneme's problems (library
-/// mneme::ompl). This header includes OMPL's: compile its users without -march.
+/// mneme::ompl). This header includes OMPL's headers: compile files that include it without -march.
 #pragma once
 
 #include "mneme/pipeline.h"
@@ -71,8 +71,8 @@ struct WorkCounters {
 [[nodiscard]] std::shared_ptr<::ompl::base::SpaceInformation> make_space_information(
     const CollisionChecker& checker, std::shared_ptr<WorkCounters> counters = nullptr);
 
-/// The checkers of make_space_information(), for programs with their own space. States must have
-/// one real per joint in group order (StateSpace::copyToReals).
+/// The checkers of make_space_information(), for programs with a state space of their own. States
+/// must have one real per joint in group order (StateSpace::copyToReals).
 [[nodiscard]] ::ompl::base::StateValidityCheckerPtr make_state_validity(
     const ::ompl::base::SpaceInformationPtr& information, const CollisionChecker& checker,
     std::shared_ptr<WorkCounters> counters = nullptr);
@@ -95,8 +95,8 @@ struct WorkCounters {
 
 /// An objective like ompl::base::PathLengthOptimizationObjective, for planners with an informed
 /// sampler (BIT*, Informed RRT*). Its informed sampler takes samples of the space's allocator and
-/// rejects states that cannot shorten the path. OMPL's ignores the allocator and does not wrap
-/// continuous joints.
+/// rejects states that cannot shorten the path. OMPL's own informed sampler ignores the allocator
+/// and does not wrap continuous joints.
 [[nodiscard]] ::ompl::base::OptimizationObjectivePtr make_path_length_objective(
     const ::ompl::base::SpaceInformationPtr& information);
 
@@ -113,11 +113,11 @@ namespace mneme {
 /// Adds OMPL's planners to planners(), such as "ompl:RRTConnect", and OMPL's samplers of valid
 /// states to samplers(). Call it before planning.
 ///
-/// Planners stop at their first path. If it fails verification, they plan again within the limits,
-/// with every motion verified like paths. PlanSettings::ompl_defaults selects OMPL's own
-/// parameters. `max_nodes` limits the number of OMPL's states. Results count samples as iterations,
-/// and no nodes. Runs are deterministic one at a time, unless the planner has threads (PRM):
-/// parallel runs share OMPL's seeds. OMPL's log is off during runs.
+/// Planners stop at their first path. If that path fails verification, they plan again within the
+/// limits, with every motion verified as in final paths. PlanSettings::ompl_defaults selects OMPL's
+/// own parameters. `max_nodes` limits the number of OMPL's states. Results count samples as
+/// iterations, and no nodes. Runs are deterministic one at a time, unless the planner has threads
+/// (PRM): parallel runs share OMPL's seeds. OMPL's log is off during runs.
 void add_ompl_planners();
 
 }  // namespace mneme

@@ -19,8 +19,9 @@ namespace mneme {
 /// neighbours.
 using Path = std::vector<Configuration>;
 
-/// Shifts continuous joints by whole turns, so that `path` begins at the turn of `start` and the
-/// segments between waypoints, as real numbers, are its motions.
+/// Returns `path` with continuous joints shifted by whole turns: the first waypoint to the turn of
+/// `start`, each other one to where it is nearest to the waypoint before. Linear interpolation
+/// between waypoints then gives the path's motions.
 [[nodiscard]] Path unwrapped(const Robot& robot, Path path, const Configuration& start);
 
 /// Returns the sum of L2 joint distances, radians; a metre of a prismatic joint counts as a radian.
@@ -55,16 +56,16 @@ class MotionVerifier {
                           Verification verification = Verification::motions)
       : checker_(checker), verification_(verification) {}
 
-  /// Returns true if the motion passes. Rejects motions that turn a continuous joint by pi:
-  /// rounding would choose the direction. `are_links_apart` skips the links' check against each
-  /// other in Verification::motions.
+  /// Returns true if the motion passes the verification. Rejects motions that turn a continuous
+  /// joint by pi: rounding would choose the direction. If `are_links_apart`, Verification::motions
+  /// does not check links against each other.
   [[nodiscard]] bool is_free(std::span<const float> from, std::span<const float> to,
                              MotionEnds ends, CheckCounters& counters,
                              bool are_links_apart = false) const;
 
-  /// Returns true if a curve inside a path passes. `states` are points on it, row by row. `bow`
-  /// bounds, per joint, how far the curve is from the straight motion between two points; it adds
-  /// to the required margin.
+  /// Returns true if a curve that replaces a part of a path, without its ends, passes the
+  /// verification. `states` are points on the curve, row by row. `bow` bounds, per joint, how far
+  /// the curve is from the straight motion between two points, and increases the required margin.
   [[nodiscard]] bool is_curve_free(std::span<const float> states, std::span<const float> bow,
                                    CheckCounters& counters) const;
 
@@ -91,15 +92,15 @@ struct ShortenEffort {
   double patience = 40;
   double least_gain = 0.007;   ///< smallest gain that counts, as a share of the path's length
   double refinement = 1;       ///< MotionDetail::refinement of new motions
-  double margin = 1e-3;        ///< metres that new motions keep from contact, if their ends do
+  double margin = 1e-3;        ///< metres that new motions keep from contact, if the path's ends do
   bool minimize_time = false;  ///< of path_time(), instead of path_length()
 };
 
 /// Shortens `path`, or its time: drops waypoints, then relaxes them and straightens random joints,
-/// or all, over random stretches. Keeps both ends. New motions stay the effort's margin from
-/// contact, or as far as the nearer end of the path, and pass `verifier` unless it is null. Stops
-/// once `must_stop` returns true; it is called before each step and may be empty. After Geraerts
-/// and Overmars, DOI 10.1177/0278364907079280.
+/// or all, over random stretches. Keeps both ends. New motions keep the effort's margin from
+/// contact, or the distance of the nearer end of the path if that is less. They pass `verifier`
+/// unless it is null. Stops once `must_stop`, called before each step, returns true; `must_stop`
+/// may be empty. After Geraerts and Overmars, DOI 10.1177/0278364907079280.
 void shorten(const CollisionChecker& checker, Path& path, std::uint64_t seed,
              const ShortenEffort& effort, const MotionVerifier* verifier, CheckCounters& counters,
              const std::function<bool()>& must_stop = {});
@@ -109,15 +110,16 @@ struct FinishSettings {
   bool simplify = true;
   Verification verification = Verification::motions;
   std::uint64_t seed = 1;
-  double timeout_s = 10;  ///< from construction; shortening takes at most half of the rest
+  double timeout_s = 10;  ///< from construction on; shortening takes at most half of the remaining
+                          ///< time
   const std::atomic<bool>* cancel = nullptr;  ///< may be null
   int patience = 40;                          ///< ShortenEffort::patience
   bool minimize_time = false;                 ///< ShortenEffort::minimize_time
 };
 
-/// Shortens and verifies paths that a planner offers; the planner continues if one is refused. A
-/// motion that fails is repaired by a waypoint nearby where one exists. Results depend on time only
-/// through the timeout. Not thread-safe.
+/// Shortens and verifies paths that a planner offers. The planner continues if a path is refused. A
+/// motion that fails verification is repaired by a nearby waypoint if one is found. Results depend
+/// on time only through the timeout. Not thread-safe.
 class PathFinisher {
  public:
   /// Refers to the checker.
@@ -125,9 +127,10 @@ class PathFinisher {
   PathFinisher(const PathFinisher&) = delete;
   PathFinisher& operator=(const PathFinisher&) = delete;
 
-  /// Shortens and verifies `path`. Returns -1, or the index of the first motion of the given path
-  /// that fails; the path is then unchanged. Adds its work to `counters`, which must hold all work
-  /// of the planner: where refusing paths costs more than finding them, verification comes first.
+  /// Shortens and verifies `path`. Returns -1 if the path passes. Otherwise returns the index of
+  /// its first motion that fails, and does not change the path. Adds its work to `counters`, which
+  /// must hold all work of the planner: if refusing paths costs more than finding them, paths are
+  /// verified before they are shortened.
   [[nodiscard]] int operator()(Path& path, CheckCounters& counters);
 
   /// Returns true once at least 3 paths were refused: the planner should then check motions as

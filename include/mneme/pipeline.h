@@ -29,7 +29,7 @@ class MemorySampler;
 enum class MemoryMode {
   automatic,  ///< The defaults of each kind.
   off,        ///< No use of memory, even with a database.
-  paper,      ///< The paper's literal rules.
+  paper,      ///< All settings as in the paper: see with_memory_mode().
 };
 /// Returns "auto", "off" or "paper".
 [[nodiscard]] std::string_view to_string(MemoryMode mode);
@@ -39,7 +39,7 @@ enum class MemoryMode {
 struct SolveSettings {
   std::string planner = "rrt_connect";  ///< one of planners()
   std::string sampler = "gl";           ///< one of samplers()
-  /// Default kind: all kinds in the database, or the robot's default kind if it is empty.
+  /// Default kind: all kinds in the database, or the robot's default kind if the database is empty.
   MemorySettings memory;
   MemoryMode memory_mode = MemoryMode::automatic;
   std::optional<double> lambda;
@@ -75,16 +75,16 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Probability of a sample from memory instead of a uniform one, at first; see least-lambda. "
         "At 1 a planner may make no progress. Default: by kind (see table). The paper: 0.5.");
   visit("least-lambda", s.least_lambda, 0.0, 1.0,
-        "Lower bound of lambda. After n memory samples the probability is lambda*h/(h+n), "
-        "h = max(500, 25000*least-lambda), so that memory that does not fit costs a limited share. "
+        "Lower bound of lambda. After n memory samples the probability is lambda*h/(h+n), h = "
+        "max(500, 25000*least-lambda), so that memory that does not fit costs a limited share. "
         "Default: by kind (see table). The paper: equal to lambda, which makes it constant.");
   visit("sigma", s.sigma, 0.0, 10.0,
         "Standard deviation of a mixture component, radians (half as many metres for prismatic "
         "joints). Smaller repeats the past, larger explores. Default: by kind (see table). The "
         "paper: 0.1.");
   visit("similarity", s.similarity, 0.0, 1e9,
-        "Retrieve samplers with a squared key distance to a query's primitive below this, m^2 "
-        "(rad^2 for whole paths), or an equal key. Default: by kind (see table). The paper: 3.");
+        "Retrieve samplers whose key has a squared distance to a primitive's key below this, m^2 "
+        "(rad^2 for whole paths), or 0. Default: by kind (see table). The paper: 3.");
   visit("max-matches", s.max_matches, 1, 1000000,
         "Nearest samplers to retrieve per primitive. More take longer and are less similar. "
         "Default: by kind (see table). The paper: all, which is the largest value.");
@@ -97,32 +97,32 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "means before planning. Default: by kind (see table). The paper: off.");
   visit("retrieve-after", s.retrieve_after, 0, 1000000000,
         "Iterations with uniform samples before memory is queried, so that easy problems do not "
-        "pay for it. Default: by kind (see table). The paper: 0.");
+        "pay for the query. Default: by kind (see table). The paper: 0.");
   visit("first-components", s.first_components, 1.0, 1e9,
         "Progressive widening: the number of most similar components to sample at first. Default: "
         "by kind (see table). The paper: all, which is the largest value.");
   visit("component-growth", s.component_growth, 0.0, 1e9,
         "Progressive widening: components to add per iteration.");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
-        "Time per query to learn primitives without a match, seconds. It is part of planning time "
-        "and ends with the time limit. A later query continues learning that was cut short. "
+        "Time per query to learn primitives without a match, seconds. Learning is part of planning "
+        "time and ends with the time limit. A later query continues learning that was cut short. "
         "Needs a kind of memory that learns primitives.");
   visit("remember-after", s.remember_after, 0, 1000000000,
         "Insert what a solved problem teaches once this many iterations have accumulated since the "
         "last insertion; 0: after each solved problem. Default: never.");
   visit("replay", s.replay, 0.0, 1e6,
         "Before any search, try remembered paths whose ends are closer to the query's than this "
-        "(key distance, radians), bent and repaired. 0: none; 0.5 suits tasks that repeat.");
+        "(key distance, radians), deformed and repaired. 0: none; 0.5 suits tasks that repeat.");
   visit("resolution", s.resolution, 1e-4, 10.0,
         "Largest L2 joint distance between checked states of a motion, radians. Default: the "
         "robot's (0.02 for a planar arm, 1/32 otherwise).");
   visit("margin", s.margin, 0.0, 10.0,
         "Distance that the robot keeps from obstacles, start and goal included, metres. Does not "
-        "apply between its own links.");
+        "apply between links.");
   visit("start-tolerance", s.start_tolerance, 0.0, 1.0,
         "How far a start may be beyond limits or cones, radians (a tenth as many metres for "
-        "prismatic joints); it may also overlap anything by 1 mm. The first motion leads it "
-        "inside. 0: no exception.");
+        "prismatic joints). A start may also overlap anything by 1 mm. The first motion leads the "
+        "robot inside. 0: no exception.");
   visit("allow-at-ends", s.allow_at_ends, 0.0, 1.0,
         "How far an attached object may move while it leaves a contact that exists at the start, "
         "or enters one that exists at a goal, metres. 0: no contact.");
@@ -131,7 +131,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "wins. The path depends on this number, but not on timing. OMPL's planners take 1.");
 }
 
-/// Returns the settings with the values of their memory mode where none is set. The paper's mode:
+/// Returns the settings; those that are not set get the values of `memory_mode`. MemoryMode::paper:
 /// constant lambda of 0.5, sigma 0.1, similarity 3, all matches, all components from the start,
 /// means moved by symmetry only and not checked, no escape walks, no anchored samples.
 [[nodiscard]] SolveSettings with_memory_mode(SolveSettings settings);
@@ -148,8 +148,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// or kind of memory; a combination that cannot work.
 [[nodiscard]] Result<void> check_settings(const SolveSettings& settings);
 
-/// Returns the query to memory for a problem, with these ends and the robot without
-/// attached objects. Refers to its arguments.
+/// Returns the query to memory for a problem, with these ends and the robot without attached
+/// objects. The arguments must outlive the query.
 [[nodiscard]] inline MemoryQuery memory_query(const Problem& problem, const Configuration& start,
                                               std::span<const Configuration> goals) {
   return {problem.robot.without_attached(), problem.scene, start.empty() ? nullptr : &start, goals,
@@ -199,21 +199,22 @@ struct Remembered {
   std::string failure;  ///< Why nothing could be inserted; the path is valid nevertheless.
 };
 
-/// A step of improvement.
+/// A shorter path found by improvement.
 struct Improved {
-  double time_s = 0;  ///< since improvement began; 0 for the path to improve
+  double time_s = 0;  ///< since improvement began; 0 for the first path
   double path_length = 0;
 };
 
 struct SolveResult {
-  PlanResult plan;  ///< its planning time includes retrieval and learning
+  PlanResult plan;  ///< PlanResult::planning_time_s includes retrieval and learning
   GlSampler gl;     ///< empty unless the sampler queried a database
   Replay replay;
   Remembered remembered;
-  /// From the path to improve to the plan's path; empty without improvement.
+  /// From the first path to the plan's path, each shorter than the one before; empty without
+  /// improvement.
   std::vector<Improved> improvements;
-  /// The problem's goals except those in contact, then configurations for its poses, then the goal
-  /// reached.
+  /// The problem's goals except those in contact, then configurations for `pose_goals`, then the
+  /// goal reached.
   std::vector<Configuration> goals;
   /// For people: goals that were ignored, exceptions at the ends of the path, pairs that were
   /// checked by exact geometry, and why.
@@ -224,7 +225,8 @@ struct SolveResult {
   double preparation_time_s = 0;  ///< making the collision checker; not part of the time limit
   double goal_time_s = 0;         ///< part of planning: resolving pose goals
   double total_time_s = 0;        ///< solve() from call to return
-  double planning_time_s = 0;     ///< without preparation and what follows planning
+  double planning_time_s = 0;     ///< total time without preparation, shortening, verification,
+                                  ///< improvement and remembering
   double improvement_time_s = 0;
   std::string planner;
   std::string sampler;
@@ -239,12 +241,11 @@ struct SolveResult {
 
 /// Resolves pose goals, decomposes the scene, retrieves or learns local samplers, synthesizes one
 /// sampler, plans, shortens and verifies. With a null `database`, samplers of memory are uniform.
-/// The path begins at the start as given and is unwrapped: see unwrapped(). Exceptions for its
-/// first and last motion are those of end_tolerances(). Where attached objects may touch obstacles
+/// The path begins at the start as given and is unwrapped: see unwrapped(). end_tolerances() states
+/// the exceptions for the path's first and last motion. Where attached objects may touch obstacles
 /// (Obstacle::may_touch), half of the time is first spent on a path that touches them at its ends
-/// only.
-/// Errors: those of check_settings(); a scene that cannot be checked or decomposed; a database of
-/// another robot.
+/// only. Errors: those of check_settings(); a scene that cannot be checked or decomposed; a
+/// database of another robot.
 [[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database,
                                         const SolveSettings& settings);
 
@@ -262,14 +263,15 @@ struct TimedSolution {
 };
 
 /// Solves independent problems on several threads: each as solve() and make_trajectory() would
-/// alone, so that results do not depend on `jobs`. Errors of a single problem are its own result.
-/// Error: settings that make a problem depend on others, which are learn_budget_s, remember_after
-/// and an observer. Problems are cheap to copy: robots and meshes are shared.
+/// alone, so that results do not depend on `jobs`. The error of a single problem is the result of
+/// that problem. Error: settings that make a problem depend on others, which are learn_budget_s,
+/// remember_after and an observer. Problems are cheap to copy: robots and meshes are shared.
 [[nodiscard]] Result<std::vector<Result<TimedSolution>>> plan_many(
     std::span<const Problem> problems, Database* database, const ManySettings& settings);
 
-/// Checks problem and settings as solve() with an empty database would, before one is created.
-/// Errors: those of solve() that are known before goals are resolved. Cost: a collision checker.
+/// Checks problem and settings as solve() with an empty database would, for callers that then
+/// create the database. Errors: those of solve() that are known before goals are resolved. Cost: a
+/// collision checker.
 [[nodiscard]] Result<void> check_query(const Problem& problem, const SolveSettings& settings);
 
 /// Returns the time-optimal motion along a path that solve() found for this problem and settings.
@@ -286,13 +288,14 @@ struct SamplerEntry {
   /// Null: uniform within the joint limits.
   std::shared_ptr<const Sampler> (*make)(internal::MemorySampler& memory) = nullptr;
   bool uses_memory = false;           ///< Queries a database; uniform without one.
-  bool samples_valid_states = false;  ///< For planners that do so: see PlannerEntry.
+  bool samples_valid_states = false;  ///< Samples valid states: see
+                                      ///< PlannerEntry::samples_valid_states.
 };
 /// Returns "gl" (Algorithm 1), "uniform", "halton", and the samplers of add_samplers().
 [[nodiscard]] std::span<const SamplerEntry> samplers();
 [[nodiscard]] std::vector<std::string> sampler_names();
-/// Adds samplers whose names are new. Call it before planning: not thread-safe, and it invalidates
-/// references to entries.
+/// Adds samplers whose names are new. Call this function before planning: it is not thread-safe and
+/// invalidates references to entries.
 void add_samplers(std::span<const SamplerEntry> entries);
 /// Errors: an unknown name; the message lists the known ones.
 [[nodiscard]] Result<const SamplerEntry*> find_sampler(std::string_view name);

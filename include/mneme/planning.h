@@ -27,19 +27,19 @@ enum class PlanStatus {
   node_limit,       ///< the limit on nodes, and so on memory, was reached
   cancelled,
   invalid_start,  ///< outside the limits, not a number, wrong count, or in contact: see `message`
-  invalid_goal,   ///< likewise for a goal
+  invalid_goal,   ///< the same of a goal
 };
 [[nodiscard]] std::string_view to_string(PlanStatus status);
 
-/// Watches one call of a planner, for pictures and statistics. Called by the planning thread; its
-/// time counts as planning time.
+/// Watches one call of a planner, for pictures and statistics. Called by the planning thread; the
+/// observer's time counts as planning time.
 class PlanObserver {
  public:
   virtual ~PlanObserver() = default;
   /// Receives a sampled configuration and its source.
   virtual void on_sample(std::span<const float>, SampleSource) {}
   /// Receives a free motion that the planner adds to `graph`: 0 is the tree from the start or the
-  /// roadmap, 1 the tree from the goals. It may be dropped later, if it fails verification.
+  /// roadmap, 1 the tree from the goals. The motion may be dropped later, if it fails verification.
   virtual void on_edge(std::span<const float> /*from*/, std::span<const float> /*to*/,
                        int /*graph*/) {}
 };
@@ -66,7 +66,7 @@ struct PlanSettings {
   bool ompl_defaults = false;
   /// File written by PlannerEntry::train, for planners with their own experience. Empty: none.
   std::string experience_path;
-  /// Another thread sets it to stop the planner within a few milliseconds; may be null.
+  /// Flag that another thread sets to stop the planner within a few milliseconds; may be null.
   const std::atomic<bool>* cancel = nullptr;
   /// Receives samples and edges; may be null, which costs nothing.
   PlanObserver* observer = nullptr;
@@ -94,8 +94,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "at half the resolution.");
   visit("timeout", s.timeout_s, 0.0, 1e6, "Time limit, seconds, kept within 10 ms.");
   visit("max-iterations", s.max_iterations, std::uint64_t{1}, ~std::uint64_t{0},
-        "Iteration limit. With a seed it makes a run repeatable under any load of the machine. "
-        "Default: none.");
+        "Iteration limit. With this limit and a seed, a run is repeatable under any load of the "
+        "machine. Default: none.");
   visit("max-nodes", s.max_nodes, std::uint64_t{1}, ~std::uint64_t{0},
         "Largest number of nodes of all trees or of the roadmap. Bounds memory: about 100 bytes "
         "per node for 7 joints, 300 with prm.");
@@ -111,7 +111,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Shorten, and improve, the time that a path takes at the velocity limits of the URDF "
         "instead of its L2 joint distance. Default: where a trajectory is wanted.");
   visit("improve", s.improve, 0.0, 1e6,
-        "Time to look for shorter paths once there is one, seconds. Plans from other seeds, "
+        "Time to look for shorter paths after the first one, seconds. Plans from other seeds, "
         "several at once, and shortens the best one further.");
   visit("improve-rounds", s.improve_rounds, std::uint64_t{1}, ~std::uint64_t{0},
         "Largest number of rounds of improving; each after the first makes three plans. With a "
@@ -121,7 +121,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "fails, too, planning goes on without this motion.");
   visit("continuous", s.continuous, false, true,
         "Verification also rules out contact between states, by bounds on how far each link moves. "
-        "Off: it checks states at ten times the resolution.");
+        "Off: verification checks states at ten times the resolution.");
   visit("neighbours", s.neighbours, 1, 1000,
         "prm: connections to try per new milestone. More cost more motion checks.");
   visit("goal-bias", s.goal_bias, 0.0, 1.0,
@@ -139,7 +139,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "a planar arm, 0.1 otherwise).");
   visit("walk-after", s.walk_after, std::uint64_t{0}, ~std::uint64_t{0},
         "rrt_connect: iterations before the first escape walk, so that easy problems do not pay "
-        "for it. Default: the robot's (0 for a planar arm, 3000 otherwise).");
+        "for walks. Default: the robot's (0 for a planar arm, 3000 otherwise).");
   visit("ompl-defaults", s.ompl_defaults, false, true,
         "Run OMPL's planners with OMPL's own settings: range of a fifth of the extent, motions "
         "checked at a hundredth of it. Paths are neither verified nor remembered, and may tunnel "
@@ -168,17 +168,19 @@ struct PlanResult {
   [[nodiscard]] bool is_solved() const { return status == PlanStatus::solved; }
 };
 
-/// Returns status and message of a query that cannot be planned, or nothing: its start or a goal is
-/// outside the limits, breaks a constraint or is in contact, or there is no goal. `are_ends_clear`
-/// skips the check for contact.
+/// Returns status and message if the query cannot be planned, otherwise nothing. Reasons: the start
+/// or a goal is outside the limits, breaks a constraint or is in contact, or there is no goal.
+/// `are_ends_clear` skips the check for contact.
 [[nodiscard]] std::optional<PlanResult> refuse_query(const CollisionChecker& checker,
                                                      const PlanQuery& query,
                                                      bool are_ends_clear = false);
-/// Removes the goals in contact from `goals`, unless all of them are. Returns a sentence for each.
+/// Removes the goals in contact from `goals`, unless all are in contact. Returns a sentence for
+/// each removed goal.
 [[nodiscard]] std::vector<std::string> drop_goals_in_contact(const CollisionChecker& checker,
                                                              std::vector<Configuration>& goals);
 
-/// Least distance of exact geometry, beyond the margin, where spheres touch, metres.
+/// A pair whose spheres touch at the start or a goal is checked by exact geometry if that is at
+/// least this far apart there, beyond the margin, metres.
 inline constexpr double kSolidClearance = 1e-3;
 
 /// The checker of a query.
@@ -199,7 +201,7 @@ struct QueryChecker {
                                                       const CheckerSettings& settings,
                                                       const PlanQuery& ends);
 
-/// Ends a search that another one has beaten. Called by the planning thread.
+/// Ends a search once another search has won. Called by the planning thread.
 class SearchLimit {
  public:
   virtual ~SearchLimit() = default;
@@ -212,34 +214,35 @@ class MotionSource {
  public:
   virtual ~MotionSource() = default;
   /// Looks for the places of one more remembered motion and appends the motion at each of them,
-  /// configurations row by row. They may be in contact. Adds the checked states to `counters`.
-  /// Returns false once no motion is left.
+  /// configurations row by row. The configurations may be in contact. Adds the checked states to
+  /// `counters`. Returns false once no motion is left.
   [[nodiscard]] virtual bool find_more(std::vector<std::vector<float>>& placed,
                                        CheckCounters& counters) = 0;
 };
 
-/// One call of a planner. Refers to its arguments.
+/// One call of a planner. All that it refers to must outlive the task.
 struct PlanTask {
   const CollisionChecker& checker;
-  const PlanQuery& query;  ///< refuse_query() must not refuse it
+  const PlanQuery& query;  ///< precondition: refuse_query() does not refuse the query
   const Sampler& sampler;
   const PlanSettings& settings;
   PathFinisher& shorten_and_verify;
   /// Name of a sampler of valid states, for planners with `samples_valid_states`; empty: none.
   std::string_view valid_states = {};
   GoalSource* further_goals = nullptr;  ///< more goals for a long search; null: none
-  SearchLimit* limit = nullptr;         ///< beyond those of the settings; null: none
-  MotionSource* motions = nullptr;      ///< for rrt_connect; null: none
+  SearchLimit* limit = nullptr;         ///< in addition to the limits of `settings`; null: none
+  MotionSource* motions = nullptr;      ///< remembered motions for rrt_connect; null: none
 };
 
-/// Must not throw. Errors: a file that the planner needs cannot be read.
+/// Plans one query. Must not throw. Error: a file that the planner needs cannot be read.
 using Planner = std::function<Result<PlanResult>(const PlanTask& task)>;
 
-/// A single tree from the start. LaValle and Kuffner, DOI 10.1177/02783640122067453.
+/// Grows a single tree from the start. LaValle and Kuffner, DOI 10.1177/02783640122067453.
 [[nodiscard]] PlanResult rrt(const PlanTask& task);
-/// Trees from the start and from all goals. Kuffner and LaValle, DOI 10.1109/ROBOT.2000.844730.
+/// Grows trees from the start and from all goals. Kuffner and LaValle, DOI
+/// 10.1109/ROBOT.2000.844730.
 [[nodiscard]] PlanResult rrt_connect(const PlanTask& task);
-/// An incremental roadmap. Kavraki, Svestka, Latombe and Overmars, DOI 10.1109/70.508439.
+/// Grows a roadmap. Kavraki, Svestka, Latombe and Overmars, DOI 10.1109/70.508439.
 [[nodiscard]] PlanResult prm(const PlanTask& task);
 
 struct PlannerEntry {
@@ -259,9 +262,9 @@ struct PlannerEntry {
 /// Returns all planners: mneme's own, and those of add_planners().
 [[nodiscard]] std::span<const PlannerEntry> planners();
 [[nodiscard]] std::vector<std::string> planner_names();
-/// Appends the planners whose names are new. Call it before any other use of the table.
+/// Appends the planners whose names are new. Call this function before any other use of the table.
 void add_planners(std::vector<PlannerEntry> entries);
-/// Errors: invalid for an unknown name; unsupported for one of OMPL's without OMPL's library.
+/// Errors: invalid for an unknown name; unsupported for a planner of OMPL without OMPL's library.
 [[nodiscard]] Result<const PlannerEntry*> find_planner(std::string_view name);
 
 /// Checks start and goals, plans, shortens and verifies with one of mneme's own planners.

@@ -24,44 +24,46 @@ enum class Axis { x, y, z };
 [[nodiscard]] std::optional<Axis> parse_axis(std::string_view name);
 [[nodiscard]] std::string_view to_string(Axis axis);
 
-/// Returns the rotation of a quaternion x, y, z, w. Error: invalid, if its length differs from 1 by
-/// more than 1e-3, which allows for printed digits.
+/// Returns the rotation of a quaternion x, y, z, w. Error: invalid, if the quaternion's length
+/// differs from 1 by more than 1e-3, which allows for printed digits.
 [[nodiscard]] Result<Eigen::Matrix3d> rotation_from_unit_quaternion(
     std::span<const double, 4> xyzw);
 
-/// A region of poses for a link to reach. Without tolerances it is one pose.
+/// A region of poses for a link to reach; without tolerances a single pose.
 struct PoseGoal {
   std::string link;
   Transform pose;  ///< wanted pose of the link's frame, in the root link's frame
   /// Half extents of the region of the link's origin along the axes of `pose`, metres, each >= 0.
   Vec3 position_tolerance = Vec3::Zero();
-  /// The link's approach axis.
+  /// Axis of the link's frame, such as an approach direction, that `cone` and `turn` refer to.
   Axis axis = Axis::z;
-  /// Largest angle between the link's axis and the axis of `pose`, radians. Pi: any direction.
+  /// Largest angle between `axis` of the link and the same axis of `pose`, radians. Pi: any
+  /// direction.
   double cone = 0;
-  /// Largest rotation of the link about its axis to either side, radians. Pi: any.
+  /// Largest rotation of the link about `axis` to either side, radians. Pi: any rotation.
   double turn = 0;
-  /// Frame of `pose`, if not the root link's: this link's frame at the start. in_root_frame()
+  /// Link whose frame at the start `pose` is given in. Empty: the root link. in_root_frame()
   /// converts the pose.
   std::string frame = {};
 };
 
-/// Distance of a link from a region; 0 within.
+/// Distance of a link's pose from the region of a PoseGoal; 0 within the region.
 struct PoseError {
   double position = 0;  ///< metres
-  /// Radians: angle of the axis beyond the cone or turn beyond its limit, the larger of both.
+  /// Radians by which the angle of the axis exceeds `cone` or the rotation about the axis exceeds
+  /// `turn`; the larger of both.
   double rotation = 0;
 };
-/// Returns the distance of the link from `goal` at `q`, in double precision. The goal passes
-/// describe_fault().
+/// Returns the distance of the link from `goal` at `q`, in double precision. Precondition:
+/// describe_fault() returns nothing for the goal.
 [[nodiscard]] PoseError pose_error(const Robot& robot, const PoseGoal& goal,
                                    std::span<const double> q);
 /// Returns why `goal` is no goal for this robot, or nothing. Faults: an unknown link, a link that
 /// no joint of the group moves, a frame other than the root link's, numbers that are not finite,
 /// negative tolerances.
 [[nodiscard]] std::optional<std::string> describe_fault(const Robot& robot, const PoseGoal& goal);
-/// Returns the goal with its pose converted from its `frame` at `q`, if it has one, to the root
-/// link's frame. Error: invalid, if the frame is no link of the robot or `q` no configuration.
+/// Returns the goal with `pose` converted to the root link's frame. `q` decides where a `frame` of
+/// the goal is. Error: invalid, if the frame is no link of the robot or `q` is no configuration.
 [[nodiscard]] Result<PoseGoal> in_root_frame(PoseGoal goal, const Robot& robot,
                                              std::span<const double> q);
 
@@ -71,11 +73,11 @@ struct Problem {
   std::string robot_path;  ///< path of the URDF
   Scene scene;
   Configuration start;
-  /// Alternatives, with `pose_goals`: a path ends at any one. Empty only if there are `pose_goals`.
+  /// A path ends at any one of `goals` and `pose_goals`. At least one of both lists has an entry.
   std::vector<Configuration> goals;
-  std::vector<std::string> warnings;  ///< of the reader, such as ignored values of unknown joints
+  std::vector<std::string> warnings;  ///< from reading, such as ignored values of unknown joints
   std::vector<PoseGoal> pose_goals = {};
-  /// Pairs of links that may touch, in addition to those of the SRDF. `robot` has them already.
+  /// Pairs of links that may touch, in addition to those of the SRDF. `robot` allows them already.
   std::vector<std::pair<std::string, std::string>> allowed_pairs = {};
   std::vector<OrientationConstraint> constraints = {};  ///< hold along the whole path
   /// Files that were read, except meshes, clouds, octrees and an SRDF found beside the URDF.
@@ -91,22 +93,23 @@ struct ProblemOptions {
   std::string robot_path;  ///< URDF to use instead of the one that the problem names
   /// Robot to use instead of the one that the problem names. The entries of the file and of `robot`
   /// about robot, SRDF, group, joints and fixed joints are ignored. Errors: the file allows pairs
-  /// of its links, or is a MoveIt request, which has more entries about its robot.
+  /// of the robot's links; the file is a MoveIt request, which has more entries about its robot.
   std::optional<Robot> made_robot = std::nullopt;
-  /// `joints`, `srdf_path` and each of the `fixed_values` replace those of the problem. `group`
-  /// counts if neither the problem nor this names `joints`.
+  /// `joints`, `srdf_path` and each of the `fixed_values` replace those of the problem. `group` is
+  /// used if neither the problem nor this field names `joints`.
   RobotOptions robot;
   std::optional<GivenConfiguration> start;
   std::optional<GivenConfiguration> goal;
-  /// Replace the problem's goals, together with `goal`. Poses are in the frame of the problem's
-  /// scene unless they name one.
+  /// If `goal` or this field is set, both together replace all goals of the problem. Poses are in
+  /// the frame of the problem's scene unless PoseGoal::frame names another.
   std::vector<PoseGoal> pose_goals = {};
-  /// Added to those of the problem; `up` is in the frame of the problem's scene.
+  /// Constraints to add to those of the problem; `up` is in the frame of the problem's scene.
   std::vector<OrientationConstraint> constraints = {};
-  /// Distance for drop_own_points() at the start, metres; replaces that of the problem. The notes
-  /// become warnings. MoveIt scenes have no clouds.
+  /// Distance for drop_own_points() at the start, metres; replaces the problem's distance.
+  /// Sentences of drop_own_points() become warnings. No effect on MoveIt scenes, which have no
+  /// clouds.
   std::optional<double> self_filter = std::nullopt;
-  /// For callers that load many problems: file and robot are read once. For one thread.
+  /// Lets several calls of one thread read the same file and robot only once. Null: no cache.
   std::shared_ptr<ProblemCache> cache = nullptr;
   /// Passed to approximate_robot().
   SphereProgress on_approximated = terminal_progress();
@@ -121,11 +124,11 @@ struct ProblemOptions {
 [[nodiscard]] Result<Problem> load_problem(const std::string& where,
                                            const ProblemOptions& options = {});
 
-/// Removes points of the robot itself, which sensors see too, from the scene's clouds. A point goes
-/// if, with its radius, it is nearer than `distance` metres to a link's spheres or to an attached
-/// object at `q`; so does a cloud without points left. With 0 no cloud is in contact at `q`
-/// afterwards. Returns a sentence for each obstacle that lost points. Errors: a distance that is
-/// negative or not finite; `q` is no configuration of the robot.
+/// Removes points on the robot itself, which sensors also see, from the scene's clouds. A point is
+/// removed if it is, with its radius, nearer than `distance` metres to a link's spheres or to an
+/// attached object at `q`. A cloud without points left is removed, too. With a `distance` of 0 no
+/// cloud is in contact at `q` afterwards. Returns a sentence for each obstacle that lost points.
+/// Errors: a distance that is negative or not finite; `q` is no configuration of the robot.
 [[nodiscard]] Result<std::vector<std::string>> drop_own_points(Scene& scene, const Robot& robot,
                                                                std::span<const double> q,
                                                                double distance);
@@ -133,8 +136,8 @@ struct ProblemOptions {
 /// Reads the scene of a problem, or a scene file, without reading the robot. `where` is as for
 /// load_problem(), or a scene file.
 [[nodiscard]] Result<FramedScene> extract_scene(const std::string& where);
-/// Returns the scene in the frame of the robot's root link. Errors: its frame is no link of the
-/// robot, or a link that moves.
+/// Returns the scene in the frame of the robot's root link. Error: the scene's frame is no link of
+/// the robot, or a link that moves.
 [[nodiscard]] Result<Scene> in_root_frame(const FramedScene& scene, const Robot& robot);
 
 /// Writes a compact file with this scene, without start and goal. extract_scene() reads it back to
@@ -146,7 +149,8 @@ struct ProblemOptions {
 /// Writes the goal as in JSON files and requests.
 [[nodiscard]] std::string to_json(const PoseGoal& goal);
 
-/// Returns the names of the problems in a compact file, in order; without a name, the index.
+/// Returns the names of the problems in a compact file, in order; of a problem without a name, its
+/// index.
 [[nodiscard]] Result<std::vector<std::string>> list_problems(const std::string& path);
 
 /// Writes a problem file with the scene inside. `robot` is written as given.

@@ -12,24 +12,25 @@
 
 namespace mneme {
 
-/// A remembered path that is in contact after it was fitted to start and goal of the query.
+/// A remembered path that is in contact after it was deformed to lead from the query's start to its
+/// goal.
 struct BlockedPath {
-  std::int64_t row = 0;  ///< of the database
-  double distance = 0;   ///< from its ends to the query's, as in SolveSettings::replay
-  double fraction = 0;   ///< share of its length before the first state in contact
+  std::int64_t row = 0;  ///< id of the path's row in the database
+  double distance = 0;   ///< of the path's ends from the query's, as in SolveSettings::replay
+  double fraction = 0;   ///< share of the path's length before the first state in contact
   Configuration state;   ///< the first state in contact
 };
 
 /// Reports the replay of known tasks near a query: see SolveSettings::replay.
 struct Replay {
-  std::int64_t row = 0;              ///< row of the replayed path; 0: the path was planned.
-  double distance = 0;               ///< from its ends to the query's.
-  bool is_repaired = false;          ///< True if parts of it were replaced to avoid contact.
+  std::int64_t row = 0;              ///< id of the replayed path's row; 0: the path was planned.
+  double distance = 0;               ///< of the replayed path's ends from the query's.
+  bool is_repaired = false;          ///< parts of the path were replaced to avoid contact.
   std::vector<BlockedPath> blocked;  ///< paths that could not be used, nearest first.
   /// Distance of the nearest known task among the compared keys, if all were too far.
   std::optional<double> nearest;
   std::uint64_t keys = 0;        ///< keys of known tasks that were compared
-  std::uint64_t iterations = 0;  ///< of searches that repaired a path
+  std::uint64_t iterations = 0;  ///< of the searches that repaired paths
   double time_s = 0;             ///< 0 if there was no memory to query
 
   [[nodiscard]] bool is_hit() const { return row != 0; }

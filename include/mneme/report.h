@@ -37,9 +37,9 @@ struct PathMeasures {
 /// smallest one. `scene` is checked_scene() of the solved problem. Cost: about 10 us per state.
 [[nodiscard]] PathMeasures measure_path(const Robot& robot, const Scene& scene, const Path& path);
 
-/// Returns for each blocked path of a replay the deepest contact at its first blocked state. A
-/// contact without names: nothing touches there, but the planner's margin or its verification
-/// failed. Cost: about 100 us.
+/// Returns the deepest contact of each path in Replay::blocked at its first state in contact. A
+/// contact without names means that nothing touches there, but the margin is not kept or
+/// verification failed. Cost: about 100 us.
 [[nodiscard]] std::vector<Contact> find_what_blocks(const Problem& problem, const Replay& replay);
 /// Says in a sentence whether a known task was replayed, and if not, why. Empty if no memory was
 /// queried.
@@ -61,20 +61,21 @@ struct PlanarPicture {
   std::string title;
   int max_arms = 60;  ///< most components shown
 };
-/// Returns the picture of a plan. Its title names planner, sampler, status and time. The picture
-/// refers to both arguments.
+/// Returns the picture of a plan. Its title names planner, sampler, status and time. Both arguments
+/// must outlive the picture.
 [[nodiscard]] PlanarPicture make_picture(const Problem& problem, const SolveResult& result);
 /// Returns the picture as an SVG document. Errors: unsupported if the robot is not planar; invalid
-/// if a configuration, a primitive or the mixture does not fit it.
+/// if a configuration, a primitive or the mixture does not fit the robot.
 [[nodiscard]] Result<std::string> to_svg(const PlanarPicture& picture);
 
 /// A path in space as an animated SVG picture, for pages without scripts. The robot appears as the
-/// hulls of its links, blue at the start and red at the goal. Compound shapes are not shown.
+/// hulls of its links, blue at the start and red at the goal. Point clouds, meshes and octrees are
+/// not shown.
 struct MovingPicture {
   const Problem* problem = nullptr;
   Path path;                ///< two configurations or more
   double azimuth = -0.9;    ///< direction of the viewer about z, radians
-  double elevation = 0.45;  ///< of the viewer above the horizon, radians
+  double elevation = 0.45;  ///< angle of the viewer above the horizon, radians
   int frames = 40;          ///< three or more, at equal joint distances
   double seconds = 6;       ///< duration of a cycle
 };
@@ -92,7 +93,8 @@ struct TraceSettings {
   std::vector<std::string> package_paths = {};
 };
 
-/// The timing of a plan, for a trace that is played in seconds. Refers to both members.
+/// Trajectory and rate limits of a plan, for a trace that is played in seconds. Both must outlive
+/// this struct.
 struct TimedPlan {
   const Trajectory* trajectory = nullptr;
   const RateLimits* limits = nullptr;  ///< kept by the trajectory
@@ -115,7 +117,7 @@ class PlanRecorder : public PlanObserver {
   class Thinned {
    public:
     explicit Thinned(int limit) : limit_(static_cast<std::size_t>(limit < 2 ? 2 : limit / 2 * 2)) {}
-    /// Counts an entry. Returns true if it must be added.
+    /// Counts an entry. Returns true if the entry must be added.
     [[nodiscard]] bool counts_next() { return seen_++ % stride_ == 0; }
     void add(T entry) {
       if (entries_.size() == limit_) thin();
@@ -198,9 +200,10 @@ struct PlanTrace {
   struct Primitive {
     LocalPrimitive primitive;
     bool is_learned = false;
-    std::vector<double> similarity_errors;  ///< errors of its matches, nearest first; m^2
-    int components = 0;                     ///< components of all its matches
-    std::uint64_t sample_count = 0;         ///< samples from its experience
+    std::vector<double> similarity_errors;  ///< errors of the primitive's matches, nearest first;
+                                            ///< m^2
+    int components = 0;                     ///< components of all matches of the primitive
+    std::uint64_t sample_count = 0;         ///< samples from experience of the primitive
   };
   struct Edge {
     int graph = 0;
@@ -216,7 +219,7 @@ struct PlanTrace {
   /// Visual shapes per link: the visual elements of the URDF, or the shapes of the attached object.
   /// Empty: the collision shapes are shown.
   std::vector<std::vector<Look>> looks;
-  std::vector<std::string> carriers;  ///< per attached object the link that carries it, or ""
+  std::vector<std::string> carriers;  ///< per attached object the carrying link, or ""
   Limits limits;
   double duration_s = 0;  ///< duration of the trajectory; 0 without one
   std::vector<Touch> touches;
@@ -236,9 +239,9 @@ struct PlanTrace {
 };
 
 /// Returns the trace of a plan. `recorder`: the observer of the run; null leaves out samples and
-/// edges. `timed`: waypoints are at equal times instead of equal steps. Errors: start, a goal, the
-/// path or the memory does not fit the robot. Cost: exact distances at every waypoint, a few 10 ms,
-/// and reading the visual meshes.
+/// edges. With `timed`, waypoints are at equal times instead of equal steps. Errors: start, a goal,
+/// the path or the memory does not fit the robot. Cost: exact distances at every waypoint, a few 10
+/// ms, and reading the visual meshes.
 [[nodiscard]] Result<PlanTrace> make_trace(const Problem& problem, const SolveResult& result,
                                            const PlanRecorder* recorder, double load_time_s,
                                            const TraceSettings& settings = {},
@@ -254,22 +257,22 @@ struct PlanTrace {
 /// Largest trace that to_page() takes.
 inline constexpr std::size_t kMaxTraceBytes = std::size_t{256} << 20;
 
-/// Returns an HTML page that shows a trace and needs no other file and no network. `json`: a trace;
-/// `source` names it in messages. `beside`: a second trace of the same robot, shown beside the
+/// Returns an HTML page that shows a trace and needs no other file and no network. `json`: a trace,
+/// which messages call `source`. `beside`: a second trace of the same robot, shown beside the
 /// first. Errors: not a trace, too large, or of another version.
 [[nodiscard]] Result<std::string> to_page(std::string_view json, const std::string& source,
                                           std::string_view beside = {});
 
-/// The page at `/` of a service, which requests plans from it.
+/// The page at `/` of a service, which requests plans from the service.
 struct LivePage {
   std::string html;
-  /// Point clouds, meshes and octrees. Requests of the page refer to them as the scene
-  /// kLivePageScene.
+  /// Point clouds, meshes and octrees of the page's problem, which the service keeps as the scene
+  /// kLivePageScene. Requests of the page name that scene.
   Scene kept = {};
 };
 inline constexpr const char* kLivePageScene = "page";
-/// Returns the robot in an empty scene at the first free configuration of these: states of its
-/// SRDF, the middle of its limits, random ones.
+/// Returns the robot in an empty scene at the first free configuration among the states of its
+/// SRDF, the middle of its limits, and random ones.
 [[nodiscard]] Problem resting_problem(const Robot& robot, const std::string& robot_path);
 /// Returns a live page that begins with `problem`. Errors: as make_trace().
 [[nodiscard]] Result<LivePage> make_live_page(Problem problem, bool has_memory,
@@ -277,7 +280,7 @@ inline constexpr const char* kLivePageScene = "page";
 
 /// An input file.
 struct ReadFile {
-  std::string what;  ///< its role in messages, such as "the memory"
+  std::string what;  ///< the file's role in messages, such as "the memory"
   std::string path;
 };
 /// Returns the files of a robot: its URDF, `srdf` and the SRDF beside the URDF.
@@ -289,11 +292,13 @@ void add_files(std::string_view what, std::span<const std::string> files,
 void add_problem_files(std::string_view what, const Problem& problem, const std::string& srdf,
                        std::vector<ReadFile>& all);
 
-/// Error: invalid if an output is also an input under any name, is named twice, is a memory, or has
-/// the extension of a mesh, point cloud or octree. Empty outputs are ignored.
+/// Checks the output files of a command. Error: invalid if an output is also an input under any
+/// name, is named twice, is a database of experience, or has the extension of a mesh, point cloud
+/// or octree. Empty outputs are ignored.
 [[nodiscard]] Result<void> check_outputs(std::span<const std::string> outputs,
                                          std::span<const ReadFile> inputs);
-/// Error: invalid if `path` is a memory, even a damaged one.
+/// Refuses to write over a database. Error: invalid if `path` is a database of experience, even a
+/// damaged one.
 [[nodiscard]] Result<void> refuse_memory(const std::string& path);
 /// As check_outputs(), for use before long work. Also an error: an output is a directory, or its
 /// directory does not exist or cannot be written.
@@ -303,7 +308,8 @@ void add_problem_files(std::string_view what, const Problem& problem, const std:
 /// Returns the bytes of the file `path`. Errors: io; unsupported above `most_bytes`.
 [[nodiscard]] Result<std::string> read_file(const std::string& path, std::size_t most_bytes);
 /// Writes a file that readers see whole or not at all: it is renamed when complete. Pipes and
-/// devices are written directly. Errors: io; invalid if `path` is a memory.
+/// devices are written directly. Errors: io; invalid if `path` is a database of experience, which
+/// no output replaces.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view text);
 /// Makes a directory and its parents if they are missing. Errors: io.
 [[nodiscard]] Result<void> make_directory(const std::string& path);

@@ -53,15 +53,16 @@ struct MeshFile {
   Transform pose;             ///< Pose of the mesh in the link's frame.
 };
 
-/// Collision geometry that is approximated by spheres before it is checked (spheres.h).
+/// Collision geometry that spheres replace before collision checking (spheres.h).
 using Solid = std::variant<Box, Cylinder, MeshFile>;
 
 /// The exact geometry that some spheres of a link or attached object approximate.
 struct SphereApproximation {
-  Mesh surface;  ///< Surface of the solids in the link's frame; the spheres contain its inside.
-  int sphere_count = 0;   ///< The last `sphere_count` spheres are the approximation.
-  int capsule_count = 0;  ///< So are the last `capsule_count` capsules.
-  double excess = 0;      ///< Largest protrusion of the spheres in metres, by samples.
+  Mesh surface;  ///< Surface of the solids in the link's frame; the spheres contain all that it
+                 ///< encloses.
+  int sphere_count = 0;   ///< The last `sphere_count` entries of `spheres` approximate it.
+  int capsule_count = 0;  ///< The last `capsule_count` of `capsules` do so, too.
+  double excess = 0;      ///< Largest distance that a sphere sticks out, metres, by samples.
 };
 
 struct Link {
@@ -69,18 +70,19 @@ struct Link {
   int parent_joint = -1;        ///< -1 for the root.
   std::vector<Sphere> spheres;  ///< In the link's frame, as are capsules and solids.
   std::vector<Capsule> capsules;
-  std::vector<Solid> solids;  ///< Empty in a Robot: approximated by spheres.
+  std::vector<Solid> solids;  ///< Empty in a Robot, where spheres replace them.
   std::optional<SphereApproximation> approximation = {};  ///< Set if solids became spheres.
 };
 
 /// An object that a link carries, such as one in a gripper.
 struct AttachedObject {
-  std::string name;                   ///< Differs from all links and other attached objects.
-  std::string link;                   ///< The link that carries it.
+  std::string name;                   ///< Differs from the names of all links and other attached
+                                      ///< objects.
+  std::string link;                   ///< Name of the link that carries the object.
   std::vector<Shape> shapes;          ///< In the link's frame.
   std::vector<MeshFile> meshes = {};  ///< In the link's frame.
-  /// Links and attached objects that may touch it. The carrying link and links fixed to it may
-  /// always.
+  /// Names of links and attached objects that may touch this object. `link` and the links fixed to
+  /// `link` always may.
   std::vector<std::string> may_touch = {};
 };
 
@@ -92,7 +94,7 @@ struct ApproximatedObject {
   std::optional<SphereApproximation> approximation = {};  ///< Set if solids became spheres.
 };
 
-/// Options of a robot beyond its URDF.
+/// Options for reading a robot from a URDF.
 struct RobotOptions {
   /// Names of the joints to plan for, in the order of a configuration. Default: those of `group`.
   std::vector<std::string> joints = {};
@@ -104,7 +106,8 @@ struct RobotOptions {
   /// name and the suffix .srdf, if it exists.
   std::string srdf_path = {};
   /// Directories to search for `package://NAME/...`: each is the package's folder or contains it.
-  /// They are searched before those of ROS_PACKAGE_PATH and the folders NAME above the URDF.
+  /// They are searched before the directories of ROS_PACKAGE_PATH and before folders called NAME in
+  /// the directories above the URDF.
   std::vector<std::string> package_paths = {};
   /// Pairs of links that may touch, in addition to those of the SRDF.
   std::vector<std::pair<std::string, std::string>> allowed_pairs = {};
@@ -114,7 +117,7 @@ struct RobotOptions {
   /// Refuses what is otherwise tolerated with one warning, such as unknown elements and attributes
   /// in URDF and SRDF, missing limits and shapes without size.
   bool strict = false;
-  /// Uses the limits of <limit> where a <safety_controller> has narrower soft limits.
+  /// Uses the limits of <limit> even if a <safety_controller> has narrower soft limits.
   bool hard_limits = false;
 
   friend bool operator==(const RobotOptions&, const RobotOptions&) = default;
@@ -191,9 +194,9 @@ class Robot {
   /// Returns the given values unchecked (see describe_violation()), or those of the named state.
   /// Error: invalid, if no state of this name has a value for each joint of the group.
   [[nodiscard]] Result<Configuration> configuration_of(const GivenConfiguration& given) const;
-  /// Returns why `q` is not a configuration of this robot, or nothing if it is one: wrong count,
+  /// Returns why `q` is not a configuration of this robot, otherwise nothing. Reasons: wrong count,
   /// not finite, more than 1e-5 beyond a limit, or a continuous joint beyond 1e4 rad. `what` names
-  /// it in the message, such as "start".
+  /// `q` in the message, such as "start".
   [[nodiscard]] std::optional<std::string> describe_violation(std::span<const double> q,
                                                               std::string_view what) const;
   /// Returns `q` with continuous joints wrapped to [-pi, pi) and others clamped to their limits.
@@ -210,8 +213,8 @@ class Robot {
 
   /// The attached objects. Each is one of the last links(), with a fixed joint of the same name.
   [[nodiscard]] std::span<const ApproximatedObject> attached() const { return model_->attached; }
-  /// Returns this robot with further attached objects. They are checked against obstacles, moving
-  /// links and each other. Errors: an unknown link, a name that is taken, an unknown name in
+  /// Returns this robot with further attached objects. The objects are checked against obstacles,
+  /// moving links and each other. Errors: an unknown link, a name that is taken, an unknown name in
   /// `may_touch`, an object without spheres and capsules, more than 1000 objects. Cost: tens of
   /// microseconds for a few objects; the tables of the bare robot are shared.
   [[nodiscard]] Result<Robot> with_attached(std::vector<ApproximatedObject> objects) const;
@@ -231,8 +234,8 @@ class Robot {
     std::optional<std::vector<std::pair<std::string, std::string>>> allowed_pairs = std::nullopt;
     std::vector<std::string> warnings = {};
     std::vector<NamedState> states = {};
-    /// Pairs of links, one of them with a sphere approximation at least, that are checked by exact
-    /// geometry if they are checked at all.
+    /// Pairs of links to check by exact geometry, unless a pair is allowed. At least one link of
+    /// each pair has a sphere approximation.
     std::vector<std::pair<std::string, std::string>> exact_pairs = {};
   };
 
@@ -266,22 +269,22 @@ class Robot {
 
 /// Reads a URDF file and its SRDF. Boxes, cylinders and meshes stay in Link::solids. Errors name
 /// file, line and element: an unknown shape, a missing mesh file, a malformed number. One warning
-/// per file counts and names what was tolerated, unless RobotOptions::strict refuses it: unknown
+/// per file counts and names what was tolerated, unless RobotOptions::strict refuses that: unknown
 /// elements and attributes, missing or infinite limits, shapes without size, planar and floating
 /// joints, which stay at their origin. Names in the SRDF that the URDF lacks are warnings. A
 /// `<capsule radius length>` lies along z; its length is the distance between the cap centres. A
 /// `<mimic>` of a fixed joint is ignored.
 [[nodiscard]] Result<Robot::Parts> read_robot(const std::string& path,
                                               const RobotOptions& options = {});
-/// The same for URDF text; `source` names it in messages. Reads an SRDF only if the options name
-/// one.
+/// As read_robot() for URDF text, which messages call `source`. Reads an SRDF only if the options
+/// name one.
 [[nodiscard]] Result<Robot::Parts> parse_robot_parts(std::string_view urdf,
                                                      const std::string& source,
                                                      const RobotOptions& options = {});
 
 /// Reads and builds a robot whose shapes are spheres and capsules already.
 [[nodiscard]] Result<Robot> load_robot(const std::string& path, const RobotOptions& options = {});
-/// The same for URDF text; see parse_robot_parts().
+/// As load_robot() for URDF text; see parse_robot_parts().
 [[nodiscard]] Result<Robot> parse_robot(std::string_view urdf, const std::string& source,
                                         const RobotOptions& options = {});
 

@@ -22,13 +22,12 @@ inline constexpr SampleSource kUniformSource = -1;
 
 /// A planner's use of a configuration.
 enum class SampleOutcome {
-  rejected,   ///< not used: in contact, or no free motion to it
+  rejected,   ///< not used: in contact, or no free motion leads there
   extended,   ///< added to a tree or roadmap
   connected,  ///< added, and connected to the other tree, a goal, or several parts of the roadmap
 };
 
-/// One query's stream of configurations. Refers to its sampler, which must outlive it. Not
-/// thread-safe.
+/// One query's stream of configurations. The sampler must outlive its streams. Not thread-safe.
 class SampleStream {
  public:
   virtual ~SampleStream() = default;
@@ -50,8 +49,8 @@ class Sampler {
 class GoalSource {
  public:
   virtual ~GoalSource() = default;
-  /// Searches for more, for a short while. Returns free configurations that differ from all before.
-  /// After an empty result the next call may find some.
+  /// Searches for further goals for a short while. Returns free configurations that no earlier call
+  /// returned. After an empty result the next call may still find some.
   [[nodiscard]] virtual std::vector<Configuration> more() = 0;
 };
 
@@ -64,7 +63,7 @@ class GoalSource {
 [[nodiscard]] std::unique_ptr<Sampler> make_halton_sampler(const Robot& robot);
 
 /// Number of values in a lower triangle with `rows` rows, packed row by row; also the index of the
-/// first value of row `rows` in a larger one.
+/// first value of row `rows` in a larger triangle.
 [[nodiscard]] constexpr std::size_t triangle_size(std::size_t rows) {
   return rows * (rows + 1) / 2;
 }
@@ -74,7 +73,8 @@ class GoalSource {
 struct GaussianMixture {
   int joint_count = 0;
   std::vector<float> means;  ///< component_count() rows of joint_count values
-  /// Per component its row of `factors`, or -1 for the sampler's sigma. Empty: all -1.
+  /// Per component the index of its row in `factors`; -1: the component has the sampler's sigma.
+  /// Empty: all -1.
   std::vector<int> factor_rows;
   /// factor_count() rows of triangle_size(joint_count) values: lower triangles, row by row, of
   /// Cholesky factors L of covariances L L^T.
@@ -91,44 +91,45 @@ struct GaussianMixture {
   [[nodiscard]] std::size_t factor_size() const {
     return triangle_size(static_cast<std::size_t>(joint_count));
   }
-  /// Returns a component's row of `factors`; empty for the sampler's sigma.
+  /// Returns a component's row of `factors`; empty if the component has the sampler's sigma.
   [[nodiscard]] std::span<const float> factor(int component) const {
     const int row = factor_rows.empty() ? -1 : factor_rows[static_cast<std::size_t>(component)];
     if (row < 0) return {};
     return {factors.data() + static_cast<std::size_t>(row) * factor_size(), factor_size()};
   }
-  /// Adds `factor` as a new row for the next component without an entry in `factor_rows`; empty for
-  /// the sampler's sigma.
+  /// Adds an entry to `factor_rows` for the next component, and `factor` to `factors`. An empty
+  /// `factor` gives the component the sampler's sigma.
   void add_factor(std::span<const float> factor) {
     factor_rows.push_back(factor.empty() ? -1 : factor_count());
     factors.insert(factors.end(), factor.begin(), factor.end());
   }
 };
 
-/// Progressive widening over components in order of relevance: sample n, from 0, is from one of the
-/// first `first + growth * n`.
+/// Progressive widening over components in order of relevance. Sample n, counted from 0, is from
+/// one of the first `first + growth * n` components.
 struct Widening {
   double first = 0;  ///< 0: all components from the first sample, as in the paper
   double growth = 0;
 };
 
 /// Returns a sampler that picks a component with equal probability and samples from it. `sigma` is
-/// the standard deviation of components without a factor, >= 0: radians, half of it in metres for
-/// prismatic joints. Continuous joints wrap, others clamp to their limits. The mixture must have
-/// components.
+/// the standard deviation of components without a factor, >= 0: radians, or half that number of
+/// metres for prismatic joints. Continuous joints wrap, others clamp to their limits. The mixture
+/// must have components.
 [[nodiscard]] std::unique_ptr<Sampler> make_mixture_sampler(
     const Robot& robot, std::shared_ptr<const GaussianMixture> mixture, double sigma,
     const Widening& widening = {});
 
 /// Returns a sampler whose streams take the first `count` samples from `first`. Then each stream
 /// calls `make_rest` once and takes all further samples from its result. Queries that are solved
-/// quickly thus never pay for `make_rest`. Sources are not changed.
+/// quickly thus never pay for `make_rest`. Samples keep the sources that `first` and the other
+/// sampler report.
 [[nodiscard]] std::unique_ptr<Sampler> make_lazy_sampler(
     std::shared_ptr<const Sampler> first, int count,
     std::function<std::shared_ptr<const Sampler>()> make_rest);
 
-/// Components of a mixture that are computed at their first sample. They come in groups in order of
-/// relevance; within a group they are equally likely. Const is parallel-safe.
+/// Components of a mixture, each computed when it is first sampled. They form groups in order of
+/// relevance; components of one group are equally likely. Const is parallel-safe.
 class ComponentSource {
  public:
   /// Number of samples after which the next group joins. Relevant groups are thus tried first, and
@@ -142,29 +143,30 @@ class ComponentSource {
   [[nodiscard]] virtual int component_count(int group) const = 0;
   /// Source of the samples from a group's components.
   [[nodiscard]] virtual SampleSource sample_source(int group) const = 0;
-  /// Writes the mean of a component, within the limits. Returns false if it has none.
+  /// Writes the mean of a component, within the limits. Returns false if the component has no mean.
   [[nodiscard]] virtual bool make(int group, int component, std::span<float> mean) const = 0;
   /// Returns the component's factor, as GaussianMixture::factor().
   [[nodiscard]] virtual std::span<const float> factor(int group, int component) const = 0;
 };
 
-/// Returns a sampler like make_mixture_sampler() over all components of the groups that take part;
-/// uniform if none has a mean.
+/// Returns a sampler like make_mixture_sampler() over all components of the groups that take part.
+/// Samples are uniform if no component has a mean.
 [[nodiscard]] std::unique_ptr<Sampler> make_component_sampler(
     const Robot& robot, std::shared_ptr<const ComponentSource> source, double sigma);
 
-/// A sampler within a mixed one. After n samples from it in the stream, its probability is
-/// lambda * h / (h + n), at least the floor f = `least_lambda`; h = max(500, 25000 f). All sources'
-/// probabilities sum to at most 1.
+/// A sampler that make_mixed_sampler() mixes with others. Its samples have the probability lambda
+/// at first, and lambda * h / (h + n) after n of them in a stream, where h = max(500, 25000 f). The
+/// probability never falls below the floor f = `least_lambda`. The probabilities of all sources sum
+/// to at most 1.
 ///
-/// No regret: let U samples of the rest solve a query. With a single useless source and 0 < f < 1,
-/// the expected number of samples is at most U / (1 - f) + max(0, n0) + 1. Here n0 = h (lambda / f
-/// - 1), which is 25000 (lambda - f) for f >= 0.02. Proof: lambda equals f once n >= n0, so that at
-/// most n0 + 1 samples from the source come before. From then on each sample is from it with
-/// probability f: f / (1 - f) are expected between two of the rest. With 0.8 and 0.2 a useless
-/// memory costs at most a quarter more samples plus 15,001, with 0.5 and 0.02 a fortieth more plus
-/// 12,001. If a planner is not slower for having seen more samples, the same holds for its
-/// iterations.
+/// The cost of a useless source is limited (no regret). Let a query need U samples of `rest`
+/// without the source. With this source alone and 0 < f < 1, the query needs at most U / (1 - f) +
+/// n0 + 1 samples on average. Here n0 = max(0, h (lambda / f - 1)) is the number of the source's
+/// samples until its probability is f; for lambda >= f >= 0.02 it is 25000 (lambda - f). Proof: at
+/// most n0 + 1 samples of the source come before its probability is f. Afterwards f / (1 - f) of
+/// its samples are expected per sample of `rest`. Examples: lambda = 0.8 and f = 0.2 cost at most
+/// 25 % more samples plus 15,001; lambda = 0.5 and f = 0.02 cost at most 2.1 % more plus 12,001.
+/// The bound also holds for the iterations of a planner that more samples never slow down.
 struct MixedSource {
   std::shared_ptr<const Sampler> sampler;
   double lambda = 0;

@@ -18,20 +18,22 @@
 
 namespace mneme {
 
-/// Metres from the origin; checkers refuse shapes beyond (docs/design/numerics.md).
+/// Largest distance of a shape from the origin, metres. Checkers refuse shapes farther out
+/// (docs/design/numerics.md).
 inline constexpr double kFarthestShape = 1e4;
 
-/// Error: unsupported for more than 4 million points. Points that are not finite count.
+/// Checks the number of points of an obstacle, including those that are not finite. Error:
+/// unsupported for more than 4 million.
 [[nodiscard]] Result<void> check_point_count(std::string_view obstacle, std::size_t points);
 
 /// A named rigid body of one or more shapes, in the frame of the robot's root link, in metres.
 struct Obstacle {
   std::string name;
   std::vector<Shape> shapes;
-  /// Links and attached objects that may touch it: they are not checked against it.
+  /// Names of links and attached objects that may touch the obstacle: such pairs are not checked.
   std::vector<std::string> may_touch = {};
-  /// Links that are checked against it by exact geometry (Link::approximation) instead of spheres:
-  /// precise, but slow. Not written to files.
+  /// Names of links that are checked against the obstacle by exact geometry (Link::approximation)
+  /// instead of spheres, which is precise but slow. Not written to files.
   std::vector<std::string> exact_links = {};
 
   bool operator==(const Obstacle&) const = default;
@@ -39,7 +41,7 @@ struct Obstacle {
 
 namespace internal {
 
-/// Cache of names for Scene::add(). Copies are empty; all are equal.
+/// Cache of names for Scene::add(). A copy is empty, and all caches compare equal.
 class ObstacleNames {
  public:
   ObstacleNames() = default;
@@ -50,7 +52,8 @@ class ObstacleNames {
   ~ObstacleNames() = default;
   bool operator==(const ObstacleNames&) const { return true; }
 
-  /// Returns the position of an obstacle, after reading a list that others have changed.
+  /// Returns the position of the obstacle `name`. Reads `obstacles` anew if other code changed the
+  /// list.
   [[nodiscard]] std::optional<std::size_t> find(const std::vector<Obstacle>& obstacles,
                                                 const std::string& name);
   /// Adds the last obstacle of the list.
@@ -68,14 +71,14 @@ class ObstacleNames {
 struct Scene {
   std::string name;
   std::vector<Obstacle> obstacles;
-  /// Warnings from reading its files, such as points that are not finite.
+  /// Warnings from reading the scene's files, such as points that are not finite.
   std::vector<std::string> warnings = {};
   /// Pairs of links that are checked against each other by exact geometry; at least one of the two
   /// has a sphere approximation. Not written to files.
   std::vector<std::pair<std::string, std::string>> exact_pairs = {};
   internal::ObstacleNames names = {};  ///< For add() only.
 
-  /// Returns null if there is no obstacle of this name.
+  /// Returns the obstacle of this name, or null if there is none.
   [[nodiscard]] const Obstacle* find(std::string_view obstacle) const;
   [[nodiscard]] Obstacle* find(std::string_view obstacle);
 
@@ -83,10 +86,11 @@ struct Scene {
   // octrees are kept; only those of a moved shape that is wider than the robot's reach are built
   // again. Errors: an unknown obstacle, a name that is taken, a shape without size or parts.
 
-  /// Constant cost on average. A name that was changed in `obstacles` by hand may go unnoticed.
+  /// Adds an obstacle. Cost: constant on average. May miss names that other code changed in
+  /// `obstacles`.
   [[nodiscard]] Result<void> add(Obstacle obstacle);
-  /// Adds a shape to an obstacle, or an obstacle of this shape if there is none. Cost and
-  /// errors as add().
+  /// Adds a shape to the obstacle of this name, or an obstacle with the shape if there is none.
+  /// Cost and errors: those of add().
   [[nodiscard]] Result<void> add_shape(const std::string& obstacle, Shape shape);
   [[nodiscard]] Result<void> remove(std::string_view obstacle);
   /// Moves an obstacle by X in the frame of the root link: each pose becomes X * pose.
@@ -94,12 +98,13 @@ struct Scene {
   /// Replaces the points of a cloud from index `first` on, in the cloud's frame. `points` must not
   /// alias the cloud's own. The checkers' grid is updated in place, or copied first if another
   /// scene or checker shares the cloud. Errors: the obstacle is not one cloud, the range is beyond
-  /// its points, coordinates that are not finite.
+  /// the cloud's points, coordinates that are not finite.
   [[nodiscard]] Result<void> replace_points(std::string_view obstacle, std::size_t first,
                                             std::span<const CloudPoint> points);
 
-  /// Prepares the clouds, meshes and octrees of an obstacle for robots that reach up to 2 m, so
-  /// that the first plan need not. Cost: about 2 s for a million triangles.
+  /// Builds search structures for the clouds, meshes and octrees of an obstacle, so that the first
+  /// plan takes no longer than later ones. For robots that reach up to 2 m. Cost: about 2 s for a
+  /// million triangles.
   void prepare(std::string_view obstacle) const;
 
   bool operator==(const Scene&) const = default;
@@ -109,7 +114,7 @@ struct Scene {
 struct FramedScene {
   Scene scene;
   std::string frame;  ///< A link that is fixed to the root; empty for the root itself.
-  /// The files that it was read from, without meshes, clouds and octrees.
+  /// Files that the scene was read from, except meshes, clouds and octrees.
   std::vector<std::string> files = {};
 };
 
@@ -117,16 +122,17 @@ struct FramedScene {
 /// scene must share one frame, which counts as that of the root link. Errors name file, line and
 /// key: malformed text, repeated names.
 [[nodiscard]] Result<Scene> load_scene(const std::string& path);
-/// The same with the name of the frame.
+/// As load_scene(), with the name of the scene's frame.
 [[nodiscard]] Result<FramedScene> load_framed_scene(const std::string& path);
-/// The same for YAML text; `source` names it in messages.
+/// As load_scene() for YAML text; `source` names the text in messages.
 [[nodiscard]] Result<Scene> parse_scene(std::string_view yaml, const std::string& source);
 /// Returns YAML that parse_scene() reads back to the same scene; rotations may differ by rounding.
 /// parse_scene() reads at most 4 million values: keep larger clouds and meshes in separate files.
 [[nodiscard]] std::string to_yaml(const Scene& scene);
 
 /// Returns MoveIt's planning scene as YAML, which load_framed_scene() reads back to the same scene.
-/// Errors: a shape other than spheres, boxes and cylinders; an allowed contact; no name of a frame.
+/// Errors: a shape other than spheres, boxes and cylinders; an obstacle with `may_touch`; an empty
+/// `frame`.
 [[nodiscard]] Result<std::string> to_moveit_yaml(const FramedScene& scene);
 
 /// Returns a planar scene with a sphere in the plane z = 0 per circle; rows are x, y, radius.

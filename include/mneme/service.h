@@ -25,8 +25,8 @@ namespace mneme {
 struct ServiceSettings {
   /// HOST:PORT or unix:PATH. Port 0 takes any free port.
   std::string listen = "127.0.0.1:7890";
-  /// Clients must send `Authorization: Bearer TOKEN`. Empty: no token, which only addresses of this
-  /// machine allow.
+  /// Clients must send `Authorization: Bearer TOKEN`. Empty: no token; then `listen` must be an
+  /// address that other machines cannot reach.
   std::string token;
   int threads = 0;
   int queue = 64;
@@ -43,12 +43,12 @@ struct ServiceSettings {
   std::uint64_t nodes = 1000000;
   std::optional<int> remember_after;  ///< SolveSettings::remember_after of all plans
   double refresh_s = 1;
-  /// A problem of the service's robot. The page at `/` begins with it, and requests without a scene
-  /// and obstacles use its scene. Null: no obstacles, and the robot at rest.
+  /// A problem of the service's robot. The page at `/` begins with this problem. Requests without a
+  /// scene and obstacles use its scene. Null: no obstacles, and the robot at rest.
   std::shared_ptr<const Problem> shown;
   /// Cells that answer their tasks before anything is planned, the first that can.
   std::vector<std::shared_ptr<const Cell>> cells;
-  std::string robot_path;  ///< the robot's URDF, for its visual meshes on that page; may be empty
+  std::string robot_path;  ///< the robot's URDF, for visual meshes on the page at `/`; may be empty
   std::vector<std::string> package_paths;  ///< as RobotOptions::package_paths, for visual meshes
 };
 

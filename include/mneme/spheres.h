@@ -20,13 +20,14 @@ namespace mneme {
 
 struct SphereSettings {
   /// Largest distance in metres that a sphere may stick out of the geometry; the mean is about half
-  /// of it. Half the value takes three to four times the spheres. Small links get less: 0.4 of the
-  /// middle one of their three extents, at least 0.005. 0.001 to 1.
+  /// of this value. Half the value takes three to four times the spheres. Small links get a smaller
+  /// limit: 0.4 of the middle one of their three extents, at least 0.005. Range: 0.001 to 1.
   double excess = 0.015;
-  /// Largest number of spheres of a link. Where the excess needs more, it is enlarged. 1 to 1000.
+  /// Largest number of spheres of a link, 1 to 1000. A link that would need more gets a larger
+  /// excess.
   int max_spheres = 1000;
-  /// Replaces `excess`, if it is less, for an arm's fingers and last three links: links with at
-  /// least four joints before them and at most two beyond. 0.001 to 1.
+  /// Replaces `excess`, if less, for an arm's fingers and last three links, metres, 0.001 to 1.
+  /// These are links with at least four joints before them and at most two beyond.
   double tip_excess = 0.005;
 };
 
@@ -44,36 +45,37 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Largest number of spheres of a link. Where the excess needs more, it is enlarged.");
 }
 
-/// The sphere approximation of one link. Its quality is measured at samples that the search did not
-/// use.
+/// The sphere approximation of one link. Its quality is measured at samples that the search for
+/// spheres did not use.
 struct LinkSpheres {
   std::string link;
   std::vector<Sphere> spheres;  ///< In the link's frame.
-  std::vector<Capsule>
-      capsules;            ///< In the link's frame: one instead of spheres if it fits as well.
-  double uncovered = 0;    ///< Fraction of the surface outside all spheres: 0 as promised.
-  double mean_excess = 0;  ///< Mean over the surface of the spheres' union, metres.
+  /// In the link's frame: one capsule instead of spheres where it fits as well.
+  std::vector<Capsule> capsules;
+  double uncovered = 0;    ///< Fraction of the link's surface outside all spheres; 0 is expected.
+  double mean_excess = 0;  ///< Mean distance of the spheres' outer surface from the link, metres.
   double max_excess = 0;   ///< Largest distance that a sphere sticks out, metres.
 };
 
-/// Computes spheres that contain the surface of a link's solids and all that it encloses. Gaps of
-/// up to about a hundredth of the link's size count as closed. The inside of a surface with larger
-/// holes is decided by the vote of five lines. The result depends on the solids and the settings
+/// Computes spheres that contain the surface of a link's solids and everything inside. Gaps of up
+/// to about a hundredth of the link's size count as closed. If a surface has larger holes, a vote
+/// of five rays decides which points are inside. The result depends on the solids and the settings
 /// alone. Errors: a mesh that cannot be used (the message names its file), solids that are not
 /// finite or have no surface. Cost: up to seconds.
 [[nodiscard]] Result<LinkSpheres> approximate_link(const Link& link,
                                                    const SphereSettings& settings = {});
 
-/// Called each time when the spheres of a link are ready. Links of equal geometry count once.
+/// Called whenever the spheres of a link are ready. Links of equal geometry count once.
 using SphereProgress = std::function<void(int done, int total, const std::string& link)>;
 
-/// Returns a callback that shows progress in a line of standard error, once it takes longer than
-/// half a second; an empty one if that is no terminal.
+/// Returns a callback that shows progress on a line of standard error after half a second. Returns
+/// an empty callback if standard error is no terminal.
 [[nodiscard]] SphereProgress terminal_progress();
 
 /// A robot whose solids were replaced by spheres.
 struct RobotSpheres {
-  Robot::Parts parts;              ///< without solids; spheres and capsules stay as they were
+  Robot::Parts parts;              ///< solids replaced by spheres; other spheres and capsules
+                                   ///< unchanged
   std::vector<LinkSpheres> links;  ///< the links that had solids, in their order
   std::vector<std::string> notes;  ///< for people: one sentence each
 };
@@ -105,29 +107,31 @@ struct PairSettings {
   int samples = 10000;         ///< random configurations of all joints; > 0
   bool allow_at_rest = false;  ///< also allow pairs in contact where all joints are zero
   std::uint64_t seed = 1;
-  bool is_exact = false;  ///< judge contact by the exact geometry behind spheres
+  bool is_exact = false;  ///< decide contact by exact geometry instead of spheres
 };
 
-/// Finds the pairs of links with shapes that need no check, by sampling: each pair once, in the
-/// order of the links. `parts` has no solids. Errors: those of make_robot(); no joint to sample.
+/// Finds by sampling the pairs of links with shapes that need no check. Returns each pair once, in
+/// the order of the links. `parts` must not have solids. Errors: those of make_robot(); no joint to
+/// sample.
 [[nodiscard]] Result<std::vector<AllowedPair>> derive_allowed_pairs(
     const Robot::Parts& parts, const PairSettings& settings = {});
 
-/// Replaces the allowed pairs of `parts` by derive_allowed_pairs() and then its former ones.
-/// Returns the reasons for to_srdf(): to_string(AllowedReason), or "User" for former ones. Errors:
-/// those of derive_allowed_pairs().
+/// Replaces the allowed pairs of `parts` by those of derive_allowed_pairs(), followed by the former
+/// ones. Returns the reasons for to_srdf(): to_string(AllowedReason), or "User" for former ones.
+/// Errors: those of derive_allowed_pairs().
 [[nodiscard]] Result<std::vector<std::string>> allow_derived_pairs(
     Robot::Parts& parts, const PairSettings& settings = {});
 
 struct DerivedSrdf {
   std::string text;
-  std::vector<std::string> reasons;  ///< of the allowed pairs, in their order
+  std::vector<std::string> reasons;  ///< one per allowed pair, in the order of the pairs
   std::vector<std::string> notes;    ///< for people: one sentence each
 };
-/// Writes an SRDF for the URDF at `path`: groups, states and allowed pairs of the SRDF in use, if
-/// there is one, and the pairs that need no check. Default: by exact geometry, also pairs in
-/// contact at rest, as in MoveIt's Setup Assistant. Errors: those of read_robot(),
-/// approximate_robot() and derive_allowed_pairs(). Cost: seconds.
+/// Returns an SRDF for the URDF at `path`. If the robot has an SRDF, its groups, states and allowed
+/// pairs are kept. Pairs of links that need no check are added. The default settings decide contact
+/// by exact geometry and also allow pairs in contact where all joints are zero, as MoveIt's Setup
+/// Assistant does. Errors: those of read_robot(), approximate_robot() and derive_allowed_pairs().
+/// Cost: seconds.
 [[nodiscard]] Result<DerivedSrdf> derive_srdf(
     const std::string& path, const RobotOptions& options = {},
     const PairSettings& settings = {.allow_at_rest = true, .is_exact = true},
@@ -138,11 +142,11 @@ struct ApproximatedRobot {
   std::vector<std::string> notes;  ///< for people: one sentence each
 };
 
-/// Loads a robot with any collision geometry: as load_robot(), and solids become spheres, at a cost
-/// of CPU seconds per arm, with progress on a terminal. The cache makes that milliseconds. Without
-/// an SRDF, adjacent pairs are allowed. Pairs that random configurations and a search never part by
-/// their exact geometry are allowed, too: with a warning if an SRDF checks them. Where only the
-/// spheres of a pair always overlap, it is one of Robot::exact_pairs().
+/// Loads a robot with any collision geometry: as load_robot(), but solids become spheres. Cost: CPU
+/// seconds per arm, with progress on a terminal, or milliseconds from the cache. Without an SRDF,
+/// adjacent pairs are allowed. A pair is also allowed if its exact geometry is in contact in all
+/// random configurations and a search finds no free one; if an SRDF checks such a pair, with a
+/// warning. A pair of which only the spheres always overlap becomes one of Robot::exact_pairs().
 [[nodiscard]] Result<ApproximatedRobot> load_approximated_robot(
     const std::string& path, const RobotOptions& options = {}, const SphereSettings& settings = {},
     const SphereProgress& on_approximated = terminal_progress());
@@ -150,11 +154,11 @@ struct ApproximatedRobot {
 /// Default settings for attached objects.
 inline constexpr SphereSettings kObjectSpheres{.excess = 0.015, .max_spheres = 64};
 
-/// Returns the object with its spheres. Spheres and capsules stay as they are. Boxes and cylinders
-/// become lattices of at most `max_spheres` spheres each, in microseconds. Meshes are approximated
-/// as those of links, with the same cache. The exact geometry is kept, cylinders as enclosing
-/// prisms of 48 sides. Errors: no shapes; a shape that is not finite, without size or with a pose
-/// that is no rotation; a mesh that cannot be used.
+/// Returns the object with spheres for its shapes. Shapes that are spheres or capsules stay as they
+/// are. Boxes and cylinders become lattices of at most `max_spheres` spheres each, in microseconds.
+/// Meshes are approximated as those of links, with the same cache. The exact geometry is kept,
+/// cylinders as enclosing prisms of 48 sides. Errors: no shapes; a shape that is not finite,
+/// without size or with a pose that is no rotation; a mesh that cannot be used.
 [[nodiscard]] Result<ApproximatedObject> approximate_object(
     AttachedObject object, const SphereSettings& settings = kObjectSpheres);
 

@@ -55,7 +55,8 @@ struct BenchmarkRow {
   std::uint64_t replayed = 0;          ///< Replay::row
   /// Seconds of the trajectory within the robot's own limits (find_rate_limits); 0 without a path.
   double duration_s = 0;
-  bool is_warm = false;  ///< timed warm: after another run of the problem, without a check between
+  bool is_warm = false;  ///< timed warm: right after another run of the problem, without the exact
+                         ///< check of a path between
 };
 
 /// The row of one call of solve() with `settings`. The path is checked again with exact distances
@@ -63,9 +64,9 @@ struct BenchmarkRow {
 /// The caller sets `set`, `setting`, `machine`, `version` and `started`.
 [[nodiscard]] BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
                                     const SolveResult& result, const CollisionChecker& checker);
-/// "AMD EPYC, 2 cores, Linux 6.1"
+/// Returns processor, number of cores and system, such as "AMD EPYC, 2 cores, Linux 6.1".
 [[nodiscard]] std::string describe_machine();
-/// "mneme 0.2.0, g++ 12.2"
+/// Returns version and compiler of this build, such as "mneme 0.2.0, g++ 12.2".
 [[nodiscard]] std::string describe_build();
 /// The current time, UTC, ISO 8601.
 [[nodiscard]] std::string current_time();
@@ -91,8 +92,8 @@ struct TimeSummary {
 [[nodiscard]] TimeSummary summarize(std::span<const BenchmarkRow> rows,
                                     double BenchmarkRow::*time_s = &BenchmarkRow::planning_time_s);
 
-/// CSV (RFC 4180, but lines end in a line feed): a header and one line per run. The column is_valid
-/// is BenchmarkRow::is_path_valid, 0 or 1.
+/// Returns CSV (RFC 4180, but lines end in a line feed): a header and one line per run. The column
+/// is_valid is BenchmarkRow::is_path_valid, 0 or 1.
 [[nodiscard]] std::string to_csv(std::span<const BenchmarkRow> rows);
 /// The header and the line of one run, as in to_csv.
 [[nodiscard]] std::string csv_header();
@@ -109,7 +110,8 @@ struct CsvRuns {
 [[nodiscard]] Result<CsvRuns> parse_csv(std::string_view text, const std::string& source);
 
 /// Summary of the runs of one planner, sampler and setting on the problems of one set. Times are
-/// of runs on valid problems; runs without a valid path are failures at the time limit.
+/// those of runs on problems with valid start and goal. A run without a valid path counts as a
+/// failure with the time limit as its time.
 struct SetSummary {
   std::string set;  ///< "all" for the sets together
   std::string planner;
@@ -117,7 +119,7 @@ struct SetSummary {
   std::string setting;
   int total = 0;            ///< all runs
   int valid = 0;            ///< runs on problems with valid start and goal
-  int invalid_paths = 0;    ///< paths that failed the independent check; failures
+  int invalid_paths = 0;    ///< paths that failed the independent check; they count as failures
   TimeSummary times;        ///< planning times
   TimeSummary total_times;  ///< times of solve() from call to return
   std::uint64_t iterations_p50 = 0;
@@ -141,7 +143,7 @@ struct MemoryRow {
   std::int64_t primitives = 0;
   std::int64_t components = 0;
   std::int64_t bytes = 0;
-  double learning_time_s = 0;  ///< 0 if it existed already
+  double learning_time_s = 0;  ///< 0 if the database existed already
 };
 [[nodiscard]] std::string to_csv(std::span<const MemoryRow> rows);
 /// Reads the text of to_csv(). `source` names the text in messages.
@@ -153,10 +155,10 @@ struct TimeRatio {
   double value = 0;
   double low = 0, high = 0;
   bool is_at_least = false;  ///< a lower bound: the reference failed at its time limit
-  bool is_at_most = false;   ///< an upper bound: the other failed at its time limit
+  bool is_at_most = false;   ///< an upper bound: the compared run failed at its time limit
 };
-/// Ratios of a reference's planning times to another's, on the same problems and seeds. Above 1
-/// the other is faster. Runs without a path count with their time limit.
+/// Ratios of a reference's planning times to those of a compared series, on the same problems and
+/// seeds. Above 1 the compared series is faster. Runs without a path count with their time limit.
 struct PairedRatio {
   int pairs = 0;
   TimeRatio p50, p95, p99;  ///< ratios of percentiles
@@ -172,7 +174,7 @@ struct PairedRatio {
 /// Comparison of two samplers, settings or planners on the problems of one set.
 struct SeriesRatio {
   std::string set;        ///< "all" for the sets together
-  std::string other;      ///< such as "rrt_connect, gl, tuned"
+  std::string other;      ///< compared series, such as "rrt_connect, gl, tuned"
   std::string reference;  ///< such as "rrt_connect, uniform, tuned"
   PairedRatio ratio;
 };

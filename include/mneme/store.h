@@ -16,10 +16,12 @@
 
 namespace mneme {
 
-/// A local sampler p_i(x | lw_i) in the canonical frame of its primitive. Without components:
+/// A local sampler p_i(x | lw_i): a mixture of configurations for one primitive, a small group of
+/// obstacles, in the primitive's canonical frame (LocalPrimitive::key). Without components:
 /// learning was tried and solved no local query.
 struct LocalSampler : GaussianMixture {
-  /// False if a time limit ended its learning. A query that retrieves it continues learning.
+  /// False if a time limit ended learning. A query that retrieves such a sampler continues to learn
+  /// it.
   bool is_complete = true;
 };
 
@@ -29,7 +31,8 @@ struct RememberedPath {
   std::vector<float> waypoints;   ///< one configuration after the other, both ends included
   std::uint64_t constraints = 0;  ///< hash of the constraints that the whole path satisfies; 0:
                                   ///< none
-  /// States checked while planning it, without shortening and improving. Empty if not measured.
+  /// Number of states checked while the path was planned, without shortening and improving. Empty:
+  /// not measured.
   std::optional<std::uint64_t> planning_states;
   /// Lower bound of the distance to obstacles where the path was learned, metres, per waypoint.
   /// Empty: unknown.
@@ -49,10 +52,11 @@ struct Provenance {
   std::string tool;      ///< such as "mneme 0.2.0"
   std::string settings;  ///< learning settings as text
   std::uint64_t seed = 0;
-  std::string time;  ///< UTC, ISO 8601; filled in by insert() if empty
-  /// Hash of the lesson that taught the row: a primitive or problem with learning settings and
-  /// seed. 0: none. Written only: insert() marks the lesson as done (Database::finished_lessons()),
-  /// also if the row is stored already.
+  std::string time;  ///< UTC, ISO 8601; filled in by Database::insert() if empty.
+  /// Hash of the lesson that taught the row. A lesson is one unit of learning: a primitive or
+  /// problem with learning settings and a seed. 0: none. Database::insert() records the lesson as
+  /// finished (Database::finished_lessons()), even if an equal row is stored already. Not set in
+  /// rows that are read.
   std::uint64_t lesson = 0;
 };
 
@@ -91,12 +95,12 @@ struct Experience {
   }
 };
 
-/// Identity of the robot that experience was learned with. It decides whether rows apply.
+/// Identifies the robot that experience was learned with, and thus the robots that may use it.
 struct RobotSignature {
-  std::string robot_name;       ///< for messages only
-  std::string kinematics_hash;  ///< Robot::kinematics_hash(); rows apply to robots with an equal
-                                ///< one
-  std::string model_hash;       ///< Robot::hash()
+  std::string robot_name;  ///< for messages only
+  /// Robot::kinematics_hash(); robots with an equal hash may use the rows.
+  std::string kinematics_hash;
+  std::string model_hash;  ///< Robot::hash()
   int joint_count = 0;
 };
 enum class OpenMode { read_only, read_write, create };
@@ -105,7 +109,8 @@ enum class OpenMode { read_only, read_write, create };
 struct Damage {
   std::int64_t id = 0;
   std::string what;
-  bool is_quarantined = false;  ///< set aside, so that the other rows can be used
+  /// Set aside: searches skip the row, so that the other rows can be used.
+  bool is_quarantined = false;
 };
 
 struct MergeSummary {

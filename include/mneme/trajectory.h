@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Trajectories: rate limits, rounded corners, time-optimal motion along a path, and files of it.
+/// Trajectories: rate limits, rounded corners, time-optimal motion along a path, and trajectory
+/// files.
 #pragma once
 
 #include "mneme/base.h"
@@ -32,7 +33,7 @@ requires std::same_as<std::remove_const_t<Settings>, TrajectorySettings>
 void visit_settings(Settings& s, Visitor&& visit) {
   visit("dt", s.dt, 1e-4, 1e4,
         "Time between two written points of a trajectory, seconds. The last step takes half to one "
-        "and a half of it.");
+        "and a half of this time.");
   visit("velocity-scale", s.velocity_scale, 0.001, 1.0,
         "Fraction of the velocity limits that a trajectory may use.");
   visit("acceleration-scale", s.acceleration_scale, 0.001, 1.0,
@@ -64,16 +65,16 @@ struct RateLimits {
 /// Returns the limits of `file` where it has them, otherwise those of the robot's URDF, otherwise
 /// those of the settings; velocity and acceleration are scaled. Joints that follow one of the group
 /// may lower its limits. `file`: YAML as MoveIt's joint_limits.yaml; empty: none. A deceleration
-/// bounds the acceleration. Other keys and joints are ignored with a warning, or refused if
-/// `strict`. Errors: a file that cannot be read; a joint of the group that cannot move; settings
+/// limit also bounds the acceleration. Other keys and joints are ignored with a warning, or refused
+/// if `strict`. Errors: a file that cannot be read; a joint of the group that cannot move; settings
 /// out of range.
 [[nodiscard]] Result<RateLimits> find_rate_limits(const Robot& robot,
                                                   const TrajectorySettings& settings = {},
                                                   const std::string& file = "",
                                                   bool strict = false);
 
-/// A motion from rest to rest. Velocity is continuous; acceleration is if jerk is limited. Limits
-/// hold at every time, not only at sampled points. Const and parallel-safe.
+/// A motion from rest to rest. Velocity is continuous; so is acceleration if jerk is limited.
+/// Limits hold at every time, not only at sampled points. Const and parallel-safe.
 class Trajectory {
  public:
   /// Continuous joints do not wrap: they may leave [-pi, pi), so that nothing jumps.
@@ -81,7 +82,7 @@ class Trajectory {
     double time_s = 0;
     Configuration position;
     std::vector<double> velocity;      ///< rad/s or m/s
-    std::vector<double> acceleration;  ///< rad/s^2 or m/s^2; where it jumps, the value after
+    std::vector<double> acceleration;  ///< rad/s^2 or m/s^2; at a jump, the value after the jump
   };
   /// A polynomial in the time t since it began, up to the next stretch: the position of joint j of
   /// n is the sum of coefficients[k n + j] t^k.

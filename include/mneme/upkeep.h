@@ -15,7 +15,7 @@ namespace mneme {
 
 enum class VerifyMode {
   report,      ///< report damage only
-  quarantine,  ///< set damaged rows aside, so that the other rows can be used
+  quarantine,  ///< set damaged rows aside: searches skip them, and the other rows can be used
 };
 /// Checks the file structure and every row's checksums. Returns all damage; empty if the database
 /// is sound. If the file itself is damaged, nothing is set aside, and the last entry holds the
