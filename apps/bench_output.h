@@ -14,13 +14,13 @@
 
 namespace mneme::app {
 
-/// Shows the runs of a benchmark as they come, for as long as it exists: a table that grows on a
-/// terminal, otherwise a line now and then.
+/// Returns a callback that shows the runs of a benchmark as they end: as a table that grows on a
+/// terminal, otherwise as a line now and then. Destroying the callback ends the table.
 [[nodiscard]] OnRows show_rows();
 
-/// One summary per set, planner, sampler and setting, and the problems that none is of.
+/// One summary per set, planner, sampler and setting, and the problems that no summary covers.
 [[nodiscard]] nlohmann::ordered_json summary_json(const std::vector<BenchmarkRow>& rows);
-/// The same as a table or as JSON.
+/// Prints the summaries as a table or as JSON.
 void print_bench_results(const std::vector<BenchmarkRow>& rows, bool is_json);
 /// Failure, with a message, if a path did not survive the independent check.
 [[nodiscard]] ExitCode judge_rows(const std::vector<BenchmarkRow>& rows);

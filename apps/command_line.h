@@ -15,7 +15,8 @@ namespace mneme::app {
 
 struct FlagDescription {
   std::vector<std::string> names;  ///< "-o", "--output"; of an argument its name alone
-  std::string value;               ///< what stands for its value in the help; empty for a switch
+  std::string value;               ///< placeholder of the flag's value in the help; empty for a
+                                   ///< switch
   std::string sentence;
 };
 

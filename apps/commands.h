@@ -65,7 +65,7 @@ void add_doctor(CLI::App& program, Action& action);
 void add_completion(CLI::App& program, Action& action);
 void add_manual(CLI::App& program, Action& action);
 void add_settings_list(CLI::App& program, Action& action);
-// The same for parts of a group that have a file of their own.
+// Each adds its subcommands to `group`, or to the group `bench`.
 void add_bench_report(CLI::App& bench, Action& action);
 void add_db_upkeep(CLI::App& group, Action& action);
 void add_robot_ik(CLI::App& group, Action& action);

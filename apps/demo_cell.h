@@ -19,9 +19,9 @@ namespace mneme::app {
 /// A repetition of a task, planned and replayed.
 struct RepeatedTask {
   double planned_s = 0;           ///< solve() without memory, proof included
-  double replayed_s = 0;          ///< the same with the memory
+  double replayed_s = 0;          ///< solve() with the memory, proof included
   double planned_deviation = 0;   ///< from the task's first path: path_deviation(), radians
-  double replayed_deviation = 0;  ///< the same of the replay
+  double replayed_deviation = 0;  ///< deviation of the replayed path, radians
   bool is_replayed = false;       ///< false: the memory did not help, and the task was planned
 };
 
@@ -31,7 +31,7 @@ struct CellRuns {
   int unsolved = 0;  ///< repetitions without a path, planned or replayed; not among `repeats`
   int wrong = 0;     ///< paths that failed the exact check
   Path longest;      ///< longest stored path
-  std::optional<Problem> shown;  ///< its task
+  std::optional<Problem> shown;  ///< task of the longest stored path
 };
 
 /// Makes `tasks` tasks of the cell of `base`, each with another goal, plans each once into

@@ -15,7 +15,7 @@ namespace mneme::app {
 
 struct TrajectoryOptions {
   std::string file;    ///< its ending says the format; empty if none is wanted
-  std::string limits;  ///< YAML; empty if those of the URDF are to count
+  std::string limits;  ///< YAML file of joint limits; empty: those of the URDF
   TrajectorySettings settings;
 
   [[nodiscard]] bool is_wanted() const { return !file.empty(); }
@@ -24,7 +24,7 @@ struct TrajectoryOptions {
 /// The flags --trajectory and --joint-limits, and those of the settings, which need the first.
 void add_trajectory_flags(CLI::App& command, TrajectoryOptions& options);
 
-/// Writes it, in the format of the file's ending, sampled at `dt`.
+/// Writes the trajectory, sampled at `dt`, in the format of the file's ending.
 [[nodiscard]] Result<void> write_trajectory(const TrajectoryOptions& options, const Robot& robot,
                                             const Trajectory& trajectory);
 

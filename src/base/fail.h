@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// fail() with a format string, and exceptions inside readers: they throw InputFailure at the first
-/// fault and return a Result.
+/// fail() with a format string, and InputFailure: readers throw this exception inside at the first
+/// fault, and return it as the error of a Result.
 #pragma once
 
 #include "mneme/base.h"

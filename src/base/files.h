@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Files that are read as text or appear whole, and directories of an installation.
+/// Reads text files, writes files that readers see whole or not at all, and finds the directories
+/// of an installation.
 #pragma once
 
 #include "mneme/base.h"
@@ -61,7 +62,7 @@ class NewFile {
   NewFile() = default;
   [[nodiscard]] tl::unexpected<Error> error() const;
   std::string path_;
-  std::string written_path_;  // empty once it is finished
+  std::string written_path_;  // empty after finish()
   UniqueFile file_;
 };
 

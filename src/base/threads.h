@@ -13,12 +13,13 @@
 
 namespace mneme::internal {
 
-/// Throws Interrupted if an InterruptScope of this thread is over. Call it every few milliseconds
-/// in long work without a cancel flag. Costs a nanosecond without a scope.
+/// Throws Interrupted if `is_over` of an InterruptScope of this thread returns true. Call it every
+/// few milliseconds in long work without a cancel flag. Costs a nanosecond without a scope.
 void poll_interrupt();
 
-/// Up to `count` threads that each call `work`; fewer or none if the system refuses more. They
-/// share the InterruptScope of the thread that makes them. The destructor joins them.
+/// Up to `count` threads that each call `work`; fewer or none if the system refuses more. The
+/// threads share the InterruptScope of the thread that makes this object. The destructor joins
+/// them.
 class Threads {
  public:
   Threads() = default;
@@ -35,7 +36,7 @@ class Threads {
   std::vector<std::jthread> threads_;
 };
 
-/// Returns the flag; false for a null pointer.
+/// Returns the value of the flag; false for a null pointer.
 [[nodiscard]] inline bool is_set(const std::atomic<bool>* flag) {
   return flag != nullptr && flag->load(std::memory_order_relaxed);
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Samplers that use the same memory without local retrieval, for comparison with Algorithm 2.
+/// Samplers that use a whole database without local retrieval, for comparison with Algorithm 2.
 #pragma once
 
 #include "pipeline/query.h"
@@ -14,7 +14,7 @@ namespace mneme::internal {
 /// The components of the rows whose primitives are most similar to the whole scene, at most as many
 /// rows as retrieval per primitive may find. Scene and primitive are sets of circles, turned by the
 /// direction of their mean centre to canonical form and compared by scene_distance(). Errors: those
-/// of decompose(); a memory without pairs of circles.
+/// of decompose(); a database without pairs of circles.
 [[nodiscard]] Result<GaussianMixture> recall_nearest_scenes(const Query& query,
                                                             const MemoryQuery& request);
 

@@ -14,11 +14,11 @@ namespace mneme::internal {
 struct ReadySuite {
   BenchPlan plan;
   std::vector<MemoryRow> memories;
-  bool is_interrupted = false;  ///< while learning: not ready to run
+  bool is_interrupted = false;  ///< interrupted while learning: the suite cannot run
 };
-/// Loads the problems of `suite`, learns missing memories into `directory`/NAME.db and opens all.
-/// Planners that this build lacks are skipped. `known` are memories of an earlier run: their
-/// learning times are kept. Errors: those of run_suite().
+/// Loads the problems of `suite`, learns missing memories into `directory`/NAME.db, and opens all
+/// databases. Planners that this build lacks are skipped. `known` are memories of an earlier run:
+/// their learning times are kept. Errors: those of run_suite().
 [[nodiscard]] Result<ReadySuite> prepare_suite(const Suite& suite, const std::string& directory,
                                                const std::vector<MemoryRow>& known, int jobs,
                                                const SuiteHooks& hooks);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What a cell is made of.
+/// The data of a cell: its boxes, the tree that finds them, and their paths.
 #pragma once
 
 #include "mneme/cell.h"

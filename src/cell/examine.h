@@ -22,7 +22,7 @@
 
 namespace mneme::internal {
 
-/// What is examined next.
+/// A box of tasks that is not examined yet.
 struct OpenBox {
   TaskBox tasks;
   double share = 1;         ///< of the region's volume
@@ -31,11 +31,11 @@ struct OpenBox {
   UnprovenBox around = {};  ///< why the box that it is a half of was not proven throughout
 };
 
-/// What became of it.
+/// The result of examining a box.
 struct Examined {
   std::vector<CellBox> boxes;  ///< proven; an origin of -1 stands for itself
-  std::vector<int> profiles;   ///< that proved them
-  bool is_served = false;      ///< all samples of the box are
+  std::vector<int> profiles;   ///< profiles that proved the boxes
+  bool is_served = false;      ///< all samples of the box are served
   bool is_blocked = false;     ///< no task of the box is free: proven
   CellGap gap = CellGap::unreachable;
   std::optional<ProofFailure> failure;
@@ -43,7 +43,7 @@ struct Examined {
   std::array<double, kMostParameters> blame = {};
 };
 
-/// What all examinations share. Const functions are parallel-safe.
+/// Examines boxes of one region and start. Const functions are parallel-safe.
 class Examiner {
  public:
   [[nodiscard]] static Result<Examiner> make(const CellRegion& region, const CellStart& start,

@@ -18,7 +18,7 @@ namespace mneme::internal {
 /// one vector per joint.
 class Cone {
  public:
-  /// The constraint passes describe_fault().
+  /// Precondition: describe_fault() returns nothing for the constraint.
   Cone(const Robot& robot, const OrientationConstraint& constraint);
 
   /// Cosine of the tilt at `from` + `share` * `delta`; `delta` may be null.
@@ -31,7 +31,8 @@ class Cone {
   /// True if the motion stays within the cone, narrowed by `slack` radians. If the motion turns the
   /// axis by at most L, the second derivative of the cosine is at most L^2. The cosine then lies
   /// above a parabola through its values at both ends. Stretches are halved until every parabola
-  /// stays above the cone's cosine. A stretch of less than a milliradian fails.
+  /// stays above the cone's cosine. A stretch that turns the axis by less than a milliradian is not
+  /// halved: the motion fails.
   [[nodiscard]] bool contains_motion(const float* from, const float* delta, double slack) const;
   [[nodiscard]] double angle() const { return angle_; }
 

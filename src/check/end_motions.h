@@ -49,24 +49,25 @@ class EndMotions {
   [[nodiscard]] std::vector<Touch> touching(std::span<const double> q, double extra = 0) const;
   /// Checks these pairs by exact geometry from now on, where a link is approximated by spheres.
   void check_exactly(std::span<const Touch> touches);
-  /// True if a path may begin, or otherwise end, in this contact.
+  /// True if a path may begin (`is_start`) or end in this contact.
   [[nodiscard]] bool may_leave(const Touch& touch, bool is_start) const;
   /// True if the straight motion from `end`, the start or goal of a path, to `inside` only leaves
-  /// contact that may be left. The pairs in contact come no closer, and held objects touch only
-  /// within the stretch. All other pairs keep `extra` metres, and at `inside` nothing touches.
-  /// Checks at least `steps` states.
+  /// contact that may be left. The pairs in contact come no closer. Attached objects touch only
+  /// within EndTolerances::stretch metres of motion. All other pairs keep `extra` metres, and at
+  /// `inside` nothing touches. Checks at least `steps` states.
   [[nodiscard]] bool is_left_by(const Configuration& end, const Configuration& inside,
                                 bool is_start, int steps, double extra) const;
-  /// The unit vector along which the link of the contact leaves it at `q`; 0 if there is none.
+  /// The unit vector along which the link of the contact leaves the contact at `q`; 0 if there is
+  /// no such direction.
   [[nodiscard]] Vec3 direction_out(std::span<const double> q, const Touch& touch) const;
 
  private:
   [[nodiscard]] bool is_held(const Touch& touch) const;
-  /// Metres that the contact may be deep at the start. A thin link's distance ends at its radius,
-  /// however deep it is: half of that is the limit.
+  /// Largest depth of the contact at the start, metres. The measured depth of a thin link never
+  /// exceeds its radius, so the limit is at most half of that radius.
   [[nodiscard]] double deepest(const Touch& touch) const;
   [[nodiscard]] double distance(const PosedLinks& posed, const Touch& touch) const;
-  /// Metres that shapes of the pair's links have moved between two poses, at most.
+  /// Upper bound, metres, of the distance that shapes of the pair's links moved between two poses.
   [[nodiscard]] double travel(const PosedLinks& from, const PosedLinks& to,
                               const Touch& touch) const;
 

@@ -36,7 +36,8 @@ struct LinkPair {
   int first = 0, second = 0;
   bool is_exact = false;  ///< checked by exact geometry (Scene::exact_pairs, Robot::exact_pairs)
 };
-/// Returns the checked pairs of the robot, in its order. Ignores names of links that it lacks.
+/// Returns the checked pairs of the robot, in its order. Ignores names of links that the robot
+/// lacks.
 [[nodiscard]] std::vector<LinkPair> link_pairs(const Robot& robot, const Scene& scene);
 
 /// Indices of the links that an obstacle names. `exact_links` have a sphere approximation.
@@ -60,13 +61,15 @@ class ExactLink {
  public:
   explicit ExactLink(const Link& link);
 
-  /// Metres from a shape in the link's frame, by distance_to_solid(); 0 if they touch.
+  /// Distance, metres, from a shape in the link's frame, by distance_to_solid(); 0 if link and
+  /// shape touch.
   [[nodiscard]] double distance_to(const Shape& shape) const;
-  /// Metres from a link at the pose X_LO. Exact up to `enough`, otherwise any larger value.
+  /// Distance, metres, from another link at the pose X_LO. Exact up to `enough`, otherwise any
+  /// larger value.
   [[nodiscard]] double distance_to(const ExactLink& other, const Transform& X_LO,
                                    double enough) const;
   /// True unless it is proven that no piece of `shape`, in the link's frame, is inside the surface.
-  /// Expects a shape that does not touch it.
+  /// Precondition: `shape` does not touch the surface.
   [[nodiscard]] bool may_enclose(const Shape& shape) const;
   [[nodiscard]] bool may_enclose(const ExactLink& other, const Transform& X_LO) const;
 
@@ -83,14 +86,14 @@ class ExactLink {
 class LinkDistances {
  public:
   explicit LinkDistances(const Robot& robot);
-  /// For a robot with attached objects, from the distances of the bare robot.
+  /// Makes the distances of a robot with attached objects from those of the bare robot.
   LinkDistances(const Robot& robot, const LinkDistances& bare);
 
   /// `poses`: one per link.
   [[nodiscard]] PosedLinks posed(std::vector<Transform> poses) const;
 
   [[nodiscard]] int link_count() const { return static_cast<int>(links_.size()); }
-  /// In the link's frame; a sphere is a capsule of length 0.
+  /// Shapes of the link, in its frame; a sphere is a capsule of length 0.
   [[nodiscard]] std::span<const Capsule> shapes(int link) const { return at(link).shapes; }
   /// True if a joint of the group moves the link.
   [[nodiscard]] bool is_moving(int link) const { return at(link).is_moving; }
@@ -98,13 +101,14 @@ class LinkDistances {
   [[nodiscard]] const ExactLink& exact(int link) const { return at(link).exact; }
   /// Metres between the surfaces of a link and an obstacle. Exact up to `enough`, otherwise any
   /// larger value. Negative in contact, by at most the radius of the link's shape. Infinite for a
-  /// link that may touch the obstacle. Takes the exact geometry of pairs that are checked by it.
+  /// link that may touch the obstacle. Uses exact geometry for the pairs that are checked by it.
   [[nodiscard]] double between(const PosedLinks& posed, int link, const ObstacleShape& other,
                                double enough) const;
-  /// The same between two links; negative in contact, by at most the sum of the radii.
+  /// Metres between two links, as above; negative in contact, by at most the sum of the radii.
   [[nodiscard]] double between(const PosedLinks& posed, const LinkPair& pair, double enough) const;
 
-  /// The same between spheres and capsules, also for pairs that are checked by exact geometry.
+  /// Metres between a link and an obstacle by spheres and capsules, also for pairs that are checked
+  /// by exact geometry.
   [[nodiscard]] double between_spheres(const PosedLinks& posed, int link,
                                        const ObstacleShape& other, double enough) const;
   [[nodiscard]] double between_spheres(const PosedLinks& posed, int first, int second,

@@ -12,8 +12,8 @@
 
 namespace mneme::internal {
 
-/// `count` motions from row to row of `points`. Motion i moves by row i of `deltas` in `states[i]`
-/// states, at least 1.
+/// `count` motions between consecutive rows of `points`. Row i of `deltas` is the whole
+/// displacement of motion i. Motion i is checked at `states[i]` >= 1 states.
 struct MotionChain {
   const float* points = nullptr;
   const float* deltas = nullptr;
@@ -29,33 +29,35 @@ struct SweptMotion {
   /// pair of bodies. Bodies and pairs with a bound of 0 are not checked.
   const float* body_displacements = nullptr;
   const float* pair_displacements = nullptr;
-  float obstacle_margin = 0;  ///< metres to obstacles
-  float margin = 0;           ///< metres between bodies, and added to `obstacle_margin`
-  /// At the ends that are set, `margin` is 0 and grows by this share of a body's arc length.
+  float obstacle_margin = 0;  ///< margin to obstacles, metres
+  float margin = 0;           ///< margin between bodies, also added to `obstacle_margin`, metres
+  /// At an end of the motion that is start or goal of the problem, `margin` is 0. It grows from
+  /// there by kMarginGrowth of a body's arc length.
   bool is_from_start = false, is_to_goal = false;
   static constexpr float kMarginGrowth = 0.002f;
   int intervals = 1;  ///< number of equal intervals that are checked first, at least 1
-  /// Half of the shortest interval, as a fraction of the motion; at least 2^-31 of half a first
-  /// one.
+  /// Half of the shortest interval, as a fraction of the motion; at least 2^-31 of half of a first
+  /// interval.
   float least_half = 0;
 };
 
 struct CollisionKernels {
   int lanes = 1;
-  /// True if the states from + k delta / n, k = 1..n, are free, with n the least multiple of
-  /// `lanes` that is at least `states`. Adds the number of states checked to `states_checked`.
-  /// `margin` inflates the robot against obstacles.
+  /// True if n states of a motion are free: from + k delta / n for k = 1..n. n is the least
+  /// multiple of `lanes` that is at least `states`. Adds the number of states checked to
+  /// `states_checked`. `margin` inflates the robot against obstacles.
   bool (*is_motion_free)(const RobotTables& robot, const SceneTables& scene, const float* from,
                          const float* delta, int states, float margin,
                          std::uint64_t& states_checked) = nullptr;
-  /// The same for all motions of a chain, which share vectors: motion i has exactly `states[i]`
-  /// states.
+  /// is_motion_free for all motions of a chain, which share vectors: motion i has exactly
+  /// `states[i]` states.
   bool (*is_chain_free)(const RobotTables& robot, const SceneTables& scene,
                         const MotionChain& chain, float margin,
                         std::uint64_t& states_checked) = nullptr;
-  /// True if intervals that cover the motion are free: the state in the middle of each, with bodies
-  /// inflated by their margin and their displacement within the interval. Intervals that fail are
-  /// halved. The shortest also pass if their middle is free with the margin alone.
+  /// True if intervals that cover the motion are free. An interval is free if the state in its
+  /// middle is, with bodies inflated by their margin and their displacement within the interval.
+  /// Intervals that fail are halved. An interval of the shortest length also passes if its middle
+  /// is free with the margin alone.
   bool (*is_sweep_free)(const RobotTables& robot, const SceneTables& scene,
                         const SweptMotion& motion, std::uint64_t& states_checked) = nullptr;
   /// Writes 1 to `is_free[i]` if row i of `states` is free. `states`: `count` rows of joint_count

@@ -5,7 +5,8 @@
 //
 // The configurations of a vector are far apart, so each lane would take its own path through a
 // tree. Therefore a grid comes first, for all lanes at once: each voxel has the clearance to the
-// nearest part. Only the lanes that it does not decide check parts, a vector of parts at a time.
+// nearest part. Only the lanes that the grid does not decide check parts, a vector of parts at a
+// time.
 #if defined(MNEME_COLLISION_COMPOUND_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_COMPOUND_INL_H_
 #undef MNEME_COLLISION_COMPOUND_INL_H_
@@ -33,7 +34,7 @@ HWY_INLINE V3 into_compound(const CompoundRow& row, const V3& p) {
   return rotate(row.rotation, p) + splat(row.translation);
 }
 
-/// The bytes at these indices. Three more may be read.
+/// The bytes at these indices. Up to three bytes behind each may be read, too.
 template <class Indices>
 HWY_INLINE Indices gather_bytes(const uint8_t* bytes, Indices indices) {
   const hn::DFromV<Indices> d;
@@ -416,7 +417,7 @@ HWY_INLINE unsigned find_ball_touches(const CompoundRow& row, const V3& p, V rea
   });
 }
 
-/// The same for capsules about segments of one length.
+/// find_touches for capsules about segments of one length.
 template <bool kIsMotion>
 HWY_INLINE unsigned find_capsule_touches(const CompoundRow& row, const V3& a, const V3& u,
                                          float inverse_length2, V reach, unsigned open) {

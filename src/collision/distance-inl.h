@@ -138,7 +138,7 @@ HWY_INLINE V clearance_of_core(const V3& apart, V3& normal) {
   return distance;
 }
 
-/// From a box about the origin.
+/// Signed distance from a box about the origin.
 HWY_INLINE V clearance_of_box(const V3& p, const V3& h, V3& normal) {
   const V3 beyond = excess(p, h);
   const V x = hn::Sub(hn::Abs(p.x), h.x), y = hn::Sub(hn::Abs(p.y), h.y),
@@ -158,7 +158,7 @@ HWY_INLINE V clearance_of_box(const V3& p, const V3& h, V3& normal) {
   return hn::IfThenElse(is_inside, inside, outside);
 }
 
-/// From a cylinder about the origin, along z.
+/// Signed distance from a cylinder about the origin, along z.
 HWY_INLINE V clearance_of_cylinder(const V3& p, V radius, V half_length, V3& normal) {
   const V zero = hn::Zero(Tag());
   const V r = hn::Sqrt(hn::Max(hn::MulAdd(p.x, p.x, hn::Mul(p.y, p.y)), splat(1e-18f)));
@@ -195,7 +195,8 @@ struct ToSphere {
   HWY_INLINE V operator()(const Segment& s) const { return point_segment(splat(row.center), s); }
 };
 
-/// Into the frame of a box or cylinder; aligned if it has the axes of the scene.
+/// Moves points into the frame of a box or cylinder. `kIsAligned`: the obstacle has the axes of the
+/// scene.
 template <bool kIsAligned>
 struct ToFrame {
   const ObstacleRow& row;

@@ -31,7 +31,7 @@ HWY_INLINE V3 transform_point(const Pose& pose, const float* point) {
 }
 
 /// Adds a vector to `to`. Branches on coordinates that are 0, as most of frames and capsules are:
-/// they are the same for all states, and so are predicted.
+/// the branches are the same for all states, and so are predicted.
 HWY_INLINE V3 add_sparse(const Pose& pose, const float* offset, V3 to) {
   for (int i = 0; i < 3; ++i) {
     if (offset[i] != 0) to = mul_add(splat(offset[i]), pose.axes[i], to);
@@ -124,7 +124,7 @@ HWY_INLINE int find_slopes(const RobotTables& robot, const Pose* poses, int fram
 /// Normal equations of damped least squares in the joints, one system per lane.
 class NormalEquations {
  public:
-  /// Damped towards `wish`.
+  /// Begins `size` equations, damped towards `wish`.
   HWY_INLINE void reset(int size, V damping, const V* wish) {
     size_ = size;
     for (int i = 0; i < size; ++i) {
@@ -147,7 +147,7 @@ class NormalEquations {
     }
   }
 
-  /// By Cholesky's method, in place.
+  /// Writes the solution by Cholesky's method, in place.
   HWY_INLINE void solve(V* x) {
     for (int i = 0; i < size_; ++i) {
       for (int k = 0; k <= i; ++k) {

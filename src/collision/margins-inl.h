@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Margins of bodies: equal at a state, or, for a sweep, as large as each body's displacement around
-// it. A margin is one float for all lanes, or one per lane.
+// Margins of bodies. For single states all bodies have one margin. For a sweep, each body's margin
+// is its displacement around the state. A margin is one float for all lanes, or one per lane.
 #if defined(MNEME_COLLISION_MARGINS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef MNEME_COLLISION_MARGINS_INL_H_
 #undef MNEME_COLLISION_MARGINS_INL_H_

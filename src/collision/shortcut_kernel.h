@@ -11,11 +11,11 @@
 namespace mneme::internal {
 
 struct ShortcutKernels {
-  /// CollisionChecker::rate_shortcuts(), with `margin` in all.
+  /// CollisionChecker::rate_shortcuts() with the total margin `margin`.
   void (*rate_shortcuts)(const RobotTables& robot, const SceneTables& scene, const PathView& path,
                          float least_gain, float margin,
                          std::span<Shortcut, kShortcuts> shortcuts) = nullptr;
-  /// CollisionChecker::rate_relaxations(), with `margin` in all.
+  /// CollisionChecker::rate_relaxations() with the total margin `margin`.
   void (*rate_relaxations)(const RobotTables& robot, const SceneTables& scene, const PathView& path,
                            const Relaxation& relaxation, float margin,
                            std::span<float, kShortcuts> gains) = nullptr;

@@ -33,10 +33,10 @@ HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
 
-/// Number of bodies that pass the coarse tests before the finer ones. More would delay contacts of
-/// the tips; fewer would leave vector units idle.
+/// Number of bodies that are collected by coarse tests before the finer tests run. More would delay
+/// contacts of the tips; fewer would leave vector units idle.
 constexpr int kLinkBatch = 4;
-/// Number of pairs that pass the coarse test before the finer one.
+/// Number of pairs that are collected by the coarse test before the finer one runs.
 constexpr int kListSize = 64;
 
 template <bool kIsMotion, class Margins = EvenMargins>

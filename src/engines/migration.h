@@ -16,7 +16,8 @@ namespace mneme::internal {
 
 /// The schema that this version can migrate.
 inline constexpr int kOldSchema = 3;
-/// The old columns in the order of read_row(), with constants for columns that it lacks.
+/// The old columns in the order of read_row(), with constants for columns that the old schema
+/// lacks.
 inline constexpr std::string_view kOldColumns =
     "e.id, e.generation, e.cell, e.kind, e.content, e.components, 0, e.key, e.checksum, 0, "
     "m.means, "

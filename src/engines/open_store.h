@@ -14,17 +14,18 @@
 
 namespace mneme::internal {
 
-/// Errors: unsupported if the engine is unknown or was not built in; those of the engine.
+/// Opens the store at `url`. Errors: unsupported if the engine is unknown or was not built in;
+/// those of the engine.
 [[nodiscard]] Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode,
                                                         const OpenOptions& options = {});
 
-/// Opens a store of the robot `signature`; creates it if `mode` allows. A file is not created
-/// before the first row. Error: wrong_robot.
 struct OpenedStore {
   std::unique_ptr<Store> store;
   RobotSignature signature;
   int schema_version = 0;
 };
+/// Opens a store of the robot `signature`; creates it if `mode` allows. A file is not created
+/// before the first row. Error: wrong_robot.
 [[nodiscard]] Result<OpenedStore> open_store_of(const std::string& url,
                                                 const RobotSignature& signature, OpenMode mode,
                                                 const OpenOptions& options = {});

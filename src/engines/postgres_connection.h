@@ -35,7 +35,7 @@ class PostgresAnswer {
   [[nodiscard]] std::string_view command() const;
   // Rows and columns count from 0. Views are valid as long as the answer lives.
   [[nodiscard]] bool is_null(int row, int column) const;
-  /// Value of a boolean or an integer of any width.
+  /// Value of a boolean or integer column of any width.
   [[nodiscard]] std::int64_t integer(int row, int column) const;
   [[nodiscard]] std::string_view text(int row, int column) const;
   [[nodiscard]] std::span<const std::byte> blob(int row, int column) const;
@@ -47,7 +47,7 @@ class PostgresAnswer {
   std::unique_ptr<pg_result, Clear> result_;
 };
 
-/// One row of an answer, which must outlive it.
+/// One row of an answer. The answer must outlive the row.
 class PostgresRow {
  public:
   explicit PostgresRow(const PostgresAnswer& answer, int row = 0) : answer_(answer), row_(row) {}
@@ -66,10 +66,10 @@ class PostgresRow {
 /// Numbers as the text of an array parameter.
 [[nodiscard]] std::string array_of(std::span<const std::int64_t> numbers);
 
-/// One connection to a server. No call waits for ever: a server that stops answering ends it with
-/// an error, and the next revive() connects anew. Not thread-safe. Errors name the URL without its
-/// password. Code `corrupt`: damage that the server reports, or tables that differ from ours. Code
-/// `io`: all other errors.
+/// One connection to a server. No call waits for ever: a server that stops answering ends the call
+/// with an error, and the next revive() connects anew. Not thread-safe. Errors name the URL without
+/// its password. Code `corrupt`: damage that the server reports, or tables that differ from
+/// mneme's. Code `io`: all other errors.
 class PostgresConnection {
  public:
   /// `url` is passed to libpq unchanged, with its TLS options, roles and search path. Default

@@ -14,7 +14,7 @@ namespace mneme::internal {
 /// Schema version of the tables in the search path: kSchemaVersion, kOldSchema, or 0 without
 /// tables. Error: unsupported for other versions.
 [[nodiscard]] Result<int> read_postgres_version(PostgresConnection& connection);
-/// Error: corrupt if the row is missing or damaged.
+/// Reads the robot row. Error: corrupt if the row is missing or damaged.
 [[nodiscard]] Result<RobotSignature> read_postgres_signature(PostgresConnection& connection);
 /// Creates the tables in one transaction, unless another process already did.
 [[nodiscard]] Result<void> create_postgres_schema(PostgresConnection& connection,
@@ -23,9 +23,9 @@ namespace mneme::internal {
                                                       const RobotSignature& robot);
 /// True if the table of lessons exists, which older builds did not create.
 [[nodiscard]] Result<bool> has_postgres_lessons(PostgresConnection& connection);
-/// Creates that table if it is missing. Call within a transaction with the head locked.
+/// Creates the table of lessons if it is missing. Call within a transaction with the head locked.
 [[nodiscard]] Result<void> create_postgres_lessons(PostgresConnection& connection);
-/// `is_locked`: lock out other writers until the transaction ends.
+/// Reads the head row. `is_locked`: lock out other writers until the transaction ends.
 [[nodiscard]] Result<StoreState> read_postgres_head(PostgresConnection& connection, bool is_locked);
 [[nodiscard]] Result<void> write_postgres_head(PostgresConnection& connection,
                                                const StoreState& state);

@@ -88,7 +88,7 @@ KnownRow read_known_row(const Source& source, const ContentHash& content) {
   return {content, source.integer(0), provenance};
 }
 
-/// Reads lesson, content and liveness of a mark.
+/// Reads the columns of a LessonMark: lesson, content, and whether a usable row has that content.
 template <class Source>
 LessonMark read_lesson(const Source& source) {
   LessonMark mark{std::bit_cast<std::uint64_t>(source.integer(0)), {}, source.integer(2) != 0};

@@ -68,7 +68,7 @@ struct ResetStatement {
 };
 using KeptStatement = std::unique_ptr<Statement, ResetStatement>;
 
-/// One open file. Not thread-safe. Errors name the file. Code `corrupt`: a sound database of ours
+/// One open file. Not thread-safe. Errors name the file. Code `corrupt`: a sound database of mneme
 /// could not cause the error. Code `io`: the operating system refused.
 class Connection {
  public:
@@ -87,7 +87,8 @@ class Connection {
   [[nodiscard]] Result<void> execute(const char* sql);
   [[nodiscard]] Result<Statement> prepare(std::string_view sql);
   /// Prepares each `sql` once and keeps it, since compiling a statement takes as long as reading
-  /// several rows. Use one at a time per `sql`; the connection must outlive it.
+  /// several rows. Use one statement at a time per `sql`. The connection must outlive the
+  /// statement.
   [[nodiscard]] Result<KeptStatement> kept(std::string_view sql);
   /// First column of the first row.
   [[nodiscard]] Result<std::int64_t> integer(std::string_view sql);

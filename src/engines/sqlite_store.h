@@ -29,12 +29,12 @@ inline constexpr std::int64_t kApplicationId = 0x6d6e656d;
 /// Creates the tables and the robot row in one transaction, unless another process already did.
 /// Returns the schema version that it found, 0 if it created them.
 [[nodiscard]] Result<int> create_schema(Connection& connection, const RobotSignature& robot);
-/// Writes our application_id and user_version, which a file restored from .dump lacks.
+/// Writes mneme's application_id and user_version, which a file restored from .dump lacks.
 [[nodiscard]] Result<void> mark(Connection& connection);
 
 /// True if the table of lessons exists, which older builds did not create.
 [[nodiscard]] Result<bool> has_lessons(Connection& connection);
-/// Creates that table if it is missing.
+/// Creates the table of lessons if it is missing.
 [[nodiscard]] Result<void> create_lessons(Connection& connection);
 
 /// Checks the file's pages. Error: corrupt. A damaged file can be read in part, but writes to it

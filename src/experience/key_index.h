@@ -26,7 +26,7 @@ namespace mneme::internal {
 struct IndexMatch {
   std::int64_t id = 0;      ///< id of its row
   std::uint32_t image = 0;  ///< index of the nearest image of the query; the first of equals
-  double error = 0;         ///< squared distance to it
+  double error = 0;         ///< squared distance to that image
 };
 
 inline bool is_nearer(const IndexMatch& a, const IndexMatch& b) {
@@ -97,7 +97,7 @@ struct IndexRows {
 /// number of keys: every node passes half of them to each child.
 struct KeyTreeData {
   std::vector<std::int64_t> ids;         ///< in order of insertion
-  std::vector<std::int32_t> components;  ///< likewise
+  std::vector<std::int32_t> components;  ///< numbers of components, in the same order
   std::vector<std::uint32_t> order;      ///< per key in the tree: its index in `ids`
   std::vector<double> keys;
 };

@@ -14,9 +14,9 @@
 
 namespace mneme::internal {
 
-/// Takes rows at once and inserts them in order, as many as wait in one transaction. Rows that
-/// cannot be inserted for an error of code io are tried again; those refused for another error are
-/// lost. Thread-safe.
+/// Takes rows without waiting and inserts them in order, all that wait in one transaction. Rows
+/// that cannot be inserted for an error of code io are tried again. Rows that are refused for
+/// another error are lost. Thread-safe.
 class WriteQueue {
  public:
   /// Inserts rows and returns the number of new ones. Called by the queue's thread alone.

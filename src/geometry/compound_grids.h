@@ -126,8 +126,9 @@ using PointSpan = std::span<const std::array<float, 3>>;
 [[nodiscard]] PointGrid make_point_grid(PointSpan points, const Region& region,
                                         const Middle& middle = {});
 
-/// Removes the points `before` and adds `after`. False if the grid must be rebuilt: a point is
-/// within the region but outside of the voxels, or more points were replaced than there are.
+/// Removes the points `before` and adds `after`. Returns false if the grid must be rebuilt: a new
+/// point is within the region but outside of the voxels, or more points were replaced since the
+/// grid was made than it had then.
 [[nodiscard]] bool replace_points(PointSpan before, PointSpan after, PointGrid& grid);
 
 // Triangles or cubes in a bounding box tree whose leaves are vectors.

@@ -19,8 +19,8 @@ namespace mneme::internal {
 using PieceCorners = std::array<Vec3, 6>;
 
 struct PartsAccess {
-  /// A box around all parts: the smallest one until points are replaced. Empty if the box of any
-  /// part is empty.
+  /// Returns a box around all parts. The box is the smallest one until points are replaced, and may
+  /// be larger afterwards. Empty if one part has an empty box, such as a cube of negative size.
   template <class Part>
   static AxisBox bounds(const Parts<Part>& parts) {
     const std::lock_guard lock(parts.mutex_);

@@ -26,7 +26,7 @@ struct MovingPose {
 /// Bounds along a whole motion on a point of a body, `reach` metres from the body's origin.
 struct MotionBound {
   double speed = 0, speed_by_reach = 0;  ///< metres per motion, and per metre of reach
-  double bend = 0, bend_by_reach = 0;    ///< of the acceleration
+  double bend = 0, bend_by_reach = 0;    ///< the same bounds of the acceleration
 };
 
 /// A motion of body B seen from body A, from share 0 to share 1. Caches the poses in the middle of

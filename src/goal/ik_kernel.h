@@ -22,8 +22,8 @@ struct IkTarget {
   std::array<float, 3> tip_translation = {};
   /// Half extents of the region of T's origin along the axes of G, metres.
   std::array<float, 3> box = {};
-  /// Largest lean of T's z axis from G's, and largest turn of T about it, as 2 sin(angle / 2). 2:
-  /// any.
+  /// Largest lean of T's z axis from G's z axis, and largest turn of T about that axis, as 2
+  /// sin(angle / 2). 2: any.
   float lean = 0, turn = 0;
   float near_m = 0, near_rad = 0;  ///< smaller errors count as none
 };

@@ -100,7 +100,7 @@ class Input {
   /// Fails if this is not a map or has another key than `keys`.
   void allow_keys(const std::vector<std::string_view>& keys) const;
   [[nodiscard]] std::optional<Input> find(std::string_view key) const;
-  /// The same, but nothing for a key without a value.
+  /// As find(), but nothing for a key without a value.
   [[nodiscard]] std::optional<Input> find_value(std::string_view key) const;
   [[nodiscard]] Input at(std::string_view key) const;
   [[nodiscard]] std::vector<std::pair<std::string, Input>> entries() const;

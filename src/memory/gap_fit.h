@@ -11,8 +11,8 @@
 
 namespace mneme::internal {
 
-/// The first link of an arm that crosses a gap, with directions and bases of it and up to two links
-/// before it. Cached, because a query fits some hundred configurations.
+/// The first link of an arm that crosses a gap, with directions and bases of this link and of up to
+/// two links before it. Cached, because a query fits some hundred configurations.
 struct GapCrossing {
   int link = -1;                       ///< Index of the link; -1: none.
   double fraction = 0;                 ///< Position of the crossing from the gap's a (0) to b (1).
@@ -27,8 +27,8 @@ struct GapCrossing {
 /// Fits configurations threaded through one gap to a similar gap: unchanged, they would hit the
 /// circles. The first crossing link keeps its position in the gap; its tilt is scaled by the root
 /// of the width ratio, like clearance between circles. Its base is placed by turning the arm about
-/// its own base and by bending the two links before it, with the elbow on its side. Only these four
-/// joints change. O(links). Const is parallel-safe.
+/// its own base and by bending the two links before it, with the elbow on the side where it was.
+/// Only these four joints change. O(links). Const is parallel-safe.
 class GapFit {
  public:
   /// The ends of `to` must be in the order of `from`. Refers to the chain.

@@ -46,12 +46,12 @@ class KnownPlaces {
 };
 
 /// Finds places of remembered motions in one scene by checking alone. A motion fits where it is
-/// free, near obstacles for much of its length, and most of its near misses are blocked. Any kind
-/// of obstacle will do. Places are displacements of the joint that turns the rest of the robot, or
-/// else lifts it; a robot without such a joint has the place 0 alone. Not thread-safe.
+/// free, near obstacles for much of its length, and most of its near misses are blocked. The kind
+/// of obstacle does not matter. Places are displacements of the joint that turns the rest of the
+/// robot, or else lifts it; a robot without such a joint has the place 0 alone. Not thread-safe.
 class MotionFinder {
  public:
-  /// Refers to the checker.
+  /// The checker must outlive the finder.
   explicit MotionFinder(const CollisionChecker& checker);
 
   /// Returns the places where `motion` fits, ascending. Adds the checked states to `counters`.
@@ -73,9 +73,9 @@ class MotionFinder {
   const CollisionChecker& checker_;
   std::size_t joints_;
   int carrier_ = -1;         ///< index of the joint, or -1
-  float step_ = 0;           ///< of the coarse search
-  std::vector<float> core_;  ///< from the first tight state to the last; those that decide most
-                             ///< first
+  float step_ = 0;           ///< step of the coarse search
+  std::vector<float> core_;  ///< states from the first tight one to the last; those that decide
+                             ///< most come first
   std::vector<float> rows_;
   std::vector<std::uint8_t> is_free_;
   std::uint64_t states_ = 0;

@@ -15,10 +15,11 @@ namespace mneme::internal {
 [[nodiscard]] GaussianMixture pool_moved_means(const MemoryQuery& query,
                                                std::span<const PrimitiveRetrieval> primitives);
 
-/// MemoryKind::retarget of the kind "pairs"; a match is a group. Order: best matches of pairs that
-/// the start or a goal crosses, which are sampled from the beginning; second-best ones of these
-/// pairs, and so on; then the matches of other pairs. Skips means deeper in a gap than start and
-/// goals, and means that GapFit or the joint limits reject. Null for an arm that is no PlanarChain.
+/// MemoryKind::retarget of the kind "pairs". Each match is a group of components. Order: best
+/// matches of pairs that the start or a goal crosses, which are sampled from the beginning;
+/// second-best ones of these pairs, and so on; then the matches of other pairs. Skips means deeper
+/// in a gap than start and goals, and means that GapFit or the joint limits reject. Null for an arm
+/// that is no PlanarChain.
 [[nodiscard]] std::shared_ptr<const ComponentSource> retarget_means(
     const MemoryQuery& query, std::span<const PrimitiveRetrieval> primitives,
     SampleSource first_source);

@@ -44,7 +44,7 @@ class PlanarChain {
   /// Value of joint `link` for its link's `direction`, given the direction `before` of the link
   /// before it (0 for the first link).
   [[nodiscard]] double joint_value(int link, double direction, double before) const;
-  /// Direction of `link` with its joint at `value`; the inverse.
+  /// Direction of `link` with its joint at `value`: the inverse of joint_value().
   [[nodiscard]] double direction(int link, double value, double before) const;
   [[nodiscard]] const Limits& limits(int link) const {
     return limits_[static_cast<std::size_t>(link)];

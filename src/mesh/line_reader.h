@@ -29,7 +29,7 @@ class LineReader {
 
   /// The words of the next line, valid until the next call; null at the end.
   [[nodiscard]] const Words* next_line();
-  /// The same, where a file must not end; `what` is missing then.
+  /// As next_line(), where a file must not end. `what` names what is missing in the message.
   [[nodiscard]] const Words& expect_line(std::string_view what);
 
   /// The bytes after the lines read so far.

@@ -29,7 +29,7 @@ inline constexpr std::size_t kMaxTriangles = 1'000'000;
 [[nodiscard]] Result<std::vector<Triangle>> read_triangles(const std::string& path,
                                                            const Vec3& scale,
                                                            const Transform& pose);
-/// The same of a file with these bytes, named `path`.
+/// As read_triangles() for a file named `path` with these bytes.
 [[nodiscard]] Result<std::vector<Triangle>> parse_triangles(std::string_view bytes,
                                                             const std::string& path,
                                                             const Vec3& scale,

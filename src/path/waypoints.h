@@ -16,7 +16,8 @@ namespace mneme::internal {
 
 [[nodiscard]] std::vector<float> to_floats(std::span<const double> q);
 [[nodiscard]] std::vector<float> to_rows(const Path& path);
-/// Moves into the limits what rounding to floats moved out.
+/// Converts rows to a path. Moves values that rounding to floats moved out of the limits back into
+/// them.
 [[nodiscard]] Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path);
 
 /// A point of a path: the share `fraction` of motion number `motion`.
@@ -25,8 +26,8 @@ struct PathPoint {
   float fraction = 0;
 };
 
-/// Waypoints row by row, continuous joints unwrapped: the motion between neighbours is their
-/// segment as real numbers. Radians, metres for prismatic joints.
+/// Waypoints row by row. Continuous joints are unwrapped, so that linear interpolation gives the
+/// motion between neighbours. Radians, metres for prismatic joints.
 class Waypoints {
  public:
   /// Arc lengths are L2 joint distances or, with `has_pace`, estimates of time: see MotionCost.
@@ -46,7 +47,7 @@ class Waypoints {
   [[nodiscard]] PathView view() const { return {rows_, arc_lengths_, directions_, {pace_}}; }
   /// Length of the whole path.
   [[nodiscard]] float length() const { return arc_lengths_.back(); }
-  /// From the start to waypoint `i`.
+  /// Arc length from the start to waypoint `i`.
   [[nodiscard]] float arc_length(int i) const { return arc_lengths_[static_cast<std::size_t>(i)]; }
   [[nodiscard]] PathPoint locate(float s) const;  ///< at arc length `s`
   void write(const PathPoint& point, float* q) const;

@@ -27,8 +27,9 @@ struct GivenEnds {
 };
 
 /// Replaces start and goals of `ends` that violate a limit, cone or distance, within the tolerances
-/// of the settings, by valid configurations nearby. The straight motion between both only reduces
-/// the violation and adds no other. Other ends stay. Cost: milliseconds per replaced end.
+/// of the settings, by valid configurations nearby. The straight motion between an end and its
+/// replacement only reduces the violation and adds no other. Other ends stay. Cost: milliseconds
+/// per replaced end.
 [[nodiscard]] GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker,
                                          PlanQuery& ends);
 

@@ -49,7 +49,8 @@ class MemorySampler {
   [[nodiscard]] const Query& query() const { return resolved_.query; }
   [[nodiscard]] const MemoryQuery& memory_query() const { return memory_query_; }
 
-  /// Returns Algorithm 1 over `recall` for each kind of memory of the query. Refers to this.
+  /// Returns Algorithm 1 over `recall` for each kind of memory of the query. This object must
+  /// outlive the sampler.
   [[nodiscard]] std::shared_ptr<const Sampler> by_kind();
   /// Returns Algorithm 1 over one mixture that needs no retrieval by kind, such as a baseline's.
   [[nodiscard]] std::shared_ptr<const Sampler> from_mixture(
@@ -58,11 +59,11 @@ class MemorySampler {
   [[nodiscard]] std::shared_ptr<const Sampler> from_sampler(
       std::function<Result<std::shared_ptr<const Sampler>>()> make);
 
-  /// Returns the query's sampler. Errors: those of a query to memory at once.
+  /// Returns the query's sampler. Errors: those of the query to memory, if it is not lazy.
   [[nodiscard]] Result<std::shared_ptr<const Sampler>> make();
-  /// Errors: those of queries to memory that a stream of `samples` samples has made.
+  /// Fails if one of the queries to memory that a stream of `samples` samples has made failed.
   [[nodiscard]] Result<void> check(std::uint64_t samples = kAny) const;
-  [[nodiscard]] double time_s() const { return time_s_; }  ///< of make()
+  [[nodiscard]] double time_s() const { return time_s_; }  ///< time spent in make()
   /// The number of samples before the first query to memory, by the settings; 0 without memory.
   [[nodiscard]] int retrieve_after() const { return retrieve_after_; }
   /// Returns the matches for a stream of `samples` samples. Components that are made on demand are

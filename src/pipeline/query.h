@@ -31,7 +31,7 @@ struct KindSettings {
 struct Query {
   const Problem& problem;
   Database* database = nullptr;  ///< null: memory is not queried
-  SolveSettings settings;        ///< in range
+  SolveSettings settings;        ///< checked: all values are in range
   const PlannerEntry& planner;
   const SamplerEntry& sampler;
   std::vector<KindSettings> kinds;  ///< empty without a database

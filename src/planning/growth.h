@@ -32,14 +32,15 @@ class Growth {
   /// Takes step `i` and continues towards its sample until blocked. Returns the last new node, or
   /// -1 if the step is blocked.
   int take(int i, Tree& tree);
-  // The rest is not defined for an escape walk.
+  // The functions below are not defined for an escape walk.
   /// The node at which step `i` starts.
   [[nodiscard]] int node(int i) const { return step(i).node; }
   [[nodiscard]] std::span<const float> sample(int i) const { return row(samples_, i); }
   [[nodiscard]] std::span<const float> end(int i) const { return row(ends_, i); }
   /// True if step `i` ends at its sample.
   [[nodiscard]] bool is_sample_reached(int i) const { return step(i).is_sample_reached; }
-  /// Always true if the batch has one step: its motion check covers its end.
+  /// True if the end of step `i` is valid, and always if the batch has one step, whose motion check
+  /// covers its end.
   [[nodiscard]] bool is_end_valid(int i) const {
     return is_valid_[static_cast<std::size_t>(i)] != 0;
   }

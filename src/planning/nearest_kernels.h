@@ -24,14 +24,14 @@ inline constexpr float kNoBox = -1e18f;
 inline constexpr int kLeafSize = 64;
 
 /// Leaf i has kLeafSize / kBlockSize blocks and lies in box i. Boxes are stored kBlockSize at a
-/// time: their centers in the first joint, their half widths in it, their centers in the second
-/// joint, and so on. Unused places have the half width kNoBox.
+/// time: their centers in the first joint, their half widths in the first joint, their centers in
+/// the second joint, and so on. Unused places have the half width kNoBox.
 struct LeafTable {
   const float* blocks = nullptr;
   const float* boxes = nullptr;
   int leaf_count = 0;
   int joint_count = 0;
-  const float* periods = nullptr;  ///< as below
+  const float* periods = nullptr;  ///< as in NearestKernels::nearest
 };
 
 /// Squared distances are accurate to 1e-6 of the configurations' squared norms.

@@ -31,7 +31,8 @@ class PlannerRun {
   PlannerRun& operator=(const PlannerRun&) = delete;
 
   [[nodiscard]] const JointSpace& space() const { return space_; }
-  /// Length of a step; longer early in a search and shorter late in it, unless it is set.
+  /// Length of a step. Unless PlanSettings::range is set, longer early in a search and shorter late
+  /// in it.
   [[nodiscard]] float range() const {
     if (is_early()) return range_ / kEarlyRefinement;
     return is_long_search() ? long_range_ : range_;
@@ -40,7 +41,7 @@ class PlannerRun {
   /// arms, which find passages faster without domains.
   [[nodiscard]] float first_domain() const { return first_domain_; }
   /// True once a spatial arm has searched so long that its passage must be narrow. Domains are
-  /// ignored then, because they may exclude it.
+  /// ignored then, because they may exclude the passage.
   [[nodiscard]] bool is_long_search() const {
     return result_.iterations > kLongSearch && std::isfinite(first_domain_);
   }
@@ -64,7 +65,7 @@ class PlannerRun {
   [[nodiscard]] bool must_stop();
   /// Counts nodes that trees or the roadmap gain, or lose, against the limit.
   void count_nodes(int gained) { node_count_ += gained; }
-  /// Samples without showing it to the observer, because it may be replaced.
+  /// Samples without showing the sample to the observer, because the caller may replace it.
   SampleSource next_sample(std::span<float> q) { return stream_->next(q); }
   SampleSource sample(std::span<float> q) {
     const SampleSource source = next_sample(q);
@@ -108,11 +109,11 @@ class PlannerRun {
   [[nodiscard]] PlanResult give_up(int node_count);
 
  private:
-  /// Iterations. Easy problems end within them: steps are long and checked at this share of the
-  /// resolution, so that a step still takes one vector of states.
+  /// Number of early iterations, in which easy problems end. Their steps are long and checked at
+  /// kEarlyRefinement of the resolution, so that a step still takes one vector of states.
   static constexpr std::uint64_t kEarly = 100;
   static constexpr float kEarlyRefinement = 0.5f;
-  /// Iterations. Ordinary problems take fewer.
+  /// Number of iterations after which a search is long. Ordinary problems take fewer.
   static constexpr std::uint64_t kLongSearch = 300'000;
   /// Iterations between two calls for further goals, each of which costs about ten iterations.
   static constexpr std::uint64_t kGoalPeriod = 1000;

@@ -17,7 +17,7 @@ namespace mneme::internal {
 /// index than its children. Not thread-safe.
 class Tree {
  public:
-  /// `graph` is its number for observers.
+  /// `graph` is the tree's number for observers.
   explicit Tree(PlannerRun& run, int graph = 0)
       : run_(run), nodes_(run.space(), run.isa()), target_(run.start().size()), graph_(graph) {}
 
@@ -31,17 +31,17 @@ class Tree {
   [[nodiscard]] int nearest(std::span<const float> q) const { return nodes_.nearest(q).first; }
   /// The nearest node, or -1 if `q` lies outside its domain and the search is not long.
   [[nodiscard]] int nearest_in_domain(std::span<const float> q) const;
-  /// Adapts the domain of `node` after a step: the first failure bounds it, further ones shrink it,
-  /// success lets it grow. Dynamic-domain RRT: Jaillet, Yershova, LaValle and Simeon,
-  /// DOI 10.1109/IROS.2005.1545607.
+  /// Adapts the domain of `node` after a step: the first failure bounds the domain, further
+  /// failures shrink it, and success lets it grow. Dynamic-domain RRT: Jaillet, Yershova, LaValle
+  /// and Simeon, DOI 10.1109/IROS.2005.1545607.
   void adapt_domain(int node, bool is_extended);
 
-  /// Writes the end of a step of at most the range from `node` towards `q`; true if it is `q`.
-  /// Under constraints the end is projected onto them, if that is progress towards `q`; otherwise
-  /// it stays outside, where no motion is valid.
+  /// Writes the end of a step of at most the range from `node` towards `q`. Returns true if the end
+  /// is `q`. Under constraints the end is projected onto them, if that is progress towards `q`;
+  /// otherwise the end stays off the constraints, where no motion is valid.
   bool step(int node, std::span<const float> q, std::span<float> end) const;
-  /// Takes that step. Returns the new node, or -1 if the motion is blocked. Sets `is_reached` if
-  /// the step ends at `q`.
+  /// Takes the step of step(). Returns the new node, or -1 if the motion is blocked. Sets
+  /// `is_reached` if the step ends at `q`.
   int extend(int node, std::span<const float> q, bool& is_reached);
   /// Steps from `node` towards `q` until blocked. Returns the last node before `q`, which is not
   /// added, or -1 if `q` is not reached.

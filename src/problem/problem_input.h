@@ -59,9 +59,9 @@ namespace mneme::internal {
 [[nodiscard]] ProblemRobot read_robot(const Input& input, const std::string& directory,
                                       const ProblemOptions& options);
 
-/// Adds `values` of joints that can be fixed to `options`, unless these have a value already. A
-/// warning with `place` names the other joints. Returns true if the options have changed: then the
-/// robot must be read again.
+/// Adds to `options` the `values` of joints that can be fixed, except joints that have a value
+/// there. A warning with `place` names the other joints. Returns true if the options have changed:
+/// then the robot must be read again.
 [[nodiscard]] bool fix_joints(ProblemRobot& robot, RobotOptions& options,
                               const std::map<std::string, double>& values, const Input& place);
 
@@ -82,7 +82,7 @@ struct ProblemInput {
   /// Has the keys start, goal or goals, attached, allow, constraints; may be the same map.
   Input problem;
   std::string name;
-  std::string directory;  ///< of the file
+  std::string directory;  ///< directory of the file
   Scene scene;            ///< in the header's frame
   ObstacleSpelling spelling = kSceneSpelling;
   std::vector<std::string> files = {};  ///< files read, except the robot's
@@ -92,7 +92,7 @@ struct ProblemInput {
 [[nodiscard]] std::string directory_of(const std::string& path);
 
 /// Reads the key `scene` of the problem file at `path`: a scene or the path of a scene file.
-/// `files` begins with `path`. Throws InputFailure.
+/// FramedScene::files of the result begins with `path`. Throws InputFailure.
 [[nodiscard]] FramedScene read_scene_of_problem(const Input& problem, const std::string& path);
 
 /// Returns a sentence for each obstacle in contact with a link that the group does not move.
@@ -115,7 +115,8 @@ struct ProblemInput {
                                                const std::string& what, const Robot& robot);
 
 /// Reads a goal, a configuration or a map with the key `link`, into `problem`, whose robot and
-/// start are known. Poses are in the frame at `X_RF` unless they name one. Throws InputFailure.
+/// start are known. Poses are in the frame at `X_RF` unless they name another frame. Throws
+/// InputFailure.
 void read_goal(const Input& input, const Transform& X_RF, Problem& problem);
 
 /// Adds a goal with its pose in the root link's frame. Throws InputFailure with `place` if

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Motions that this process has proven free, and the cells for which it has.
+/// Motions that this process has proven free, kept per cell: robot, obstacles and settings of the
+/// checker.
 #pragma once
 
 #include "mneme/planning.h"
@@ -25,20 +26,20 @@ class ProvenMotions {
   explicit ProvenMotions(std::size_t most) : most_(most) {}
 
   /// Returns the motions on which the robot's links keep apart. This part of a proof stays valid
-  /// where only obstacles change, and is most of the work for a folded arm. Null unless whole
-  /// motions are verified, and where any pair is checked by exact geometry.
+  /// where only obstacles change, and is most of the work for a folded arm. Null if `verification`
+  /// is not of whole motions, or if any pair is checked by exact geometry.
   [[nodiscard]] static std::shared_ptr<ProvenMotions> of_links(const CollisionChecker& checker,
                                                                Verification verification);
 
   [[nodiscard]] bool contain(std::span<const float> from, std::span<const float> to,
                              MotionEnds ends) const;
-  /// Drops all motions first if it is full.
+  /// Adds a motion. Drops all motions first if `most` are kept.
   void add(std::span<const float> from, std::span<const float> to, MotionEnds ends);
 
  private:
   std::size_t most_;
   mutable std::mutex mutex_;
-  std::unordered_set<std::string> motions_;  ///< their bytes
+  std::unordered_set<std::string> motions_;  ///< bytes of the motions
 };
 
 /// Checker and proofs for obstacles that stay in place. Replaying a known task spends most of its
@@ -71,7 +72,7 @@ class StaticCell {
  private:
   CollisionChecker checker_;
   ProvenMotions by_states_, by_motions_;
-  ProvenMotions clear_;  ///< from a state to itself
+  ProvenMotions clear_;  ///< start and goals, as motions from a state to itself
   KnownPlaces places_;
 };
 

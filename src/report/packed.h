@@ -15,7 +15,7 @@ namespace mneme::internal {
 
 /// Coordinates as multiples of `step` above `low`; 65535 steps span the longest extent.
 struct Packed {
-  std::size_t count = 0;  ///< number before thinning
+  std::size_t count = 0;  ///< number of points, cubes or triangles before thinning
   Vec3 low = Vec3::Zero();
   double step = 0;
   std::string data;          ///< base64 of 16-bit numbers, little-endian

@@ -93,8 +93,8 @@ using Arm = std::vector<ArmLine>;
 [[nodiscard]] std::vector<Configuration> spread_along(const Robot& robot, const Path& path,
                                                       int count);
 
-/// Returns at most `limit` components in ascending order, shared evenly among their sources and
-/// spread over each, so that every primitive is shown.
+/// Returns the indices of at most `limit` components in ascending order. Each source gets an equal
+/// share, spread over its components, so that every primitive is shown.
 [[nodiscard]] std::vector<int> choose_components(const GaussianMixture& mixture, int limit);
 
 /// A primitive as the rectangle around its two circles.

@@ -11,7 +11,7 @@
 
 namespace mneme::internal {
 
-/// For pictures only: nothing is checked against it.
+/// A visual shape, for pictures only: nothing is checked against it.
 struct Visual {
   std::string link;
   Shape shape;        ///< in the link's frame

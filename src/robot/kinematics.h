@@ -40,7 +40,7 @@ inline constexpr double kLimitTolerance = 1e-5;
 /// Returns per link true if a moving joint (see find_moving()) carries it.
 [[nodiscard]] std::vector<bool> find_moving_links(const Robot& robot);
 
-/// Returns the joints that carry the link, from it to the root.
+/// Returns the joints that carry the link, from the link to the root.
 [[nodiscard]] std::vector<int> joints_to(const Robot& robot, int link);
 
 /// The value of a joint as a function of the group: rate * q[joint] + offset.
@@ -60,7 +60,7 @@ struct Drive {
 
 /// Returns spheres, as capsules of length 0, then capsules, in the link's frame.
 [[nodiscard]] std::vector<Capsule> shapes_of(const Link& link);
-/// The same in frame W.
+/// Returns the same capsules in frame W.
 [[nodiscard]] std::vector<Capsule> shapes_of(const Link& link, const Transform& X_WL);
 
 [[nodiscard]] Capsule moved(const Capsule& capsule, const Transform& X_WL);

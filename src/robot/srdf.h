@@ -48,9 +48,9 @@ struct SrdfVirtualJoint {
 struct Srdf {
   SrdfName robot;
   std::vector<SrdfGroup> groups;
-  std::vector<SrdfName> end_effectors;  ///< names of their groups
+  std::vector<SrdfName> end_effectors;  ///< names of the groups of end effectors
   std::vector<SrdfVirtualJoint> virtual_joints;
-  std::vector<SrdfName> passive_joints;  ///< which cannot be planned for
+  std::vector<SrdfName> passive_joints;  ///< joints that cannot be planned for
   std::vector<SrdfPair> disabled;        ///< links that may touch each other
   std::vector<SrdfName> disabled_links;  ///< links that may touch all others, except `enabled`
   std::vector<SrdfPair> enabled;

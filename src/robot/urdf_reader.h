@@ -18,9 +18,9 @@ namespace mneme::internal {
 
 /// Finds the meshes of one URDF. `package://NAME/PATH` and `model://NAME/PATH` are searched in the
 /// given directories, those of ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and the folders above the
-/// URDF. Each is the package's folder, by its name or its package.xml, a folder of packages, or an
-/// install prefix with share/NAME. `file:///PATH` is absolute; other names are relative to the
-/// URDF.
+/// URDF. Each of these directories is the package's folder (by its name or its package.xml), a
+/// folder of packages, or an install prefix with share/NAME. `file:///PATH` is absolute; other
+/// names are relative to the URDF.
 class MeshFinder {
  public:
   MeshFinder(const std::string& urdf_path, const std::vector<std::string>& package_paths);

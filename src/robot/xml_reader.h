@@ -45,7 +45,7 @@ class XmlReader {
   /// Records a finding such as "unknown element <x> in <link>", or fails with `fault` if strict.
   void tolerate(int line, const std::string& what, std::string_view fault,
                 ErrorCode code = ErrorCode::parse);
-  /// The same with the context and the element's name before both texts.
+  /// As above, with the context and the element's name before both texts.
   void tolerate(const XmlElement& element, std::string_view what, std::string_view fault,
                 ErrorCode code = ErrorCode::parse);
   /// Returns one warning that counts and names the findings; none without findings.
@@ -53,7 +53,7 @@ class XmlReader {
   /// Names the current part, such as "link 'elbow'", in messages.
   void set_context(std::string context) { context_ = std::move(context); }
   [[noreturn]] void fail(int line, std::string_view what, ErrorCode code = ErrorCode::parse) const;
-  /// The same with the element's line and "<NAME>: " before `what`.
+  /// As above, with the element's line and "<NAME>: " before `what`.
   [[noreturn]] void fail(const XmlElement& element, std::string_view what,
                          ErrorCode code = ErrorCode::parse) const;
 
@@ -67,11 +67,11 @@ class XmlReader {
   /// The root element of `text`, which must be well-formed, at most 64 MB and one `name` element.
   const XmlElement& read_root(tinyxml2::XMLDocument& document, std::string_view text,
                               const char* name) const;
-  /// Finds text, elements other than `single` and `repeated`, and a second element of `single`: the
-  /// first one counts. Elements that xacro expands are an error in both modes.
+  /// Records text, elements other than `single` and `repeated`, and a second element of `single`,
+  /// which is ignored. Elements that xacro expands are an error in both modes.
   void check_children(const XmlElement& element, std::initializer_list<std::string_view> single,
                       std::initializer_list<std::string_view> repeated);
-  /// Finds other attributes.
+  /// Records attributes that are not in `known`.
   void check_attributes(const XmlElement& element, std::initializer_list<std::string_view> known);
 
   const XmlElement& required_child(const XmlElement& element, const char* name) const;
@@ -80,7 +80,7 @@ class XmlReader {
   /// The attribute's value: one finite decimal number, whatever the locale.
   double number(const XmlElement& element, const char* attribute) const;
   double non_negative_number(const XmlElement& element, const char* attribute) const;
-  /// The same, but infinite values are allowed.
+  /// As number(), but infinite values are allowed.
   double number_or_infinity(const XmlElement& element, const char* attribute) const;
   /// The finite numbers of an attribute that exists, as many as one of `counts`; `expected` names
   /// them in messages.

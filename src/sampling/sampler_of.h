@@ -20,7 +20,8 @@ class StartedSampler final : public Sampler {
   Start start_;
 };
 
-/// Returns a sampler that starts streams by `start(seed)`. Streams may refer to what it captures.
+/// Returns a sampler that starts streams by `start(seed)`. Streams may refer to what `start`
+/// captures.
 template <class Start>
 [[nodiscard]] std::unique_ptr<Sampler> sampler_of(Start start) {
   return std::make_unique<StartedSampler<Start>>(std::move(start));

@@ -33,9 +33,9 @@ struct ObstacleSpelling {
   std::string_view position;
   std::string_view quaternion;
   bool is_scalar_first = false;     ///< Order of the quaternion.
-  bool writes_no_rotation = false;  ///< Writes the quaternion of an identity, too.
+  bool writes_no_rotation = false;  ///< Writes the quaternion even if there is no rotation.
   std::span<const std::string_view> naming = kObstacleNaming;
-  bool may_name_files = true;  ///< For points, meshes and octrees.
+  bool may_name_files = true;  ///< Points, meshes and octrees may be in files.
 };
 inline constexpr ObstacleSpelling kSceneSpelling{"position", "quat_xyzw", false, false};
 inline constexpr ObstacleSpelling kCompactSpelling{"p", "q", true, true};
@@ -65,7 +65,7 @@ void refuse_file(const Input& input, const ObstacleSpelling& spelling);
 /// Returns a list of shapes with the key `name`, or `body` for a composite obstacle.
 [[nodiscard]] nlohmann::ordered_json obstacles_json(const Scene& scene,
                                                     const ObstacleSpelling& spelling);
-/// Returns pairs of a link and an obstacle that may touch.
+/// Returns the pairs [LINK, OBSTACLE] that may touch, from Obstacle::may_touch.
 [[nodiscard]] nlohmann::ordered_json allowed_json(const Scene& scene);
 
 /// Returns `obstacle` or `scene`, given in frame B, in frame A.

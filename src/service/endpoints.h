@@ -57,15 +57,16 @@ class Endpoints {
   [[nodiscard]] Answer delete_scene(const Call& call);
   [[nodiscard]] Answer scene(const Call& call);
   [[nodiscard]] Answer trace(const Call& call);
-  /// Reports the cause of a memory failure only to clients with the token.
+  /// Reports the state of the service. Only clients with the token get the cause of a failure of
+  /// the database.
   [[nodiscard]] Answer health(const Call& call);
   [[nodiscard]] Answer metrics_text(const Call& call);
   [[nodiscard]] Answer page(const Call&) { return {200, page_.html, "text/html; charset=utf-8"}; }
 
-  /// Error: the store is full.
+  /// Keeps the scene of the page at `/`. Error: the store of scenes is full.
   [[nodiscard]] Result<void> keep_scene_of_page();
   [[nodiscard]] Metrics& metrics() { return metrics_; }
-  /// Loads new rows of other processes.
+  /// Loads new rows of other processes from the database.
   void refresh_memory();
   /// Stores queued rows as far as `patience_s` allows, and ends calls that wait for a server.
   void leave_memory(double patience_s);
@@ -85,7 +86,8 @@ class Endpoints {
     std::optional<CellAnswer> cell = std::nullopt;  ///< the answer of a cell, if it has one
   };
   class Work;
-  /// Answers by `work` in a turn of one thread. `work` and all that it calls may throw Interrupted.
+  /// Waits for a planning thread of the service and returns the answer that `work` makes on it.
+  /// `work` and all functions that it calls may throw Interrupted.
   [[nodiscard]] Answer in_turn(const Call& call, const std::function<Answer(Work&)>& work);
   [[nodiscard]] Answer plan_in_turn(const Call& call, Work& work);
   [[nodiscard]] Answer inverse_kinematics_in_turn(const Call& call);

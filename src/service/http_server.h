@@ -25,12 +25,12 @@ namespace mneme::internal {
 namespace http = boost::beast::http;
 
 struct HttpLimits {
-  double request_timeout_s = 10;  ///< to receive a whole request, and to send its answer
+  double request_timeout_s = 10;  ///< seconds to receive a whole request, and to send its answer
   double idle_timeout_s = 60;
   std::uint32_t head_bytes = 64 << 10;
   std::uint64_t body_bytes = 0;
   int connections = 1;
-  int busy_requests = 1;  ///< most requests that block a thread at a time
+  int busy_requests = 1;  ///< largest number of requests that block a thread at a time
 };
 
 /// A request with all values as received: nothing is decoded.

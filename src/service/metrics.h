@@ -21,7 +21,7 @@ namespace mneme::internal {
 /// The state of a service.
 struct ServiceGauges {
   std::int64_t memory_rows = 0;
-  QueuedRows queued;  ///< remembered rows on their way into the memory
+  QueuedRows queued;  ///< remembered rows on their way into the database
   int threads = 0;
   int waiting = 0;
   int connections = 0;

@@ -21,7 +21,7 @@ class PlanQueue {
   PlanQueue(const PlanQueue&) = delete;
   PlanQueue& operator=(const PlanQueue&) = delete;
 
-  /// Holds threads until it is destroyed.
+  /// The right of a request to plan: holds threads until it is destroyed.
   class Turn {
    public:
     Turn(PlanQueue& queue, int threads, bool is_alone)
@@ -41,9 +41,9 @@ class PlanQueue {
     bool is_alone_;
   };
 
-  /// Waits for `threads` threads, at most the total. At most one turn with `is_alone` exists at a
-  /// time; other requests may overtake requests that wait for it. Empty if the queue is full, or
-  /// once `is_cancelled` is set.
+  /// Waits until `threads` threads, at most the total, are free, and holds them by the returned
+  /// Turn. At most one Turn with `is_alone` exists at a time; other requests may overtake requests
+  /// that wait for it. Returns nothing if the queue is full, or once `is_cancelled` is set.
   [[nodiscard]] std::optional<Turn> wait_for_turn(const std::atomic<bool>& is_cancelled,
                                                   int threads = 1, bool is_alone = false);
   [[nodiscard]] int waiting() const;

@@ -30,8 +30,8 @@ struct PlanRequest {
   bool wants_trace = false;
   bool may_remember = true;
 };
-/// Errors: as for problem files; robot or joints differ from the service's; an unknown scene or
-/// setting; a limit is exceeded.
+/// Reads the body of a request to plan. Errors: as for problem files; robot or joints differ from
+/// the service's; an unknown scene or setting; a limit is exceeded.
 [[nodiscard]] Result<PlanRequest> read_plan_request(std::string_view body,
                                                     const RequestContext& context);
 

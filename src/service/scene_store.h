@@ -21,7 +21,7 @@ class SceneStore {
   using Kept = std::shared_ptr<const Scene>;
   explicit SceneStore(int most) : most_(static_cast<std::size_t>(most)) {}
 
-  /// Returns null if there is none.
+  /// Returns the scene `id`; null if there is none.
   [[nodiscard]] Kept find(const std::string& id) const;
   /// Adds or replaces a scene. Error: the store is full.
   [[nodiscard]] Result<Kept> put(const std::string& id, Scene scene);
@@ -29,7 +29,7 @@ class SceneStore {
   /// Errors: as `edit`.
   [[nodiscard]] Result<Kept> change(const std::string& id,
                                     const std::function<Result<Scene>(const Scene&)>& edit);
-  /// Returns false if there was none.
+  /// Removes the scene `id`. Returns false if there was none.
   bool remove(const std::string& id);
   [[nodiscard]] std::size_t count() const;
 

@@ -103,8 +103,8 @@ HWY_INLINE V pick_lanes(const V3& p, const Pick& pick) {
   return result;
 }
 
-/// Writes the least and greatest coordinates over all lanes. Both arrays have room for a whole
-/// vector; the first three values count.
+/// Writes the least and greatest x, y and z over all lanes to the first three values of `lower` and
+/// `upper`. Both arrays must have room for a whole vector.
 HWY_INLINE void store_extent(const V3& p, float* HWY_RESTRICT lower, float* HWY_RESTRICT upper) {
   hn::Store(pick_lanes(p, [](V a, V b) { return hn::Min(a, b); }), Tag(), lower);
   hn::Store(pick_lanes(p, [](V a, V b) { return hn::Max(a, b); }), Tag(), upper);

@@ -56,7 +56,7 @@ struct CachedSpheres {
 /// Returns for each link true if it is one of an arm's fingers or last three links.
 [[nodiscard]] std::vector<bool> find_arm_ends(const Robot::Parts& parts);
 
-/// approximate_robot with this cache.
+/// As approximate_robot() of mneme/spheres.h, with this cache.
 [[nodiscard]] Result<CachedSpheres> approximate_robot(Robot::Parts parts,
                                                       const SphereSettings& settings,
                                                       const SphereCache& cache,
@@ -64,8 +64,10 @@ struct CachedSpheres {
 
 /// Names of checked pairs of links whose spheres overlapped in every sampled configuration.
 struct InseparablePairs {
-  std::vector<std::pair<std::string, std::string>> always;        ///< so does their exact geometry
-  std::vector<std::pair<std::string, std::string>> only_spheres;  ///< their exact geometry can part
+  std::vector<std::pair<std::string, std::string>> always;        ///< pairs whose exact geometry
+                                                                  ///< always overlaps, too
+  std::vector<std::pair<std::string, std::string>> only_spheres;  ///< pairs whose exact geometry
+                                                                  ///< can be apart
 };
 /// Cost: a few configurations if there are none, up to a second per pair otherwise.
 [[nodiscard]] InseparablePairs find_inseparable_pairs(const Robot& robot);

@@ -35,8 +35,8 @@ struct Excess {
 inline constexpr int kSphereVersion = 3;
 
 /// Computes a capsule, or spheres, that contain `mesh`, which has an area, and what it encloses.
-/// Number and excess obey the settings; if both are impossible, the number. Coordinates of spheres
-/// are multiples of 10 um.
+/// Number and excess of the spheres obey the settings; if they cannot both, the number does.
+/// Coordinates of spheres are multiples of 10 um.
 [[nodiscard]] LinkSpheres approximate_solid(const TriangleMesh& mesh,
                                             const SphereSettings& settings);
 

@@ -15,7 +15,7 @@ namespace mneme::internal {
 
 /// The solid that a surface encloses. Inside is what cannot be reached from outside on a grid
 /// without touching the surface: overlapping parts and inner walls do no harm. For surfaces with a
-/// rim, points that lines through them prove enclosed are inside, too: a tube without caps is full.
+/// rim, points that is_enclosed() proves enclosed are inside, too: a tube without caps is full.
 /// Const is parallel-safe.
 class SolidModel {
  public:

@@ -28,7 +28,8 @@ using TriangleMesh = std::vector<Triangle>;
 /// Returns the triangles of all solids of `link`, in its frame. Errors name the link: a mesh file
 /// that cannot be used (also named), solids that are not finite or have no surface.
 [[nodiscard]] Result<TriangleMesh> link_surface(const Link& link);
-/// The same of the meshes of an object, in files and among its shapes.
+/// Returns the triangles of the meshes of an object, in files and among its shapes. Errors: as
+/// link_surface().
 [[nodiscard]] Result<TriangleMesh> mesh_surface(const AttachedObject& object);
 
 }  // namespace mneme::internal

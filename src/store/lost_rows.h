@@ -15,13 +15,14 @@ namespace mneme::internal {
 /// The state that the last acknowledged commit left, kept in `FILE.tally`.
 struct StateRecord {
   StoreState state;
-  std::int64_t time = 0;    ///< of that commit, seconds since 1970
-  bool is_settled = false;  ///< the log was merged into the file since, which may be replaced
+  std::int64_t time = 0;    ///< time of that commit, seconds since 1970
+  bool is_settled = false;  ///< the log was merged into the file afterwards; the file may be
+                            ///< replaced
 };
 
 /// Path of a database's record, next to the target of a symbolic link.
 [[nodiscard]] std::string record_path(const std::string& path);
-/// Path of a database's write-ahead log, likewise.
+/// Path of a database's write-ahead log, next to the target of a symbolic link.
 [[nodiscard]] std::string log_path(const std::string& path);
 /// Records the state of an acknowledged commit. Does not wait for the disk: after a loss of power
 /// the record may be an old one, which hides a loss but never reports a false one. An error is

@@ -42,9 +42,9 @@ class KeySizes {
   std::map<std::string, std::size_t, std::less<>> sizes_;
 };
 
-/// Reason why `experience` is invalid for that robot, or nothing. Checks the type of content, array
-/// sizes, finite values, factor indices and UTF-8; does not check the key's length. An empty
-/// sampler may have a joint count of 0.
+/// Reason why `experience` is invalid for the robot of `signature`, or nothing. Checks the type of
+/// content, array sizes, finite values, factor indices and UTF-8; does not check the key's length.
+/// An empty sampler may have a joint count of 0.
 [[nodiscard]] std::optional<std::string> describe_flaw(const Experience& experience,
                                                        const RobotSignature& signature);
 

@@ -60,7 +60,8 @@ struct RowView {
   std::span<const std::byte> key;  ///< float64 each
   std::int64_t constraints = 0;    ///< the bits of the unsigned number
   bool is_path = false;
-  std::span<const std::byte> means;             ///< of a sampler, or waypoints: float32 each
+  std::span<const std::byte> means;             ///< means of a sampler, or waypoints of a path:
+                                                ///< float32 each
   std::span<const std::byte> factor_rows;       ///< int32 each
   std::span<const std::byte> factors;           ///< of a sampler, or a path's clearances and near
                                                 ///< misses: float32 each
@@ -77,13 +78,13 @@ struct RowView {
 /// read, one of `mixture`.
 struct StoredRow {
   std::int64_t id = 0;
-  std::int64_t generation = 0;  ///< of the transaction that added it
+  std::int64_t generation = 0;  ///< generation of the transaction that added the row
   std::int64_t cell = 0;        ///< cell_of() its key
   std::span<const std::byte> content;
   std::int64_t components = 0;
   RowView columns;
-  std::int64_t key_checksum = 0;      ///< of the record in `experience`
-  std::int64_t mixture_checksum = 0;  ///< of the record in `mixture`
+  std::int64_t key_checksum = 0;      ///< checksum of the record in `experience`
+  std::int64_t mixture_checksum = 0;  ///< checksum of the record in `mixture`
   std::string flaw;                   ///< damage that the store found while reading it; usually
                                       ///< empty
 };
@@ -120,13 +121,13 @@ struct Tombstone {
 /// The checksum of the row that names a store's robot.
 [[nodiscard]] std::int64_t checksum_of(const RobotSignature& signature);
 
-/// The bytes of an experience. Refers to its texts, which must outlive it.
+/// The bytes of an experience. The experience must outlive this object, which refers to its texts.
 class EncodedRow {
  public:
   explicit EncodedRow(const Experience& experience);
   [[nodiscard]] const RowView& view() const { return stored_.columns; }
   [[nodiscard]] const ContentHash& content() const { return *content_; }
-  /// The row as it is stored under `id`. Valid as long as this.
+  /// The row as it is stored under `id`. Valid as long as this object.
   [[nodiscard]] StoredRow stored(std::int64_t id, std::int64_t generation) const;
 
  private:
@@ -172,7 +173,8 @@ class ColumnDigest {
 /// XXH3 over all columns of a record in `experience` and in `mixture`.
 [[nodiscard]] std::int64_t key_checksum(const StoredRow& row);
 [[nodiscard]] std::int64_t mixture_checksum(const StoredRow& row);
-/// Contribution of a row or tombstone to a digest of the store, which is the exclusive or of all.
+/// Contribution of a row or tombstone to a digest of the store, which is the exclusive or of all
+/// contributions.
 [[nodiscard]] std::int64_t tally_mark(std::int64_t id, std::int64_t checksum);
 
 /// Fills `experience`. Returns the row's damage in words, or nothing. Does not check the key's

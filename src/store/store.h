@@ -22,14 +22,14 @@
 
 namespace mneme::internal {
 
-/// A live row with one of the requested contents.
+/// A live row (not set aside) with one of the requested contents.
 struct KnownRow {
   ContentHash content{};
   std::int64_t id = 0;
   Provenance provenance;
 };
 
-/// A row that a lesson taught, by its content; see Provenance::lesson.
+/// Records that a lesson taught the row with this content; see Provenance::lesson.
 struct LessonMark {
   std::uint64_t lesson = 0;
   ContentHash content{};
@@ -70,13 +70,13 @@ class StoreTransaction {
   /// Ids of rows with a mixture but without a key and tombstone.
   [[nodiscard]] virtual Result<std::vector<std::int64_t>> find_orphans() = 0;
 
-  /// All marks of lessons.
+  /// All records of finished lessons.
   [[nodiscard]] virtual Result<std::vector<LessonMark>> read_lessons() = 0;
 
   // Only in writing transactions:
   [[nodiscard]] virtual Result<void> add_rows(std::span<const StoredRow> rows) = 0;
   [[nodiscard]] virtual Result<void> add_tombstones(std::span<const Tombstone> tombstones) = 0;
-  /// Adds marks that the store does not have yet.
+  /// Adds the records of lessons that the store does not have yet.
   [[nodiscard]] virtual Result<void> add_lessons(std::span<const LessonMark> marks) = 0;
   [[nodiscard]] virtual Result<void> remove_tombstones(std::span<const std::int64_t> ids) = 0;
   [[nodiscard]] virtual Result<void> set_head(const StoreState& state) = 0;
@@ -93,7 +93,7 @@ enum class LossCheck {
 
 /// How long calls wait for a server.
 struct ServerPatience {
-  double answer_s = 10;  ///< without a sign of life during a call
+  double answer_s = 10;  ///< seconds without a sign of life during a call
   /// Set by another thread to end waiting calls within 20 ms, and all later ones at once; may be
   /// null.
   const std::atomic<bool>* stop = nullptr;
@@ -161,8 +161,8 @@ struct StoreChanges {
 
 /// Which of two rows with equal content is kept.
 enum class Duplicates {
-  keep_first,     ///< the stored one
-  keep_earliest,  ///< the one with the smaller (time, tool, settings, seed), independent of
+  keep_first,     ///< keep the stored row
+  keep_earliest,  ///< keep the row with the smaller (time, tool, settings, seed), independent of
                   ///< insertion order
 };
 
@@ -184,8 +184,8 @@ struct Appended {
 [[nodiscard]] Result<Appended> append_rows(Store& store, std::span<const Experience> rows,
                                            Duplicates rule);
 
-/// Chooses the rows to append, inside the transaction and with the head locked. Its own changes are
-/// committed or rolled back with the rows.
+/// Chooses the rows to append, inside the transaction and with the head locked. Changes that this
+/// function makes are committed or rolled back with the rows.
 using RowSource = std::function<Result<std::span<const Experience>>(const StoreState& head)>;
 [[nodiscard]] Result<Appended> append_rows_of(Store& store, const RowSource& source,
                                               Duplicates rule);

@@ -35,12 +35,12 @@ class Linkage {
 
   /// False if it is proven that no configuration within the limits brings a sphere of `a`, on the
   /// first frame, within a millimetre of a sphere of `b`, on the second. The effort is bounded.
-  /// With more than two joints between the frames it is always true.
+  /// Always true with more than two joints between the frames.
   [[nodiscard]] bool can_meet(std::span<const Sphere> a, std::span<const Sphere> b) const;
 
   /// A frame row on the path from one frame to the other.
   struct Crossing {
-    Transform mount;  ///< of the joint in the parent's frame
+    Transform mount;  ///< pose of the joint in the parent's frame
     bool is_prismatic = false;
     double multiplier = 1, offset = 0;
     std::size_t joint = 0;   ///< index into the joints between the frames

@@ -30,11 +30,11 @@ void store(const Matrix& m, float* out) {
   }
 }
 
-/// Pairs that the robot checks by exact geometry are left to ExactPairs. Error: more moving joints
-/// than kMaxFrames.
+/// Makes the kernels' tables of a robot, without the pairs that ExactPairs checks by exact
+/// geometry. Error: more moving joints than kMaxFrames.
 [[nodiscard]] Result<RobotTables> make_robot_tables(const Robot& robot);
 
-/// The same for a robot with attached objects, from the tables of the bare robot.
+/// Makes the tables of a robot with attached objects from the tables of the bare robot.
 [[nodiscard]] Result<RobotTables> add_attached(const Robot& robot, const RobotTables& bare);
 
 /// Returns the tables without checks of these pairs of links, each with its lower index first.
@@ -76,9 +76,9 @@ struct CheckedRobot {
   double reach = 0;  ///< reach_of() the robot
 };
 
-/// Returns the tables that all copies of a robot share, made at the first call. Cost of making:
-/// milliseconds, for attached objects microseconds. Tables of robots that no longer exist are
-/// released then. Thread-safe. Error: as make_robot_tables.
+/// Returns the tables that all copies of a robot share. The first call for a robot makes them,
+/// which takes milliseconds, or microseconds if only attached objects are new. It also releases the
+/// tables of robots that no longer exist. Thread-safe. Errors: those of make_robot_tables().
 [[nodiscard]] Result<std::shared_ptr<const CheckedRobot>> share_checked_robot(const Robot& robot);
 
 }  // namespace mneme::internal

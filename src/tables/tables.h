@@ -16,7 +16,7 @@ namespace mneme::internal {
 
 /// Largest number of moving frames: more do not fit the kernels' stack.
 inline constexpr int kMaxFrames = 64;
-/// Largest number of bodies: with more, links that move together share one.
+/// Largest number of bodies. Where there would be more, links that move together share a body.
 inline constexpr int kMaxBodies = 128;
 /// Largest number of joints for which walk() works: their matrix has to fit the stack.
 inline constexpr int kMostWalkingJoints = 32;
@@ -69,7 +69,7 @@ struct GroupRow {
   int cluster = 0;  ///< index of its cluster
 };
 
-/// Neighbouring groups of spheres of one link, or one capsule.
+/// A cluster: several neighbouring groups of spheres of one link, or a single capsule.
 struct ClusterRow {
   Ball ball;  ///< the bounding ball
   int begin = 0, end = 0;
@@ -191,7 +191,7 @@ struct CompoundRow {
   const VoxelGrid* voxels = nullptr;
   const PointGrid* points = nullptr;  ///< null for triangles and cubes
   const PartTree* tree = nullptr;     ///< null for points
-  std::shared_ptr<const void> owner;  ///< keeps all three alive
+  std::shared_ptr<const void> owner;  ///< keeps the data behind the pointers alive
 };
 
 /// Obstacles in a frame with the axes of most boxes, so that these need no rotation and have tight

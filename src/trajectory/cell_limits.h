@@ -12,7 +12,7 @@ namespace mneme::internal {
 /// contains (0, 0).
 class CellLimits {
  public:
-  /// Takes the greatest value of each.
+  /// Takes the greatest squared speeds at begin and end.
   CellLimits(double most_begin, double most_end) : most_begin_(most_begin), most_end_(most_end) {}
   /// Adds |at_begin a + at_end b| <= bound; `bound` is above 0.
   void add(double at_begin, double at_end, double bound);
@@ -20,11 +20,11 @@ class CellLimits {
   struct Pair {
     double begin = 0, end = 0;
   };
-  /// Returns the pair of greatest begin whose end is at most `most_end`: the linear program of the
-  /// backward pass.
+  /// Returns the pair with the greatest squared speed at the begin whose end is at most `most_end`:
+  /// the linear program of the backward pass.
   [[nodiscard]] Pair greatest_begin(double most_end) const;
-  /// Returns the greatest end, at most `most_end`, that is feasible with `begin`, which must be
-  /// feasible with some end.
+  /// Returns the greatest squared speed at the end, at most `most_end`, that is feasible with
+  /// `begin`. Precondition: `begin` is feasible with some end.
   [[nodiscard]] double greatest_end(double begin, double most_end) const;
 
  private:

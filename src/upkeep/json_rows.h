@@ -13,7 +13,7 @@ namespace mneme::internal {
 
 /// The first line of a file: the robot signature.
 [[nodiscard]] std::string json_of(const RobotSignature& signature);
-/// The line of one row; independent of its id.
+/// The line of one row, without its id.
 [[nodiscard]] std::string json_of(const Experience& row);
 
 // Errors: parse, without file and line.
