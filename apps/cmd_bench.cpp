@@ -158,7 +158,7 @@ void add_run_flags(CLI::App& command, BenchOptions& options) {
                 "sources of configurations (default uniform, with --db gl,uniform)");
   add_number(command, "--seeds", options.seed_count, 1, 1000000,
              "runs of each case, with seeds from --seed on");
-  add_database(command, options.db, options.kept, "memory of the sampler gl: an SQLite file");
+  add_database(command, options.db, options.kept, "database for the sampler gl: an SQLite file");
   command.add_option("--csv", options.csv,
                      "file for one row per run, written while it runs; replaced if it exists");
   command.add_flag("--resume", options.is_resumed,
@@ -211,7 +211,7 @@ void check_problem_flags(BenchOptions& options) {
   }
   const auto drawing = std::ranges::find_if(options.samplers, needs_memory);
   if (drawing != options.samplers.end() && options.db.empty()) {
-    throw CLI::ValidationError("--samplers", *drawing + " needs a memory: --db");
+    throw CLI::ValidationError("--samplers", *drawing + " needs a database: --db FILE");
   }
   if (options.is_resumed && options.csv.empty()) {
     throw CLI::ValidationError("--resume", "needs --csv, the file with the earlier rows");

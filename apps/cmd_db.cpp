@@ -76,13 +76,13 @@ void print_info(const DatabaseInfo& info) {
   };
   line("database", info.url);
   if (info.schema_version == 0) {
-    line("robot",
-         "none: it holds nothing yet, and will be of the robot that is learned with first");
+    line("robot", "none: the database is empty; learning sets its robot");
     return;
   }
   line("robot", printable(info.signature.robot_name));
-  line("kinematics", info.signature.kinematics_hash.empty() ? "not noted: an older mneme made it"
-                                                            : info.signature.kinematics_hash);
+  line("kinematics", info.signature.kinematics_hash.empty()
+                         ? "not noted: an older mneme made the database"
+                         : info.signature.kinematics_hash);
   line("robot hash", info.signature.model_hash);
   line("joints", info.signature.joint_count);
   for (const KindInfo& kind : info.kinds) {
@@ -102,7 +102,7 @@ struct Comparison {
   std::string_view sentence;
 };
 constexpr std::array kComparisons = {
-    Comparison{RobotDifference::none, "none", "the robot that it was learned with"},
+    Comparison{RobotDifference::none, "none", "the robot that the experience was learned with"},
     Comparison{
         RobotDifference::shapes, "shapes",
         "the same joints, frames and limits; another collision model (spheres, fingers, tools "
@@ -319,7 +319,8 @@ void check_query_flags(const CLI::App&, DbOptions& options) {
 }  // namespace
 
 void add_db(CLI::App& program, Action& action) {
-  CLI::App& group = add_group(program, "db", "Inspect and maintain a memory", "db info planar.db");
+  CLI::App& group =
+      add_group(program, "db", "Inspect and maintain a database", "db info planar.db");
   const auto options = std::make_shared<DbOptions>();
   CLI::App& info = add_command(group, action, "info", "Show robot, kinds, number of rows and size",
                                "db info planar.db --json", options, run_info);
@@ -338,7 +339,7 @@ void add_db(CLI::App& program, Action& action) {
              "rows to print (default: all)");
   add_text(
       query, "--key", [options](const std::string& text) { read_key(text, *options); },
-      "two circles, metres; for keys of pairs")
+      "two circles, metres; for a database of the kind pairs")
       ->type_name("X,Y,R,X,Y,R");
   query.add_option("--problem", options->problem,
                    "problem whose primitives are looked up: YAML file, or FILE.json#NAME");

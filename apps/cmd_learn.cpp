@@ -152,7 +152,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
       MNEME_TRY(problem_options(options.source.robot, options.source.robot_options));
   const auto found = MNEME_TRY(find_bench_problems(options.problems, options.part));
   const auto problems = MNEME_TRY(load_lesson_problems(found, overrides, print_note));
-  if (problems.empty()) return fail(ErrorCode::invalid, "--part: it has no problems");
+  if (problems.empty()) return fail(ErrorCode::invalid, "--part: this part has no problems");
   const Robot& robot = problems.front().robot;
   MemorySettings memory = options.source.memory;
   if (!memory.kind) memory.kind = default_kind_of_paths(robot).name;
@@ -229,7 +229,8 @@ void add_sharing(CLI::App& command, Sharing& sharing) {
                    "share the work with all processes that have the same command line, through the "
                    "PostgreSQL database; ends when everything is learned");
   add_number(command, "--lease", sharing.lease_s, 0.1, 86400.0,
-             "with --worker: seconds of silence after which others take a process's primitives");
+             "with --worker: seconds of silence after which other processes take over a process's "
+             "primitives");
 }
 
 /// Throws a usage error for flags that contradict each other.
@@ -248,7 +249,7 @@ void check_sharing(const CLI::App& command, const Sharing& sharing, const std::s
 
 void add_flags(CLI::App& command, LearnOptions& options) {
   command.add_option("--robot", options.source.robot,
-                     "URDF file or name of a robot (with --problems the default is theirs)");
+                     "URDF file or name of a robot (default with --problems: the problems' robot)");
   add_robot_flags(command, options.source.robot_options);
   command.add_option("--primitives", options.grid,
                      "YAML file with a range of primitives, for planar arms");
@@ -287,7 +288,7 @@ void check_learn_flags(const CLI::App& command, LearnOptions& options) {
   }
   const std::string kind(memory_kinds().front()->name);
   if (!options.grid.empty() && options.source.memory.kind.value_or(kind) != kind) {
-    throw CLI::ValidationError("--kind", fmt::format("--primitives is a range of '{}'", kind));
+    throw CLI::ValidationError("--kind", fmt::format("--primitives needs the kind '{}'", kind));
   }
   check_sharing(command, options.sharing, options.db, !has_primitives);
   if (has_primitives && options.source.robot.empty()) throw CLI::RequiredError("--robot");
@@ -298,7 +299,7 @@ void check_learn_flags(const CLI::App& command, LearnOptions& options) {
 void add_learn(CLI::App& program, Action& action) {
   const auto options = std::make_shared<LearnOptions>();
   CLI::App& command = add_command(
-      program, action, "learn", "Fill a memory from problems, scenes or primitives; resumable",
+      program, action, "learn", "Learn a database from problems, scenes or primitives; resumable",
       "learn --problems problems/ --part 1/2 --db arm.db\n"
       "  mneme learn --robot planar8 --primitives scenes/planar/grid.yaml --db planar.db\n"
       "On a cluster, as an array of jobs:\n  mneme learn --robot planar8 --primitives grid.yaml "

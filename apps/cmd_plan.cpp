@@ -329,8 +329,8 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
   add_configuration(command, "--goal", options.goal, "goal instead of the problem's");
   add_poses(
       command, "--goal-pose", options.goal_poses,
-      "pose of a link instead of the problem's goals, in the frame of its scene; any rotation "
-      "without the quaternion; repeatable, also with --goal: alternatives");
+      "pose of a link instead of the problem's goals, in the frame of the problem's scene; any "
+      "rotation without the quaternion; repeatable, also with --goal: the path ends at any one");
   add_upright(command, options.upright);
   command
       .add_option(
@@ -339,7 +339,7 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
           "those in contact (default: none)")
       ->type_name("X");
   add_database(command, options.db, options.kept,
-               "memory: an SQLite file or postgresql://..; created if planning adds to it");
+               "database: an SQLite file or postgresql://...; created if planning adds to it");
 }
 
 void add_solve_flags(CLI::App& command, PlanOptions& options) {
@@ -358,7 +358,7 @@ void add_solve_flags(CLI::App& command, PlanOptions& options) {
     settings.memory_mode = *mode;
   };
   add_text(command, "--memory", read_mode,
-           "use of the memory: auto, off, or paper for its literal rules (default auto)")
+           "use of memory: auto, off, or paper: all settings as in the paper (default auto)")
       ->type_name("MODE");
   add_settings(command, settings);
   add_memory_settings(command, settings.memory);
@@ -398,7 +398,7 @@ void choose_sampler(const CLI::App& command, PlanOptions& options) {
     const std::string& name = options.settings.sampler;
     const bool is_default = name == SolveSettings().sampler;  // it then samples uniformly
     if (options.db.empty() && !is_default && needs_memory(name)) {
-      throw CLI::ValidationError("--sampler", name + " needs a memory: --db");
+      throw CLI::ValidationError("--sampler", name + " needs a database: --db FILE");
     }
     return;
   }

@@ -159,7 +159,7 @@ void add_serve(CLI::App& program, Action& action) {
                   "serve --robot fetch --db fetch.db --remember-after 3000", options, run_serve);
   command.add_option("--robot", options->robot, "URDF file or name of a robot")->required();
   add_robot_flags(command, options->robot_options);
-  add_database(command, options->db, options->kept, "memory: an SQLite file or postgresql://...");
+  add_database(command, options->db, options->kept, "database: an SQLite file or postgresql://...");
   const auto listen = [&where = options->service.listen](const std::string& text) {
     const auto checked = check_listen(text);
     if (!checked) throw CLI::ValidationError("--listen", checked.error().message);

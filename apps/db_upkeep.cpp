@@ -164,7 +164,7 @@ void add_db_upkeep(CLI::App& group, Action& action) {
     add_json(command, options->is_json);
     return command;
   };
-  add("verify", "Check structure and checksums, and set damaged rows aside", "planar.db",
+  add("verify", "Check structure and checksums; searches then skip damaged rows", "planar.db",
       run_verify)
       .add_flag("--report", options->is_report, "only report, change nothing");
   add("merge", "Add the rows of other databases", "all.db part1.db part2.db", run_merge)
@@ -182,8 +182,8 @@ void add_db_upkeep(CLI::App& group, Action& action) {
   adopt.add_option("--robot", options->robot, "URDF file or name of the robot")->required();
   add_robot_flags(adopt, options->robot_options);
   adopt.add_flag("--force", options->is_forced,
-                 "also for a database of an older mneme, which has no frames of the joints");
-  add("compact", "Remove rows that were set aside and give back their space", "planar.db",
+                 "also adopt a database of an older mneme, which stores no joint frames");
+  add("compact", "Delete damaged and superseded rows, and free their space", "planar.db",
       run_compact);
 }
 

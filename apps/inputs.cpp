@@ -115,7 +115,7 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
   return std::move(database).map_error([&](Error error) {
     std::error_code ignored;
     if (error.code == ErrorCode::io && !can_insert && !std::filesystem::exists(url, ignored)) {
-      error.message += "; 'mneme learn' makes a memory, and so does planning with --learn-budget";
+      error.message += "; 'mneme learn' makes a database, and so does planning with --learn-budget";
     }
     return error;
   });

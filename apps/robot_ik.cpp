@@ -96,7 +96,7 @@ void add_robot_ik(CLI::App& group, Action& action) {
   add_robot_argument(command, options->robot, options->robot_options);
   add_poses(command, "--pose", options->poses,
             "pose in the root link's frame, any rotation without the quaternion; repeatable: "
-            "alternatives")
+            "configurations may reach any one")
       ->required();
   add_configuration(command, "--near", options->near,
                     "start of the search; the nearest solution is printed first (default: the "

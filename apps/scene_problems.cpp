@@ -338,7 +338,8 @@ CLI::App& add_generator(CLI::App& group, Action& action, const std::string& name
   command.add_option("-o,--output", options->output, "compact file to write, - to print it")
       ->required();
   add_seed(command, options->seed, "seed; problem number n depends on it and on n only");
-  add_number(command, "-n,--count", options->count, 1, most, "problems, of repeat: per task");
+  add_number(command, "-n,--count", options->count, 1, most,
+             "number of problems; of 'repeat': number per task");
   add_isa(command);
   add_json(command, options->is_json);
   return command;
@@ -356,9 +357,10 @@ void add_scene_threaded(CLI::App& group, Action& action) {
       options, run_threaded, kMostProblems);
   command.add_option("--robot", options->robot, "planar arm: URDF file or name (default planar8)");
   add_range(command, "--gap", options->settings.gap, "distance of the two circles, metres");
-  add_range(command, "--depth", options->depth, "links from the first one in the gap to the last");
+  add_range(command, "--depth", options->depth,
+            "number of links from the first one in the gap to the last");
   add_number(command, "--passages", options->settings.passages, 1, 3,
-             "gaps: at the start, at the goal, and one more in reach");
+             "number of gaps. 1: at the start; 2: also at the goal; 3: one more in reach");
 }
 
 void add_scene_enclosed(CLI::App& group, Action& action) {

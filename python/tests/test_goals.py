@@ -44,7 +44,7 @@ def test_no_configuration_says_why(panda):
     scene.add_sphere("ball", POSITION, 0.3)
     blocked = mneme.inverse_kinematics(panda, [goal], near=READY, scene=scene)
     assert len(blocked) == 0
-    assert "link 'panda_hand' reaches it only in contact with obstacle 'ball'" in blocked.message
+    assert "link 'panda_hand' reaches the pose only in contact with obstacle 'ball'" in blocked.message
     upside_down = mneme.PoseGoal("panda_link1", [0, 0, 0.333], TURN)
     assert "but not with that rotation" in mneme.inverse_kinematics(panda, [upside_down]).message
     with pytest.raises(mneme.Error, match="at least one"):

@@ -64,7 +64,7 @@ def test_no_output_is_written_over_a_memory(robot, problem, tmp_path):
         mneme.learn(robot, database, scenes=[problem], starts_per_link=1, paths_per_start=1, jobs=1)
         check_kept(mneme.plan(problem, database).view, path, "the memory")
         check_kept(lambda csv: mneme.bench(problem, database, csv=csv), path, "the memory")
-    assert raised(mneme.plan(problem).view, path)[1] == f"'{path}' is a memory; choose another output"
+    assert raised(mneme.plan(problem).view, path)[1] == f"'{path}' is a database of experience; choose another output"
 
 
 def test_rows_are_not_written_over_a_problem(cell):

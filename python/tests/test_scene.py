@@ -224,7 +224,7 @@ def test_hostile_meshes_are_errors(tmp_path):
     ply = "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nproperty float y\n"
     for name, text, fault in [
         ("loop.dae", f"<COLLADA><library_visual_scenes><visual_scene>{node}</visual_scene>"
-                     "</library_visual_scenes></COLLADA>", "the node instances itself"),
+                     "</library_visual_scenes></COLLADA>", "this node contains an instance of itself"),
         ("count.ply", ply + "property float z\nend_header\n0 0 0\n", "ends before all elements"),
         ("far.obj", "v 0 0 0\nf 1 2 4294967297\n", "there are 1 before it"),
     ]:
@@ -311,7 +311,7 @@ def test_arrays_that_are_no_points_are_named_by_their_shape():
             scene.add_points("a", points, 0.1)
     scene.add_points("a", np.ones((5, 3), np.int16)[::2], 0.1)
     assert raised(scene.replace_points, "a", -1, [[1, 2, 3]])[1] == "first: expected 0 or more, got -1"
-    assert "expected points 2 to 4 to be among its 3" in raised(scene.replace_points, "a", 2, np.ones((2, 3)))[1]
+    assert "expected points 2 to 4 to be among the cloud's 3" in raised(scene.replace_points, "a", 2, np.ones((2, 3)))[1]
 
 
 def test_no_scene_is_a_type_error():

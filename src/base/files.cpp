@@ -53,7 +53,7 @@ int open_alone(const std::string& path) {
     const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (file < 0) return file;
     const bool is_taken = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-    // Before it was locked, another writer may have finished or removed it.
+    // Before the file was locked, another writer may have finished or removed it.
     if (!is_taken && is_named(file, path)) return file;
     (void)::close(file);
     if (!is_taken) continue;

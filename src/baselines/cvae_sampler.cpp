@@ -25,7 +25,7 @@ Vector to_vector(const std::vector<float>& values) {
 struct Decoder {
   JointSpace space;
   int turn = -1;       ///< index of the joint that turns the arm, or -1
-  float rotation = 0;  ///< of that joint, radians
+  float rotation = 0;  ///< rotation of that joint, radians
   Matrix latent_layer, second_layer, output_layer;
   Vector first_bias, second_bias, output_bias;  ///< first_bias: with the image's part
 

@@ -71,21 +71,22 @@ Result<CvaeWeights> parse(std::string_view bytes, const std::string& path) {
                 "'" + path + "' is not a file of CVAE weights, or is damaged: " + what);
   };
   Header header;
-  if (bytes.size() < sizeof(Header) + sizeof(std::uint64_t)) return corrupt("it is too short");
+  if (bytes.size() < sizeof(Header) + sizeof(std::uint64_t))
+    return corrupt("the file is too short");
   std::memcpy(&header, bytes.data(), sizeof header);
   if (std::string_view(header.magic.data(), header.magic.size()) != kMagic) {
-    return corrupt("it does not start with MNEMCVAE");
+    return corrupt("the file does not start with MNEMCVAE");
   }
   if (header.version != kVersion) {
     return fail(ErrorCode::unsupported, "'" + path + "' is of version " +
                                             std::to_string(header.version) + ", expected " +
                                             std::to_string(kVersion));
   }
-  if (!has_sane_sizes(header)) return corrupt("its dimensions are out of range");
+  if (!has_sane_sizes(header)) return corrupt("the dimensions are out of range");
   CvaeWeights weights = empty_weights(header);
   std::size_t size = sizeof(Header) + sizeof(std::uint64_t);
   visit_arrays(weights, [&](auto&, std::size_t count) { size += count * sizeof(float); });
-  if (bytes.size() != size) return corrupt("its length does not match its arrays");
+  if (bytes.size() != size) return corrupt("the file's length does not match its arrays");
   std::uint64_t checksum;
   const std::size_t end = size - sizeof checksum;
   std::memcpy(&checksum, bytes.data() + end, sizeof checksum);

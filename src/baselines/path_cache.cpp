@@ -19,8 +19,8 @@ enum class Rank { fastest, nearest };
 
 struct Entry {
   std::int64_t row = 0;
-  double similarity_error = 0;  ///< of the ends
-  double duration_s = 0;        ///< of the trajectory
+  double similarity_error = 0;  ///< similarity error of the ends
+  double duration_s = 0;        ///< duration of the trajectory
   Path path;                    ///< with the query's ends
 };
 

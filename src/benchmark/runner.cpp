@@ -145,8 +145,8 @@ class RunQueue {
     for (Batch batch = take({}); !batch.empty(); batch = take(batch)) run_batch(batch, checkers);
   }
 
-  /// The next runs that may start; empty if there are none. A thread that ends serial runs
-  /// continues with the remaining serial ones. `last` are the thread's previous runs.
+  /// Returns the next runs that may start; empty if there are none. `last` are the previous runs of
+  /// the thread. A thread whose last runs were serial continues with the remaining serial runs.
   Batch take(const Batch& last) {
     const std::lock_guard lock(mutex_);
     if (!last.empty() && last.front()->bench_case->is_serial) is_turn_free_ = true;

@@ -155,7 +155,7 @@ Result<bool> learn_memory(const SuiteMemory& memory, const std::string& path,
   if (std::error_code error; !std::filesystem::exists(path, error)) {
     return fail(ErrorCode::invalid,
                 fmt::format("memory {}: its problems taught nothing, perhaps because straight "
-                            "motions solve them; use harder ones",
+                            "motions solve them; use harder problems",
                             memory.name));
   }
   const Database database = MNEME_TRY(Database::inspect(path));

@@ -193,7 +193,8 @@ int steps_between(const Robot& robot, const Configuration& from, const Configura
   return static_cast<int>(std::clamp(steps, kLeastStates, kMostStates));
 }
 
-/// Leaves out the first and last state, if their motions leave what they may not keep.
+/// Removes a start and a goal that need the tolerances from `path`. Returns false if the motion
+/// next to one of them does not leave its contact or its excess of limits as EndTolerances allow.
 bool drop_ends(const Robot& robot, const Scene& scene, double resolution,
                const EndTolerances& tolerances, std::vector<Configuration>& path) {
   const EndMotions ends(robot, scene, 0, tolerances);

@@ -72,7 +72,7 @@ class LinkChain {
 /// The motion of a chain's end seen from its begin, while joints move from `from` by `delta`.
 class ChainMotion final : public BodyMotion {
  public:
-  /// A state if `delta` is empty or moves no joint of the chain.
+  /// The motion is a single state if `delta` is empty or moves no joint of the chain.
   ChainMotion(const LinkChain& chain, std::span<const float> from, std::span<const float> delta)
       : chain_(chain), from_(from), delta_(delta) {
     if (!delta.empty()) set_bounds();

@@ -240,7 +240,7 @@ bool is_free(const LinkDistances& links, const PosedLinks& posed,
 
 namespace {
 
-/// Contacts with obstacles, of links that the group moves or of the others.
+/// Contacts with obstacles: of links that the group moves, or of all other links.
 std::vector<Contact> find_scene_contacts(const Robot& robot, const LinkDistances& links,
                                          const PosedLinks& posed, const Scene& scene, double margin,
                                          bool of_moving) {

@@ -172,7 +172,7 @@ struct CollisionChecker::Tables {
     const float share = robot.is_planar() ? kFirstPlanarSweep : kFirstSweep;
     const float first = share * moved.farthest_reach;
     const float intervals = std::clamp(0.5f * moved.longest / first, 1.0f, kMostIntervals);
-    // The margin vanishes next to an exempt end.
+    // The margin is 0 at the start and the goal of the problem.
     const bool keeps_margin = !detail.is_from_start && !detail.is_to_goal;
     const float finest = keeps_margin ? std::max(0.5f * extra, kFinestSweep) : kFinestSweep;
     const internal::SweptMotion motion{from.data(),

@@ -10,7 +10,7 @@
 namespace mneme::internal {
 namespace {
 
-/// Errors that a sound database of ours cannot cause count as damage. A statement that does not
+/// Errors that a sound database of mneme cannot cause count as damage. A statement that does not
 /// compile means that the tables were changed.
 ErrorCode code_of(int status) {
   switch (status & 0xff) {

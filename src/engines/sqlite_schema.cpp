@@ -136,7 +136,7 @@ Result<int> identify(Connection& connection) {
   if (table_count == 0 && page_count <= 1 && (is_unmarked || (is_ours && version == 0))) return 0;
   const auto checked = check_tables(connection);
   if (is_ours && version == kSchemaVersion) return checked.map([] { return kSchemaVersion; });
-  // .dump saves our tables without application_id and user_version.
+  // .dump saves mneme's tables without application_id and user_version.
   if (is_unmarked && checked) return kSchemaVersion;
   const auto is_old = MNEME_TRY(has_old_tables(connection));
   if (is_unmarked && is_old) return kOldSchema;

@@ -348,7 +348,8 @@ Result<Experience> Database::get(std::int64_t position) const {
   const std::int64_t id = group->second.id(position);
   const auto rows = MNEME_TRY(state_->rows.load({&id, 1}, true));
   if (rows.front() != nullptr) return *rows.front();
-  return fail(ErrorCode::corrupt, fmt::format("{}: row {} was set aside", state_->url, id));
+  return fail(ErrorCode::corrupt,
+              fmt::format("{}: row {} was set aside as damaged or superseded", state_->url, id));
 }
 
 Result<void> Database::for_each(
@@ -409,7 +410,7 @@ Result<std::vector<std::int64_t>> Database::State::insert(std::vector<Experience
   auto appended = MNEME_TRY(internal::append_rows(*store, added, internal::Duplicates::keep_first));
   if (is_new != nullptr) *is_new = appended.is_new;
   if (appended.before != last_state) {
-    // Our rows are stored. Errors with other processes' rows surface at the next refresh().
+    // This call's rows are stored. Errors with other processes' rows surface at the next refresh().
     (void)catch_up();
     return appended.ids;
   }

@@ -4,9 +4,9 @@
 // Compiled once per instruction set. A vector holds one seed per lane.
 //
 // Levenberg and Marquardt's method with the damping of Sugihara (DOI 10.1109/TRO.2011.2148230): the
-// square of the error itself. It makes steps short far from the target and near singularities, and
-// convergence quadratic. All quantities are in the target's frame, so that tolerances are along
-// axes.
+// square of the error itself. This damping makes steps short far from the target and near
+// singularities, and convergence quadratic. All quantities are in the target's frame, so that
+// tolerances are along axes.
 #include "goal/ik_kernel.h"
 
 #include <algorithm>

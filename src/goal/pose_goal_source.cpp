@@ -188,18 +188,18 @@ std::string PoseGoalSource::describe_failure(const Region& region) const {
     return fmt::format("the search for link '{}' ended after {} seeds", goal.link, first.seeds);
   }
   if (moved.solutions.empty()) {
-    return fmt::format("it is out of reach of link '{}' by {}", goal.link,
+    return fmt::format("the pose is out of reach of link '{}' by {}", goal.link,
                        describe_length(moved.closest.position));
   }
   return fmt::format(
-      "link '{}' can be there, but not with that rotation: no solution from {} "
+      "link '{}' reaches this position, but not this rotation: no solution from {} "
       "seeds, the closest is {} and {:.1f} degrees off",
       goal.link, first.seeds, describe_length(first.closest.position),
       kDegrees * first.closest.rotation);
 }
 
 std::string PoseGoalSource::describe_blocked(const Region& region) const {
-  return fmt::format("link '{}' reaches it only in contact with {} ({} seeds tried)",
+  return fmt::format("link '{}' reaches the pose only in contact with {} ({} seeds tried)",
                      region.goal.link, describe_commonest(checker_, region.first.blocked),
                      region.first.seeds);
 }

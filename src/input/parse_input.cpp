@@ -44,7 +44,7 @@ void TreeBuilder::set_key(int line, const std::string& key) {
 
 void TreeBuilder::open(int line, Content content) {
   constexpr std::size_t kMaxDepth = 64;
-  if (is_key_next()) refuse(line, "expected a key that is a text");
+  if (is_key_next()) refuse(line, "expected text as the key of a map");
   if (levels_.size() >= kMaxDepth) {
     refuse(line, fmt::format("expected values nested at most {} deep", kMaxDepth));
   }
@@ -132,7 +132,7 @@ class YamlListener : public YAML::EventHandler {
     refuse_second_document(mark);
     const auto anchored = anchored_.find(anchor);
     if (anchored == anchored_.end()) {
-      tree_.refuse(line_of(mark), "expected an alias of a value that has ended");
+      tree_.refuse(line_of(mark), "expected an alias outside of the value that it names");
     }
     tree_.count(line_of(mark), count_values(anchored->second) - 1);
     open(line_of(mark), anchored->second.content, 0);

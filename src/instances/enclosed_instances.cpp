@@ -21,12 +21,12 @@ namespace mneme {
 namespace {
 
 constexpr int kMostThrough = 100;
-constexpr int kMostStates = 10000;  ///< attempts for a free one
+constexpr int kMostStates = 10000;  ///< attempts for a free configuration
 /// A box that does not fit is tried again at these fractions of its size.
 constexpr std::array kShrunk = {1.0, 0.7, 0.5, 0.35};
 /// Failed boxes in a row after which there is no room for more.
 constexpr int kNoRoom = 2000;
-constexpr int kMostEnds = 20;  ///< attempts for a connected one
+constexpr int kMostEnds = 20;  ///< attempts for a connected configuration
 constexpr std::uint64_t kWitnessIterations = 3000;
 
 /// Samples one instance.

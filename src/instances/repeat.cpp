@@ -96,7 +96,8 @@ class GoalMover {
 Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings, Rng& rng) {
   if (!(settings.obstacles >= 0 && settings.goal >= 0 && settings.base >= 0 &&
         settings.turn >= 0)) {
-    return fail(ErrorCode::invalid, "the distances and the turn of a repetition must be 0 or more");
+    return fail(ErrorCode::invalid,
+                "a repetition's settings obstacles, goal, base and turn must be 0 or more");
   }
   if (problem.goals.empty()) {
     return fail(ErrorCode::unsupported,

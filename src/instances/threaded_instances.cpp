@@ -42,9 +42,10 @@ class InstanceMaker {
       auto candidate = MNEME_TRY(sample());
       if (!candidate) {
         if (++barren < kHopeless) continue;
-        return fail(ErrorCode::invalid,
-                    "no arm of robot '" + robot_.name() +
-                        "' was found threaded through a gap of that width and depth");
+        return fail(
+            ErrorCode::invalid,
+            "no configuration of robot '" + robot_.name() +
+                "' was found that is threaded through a gap in the ranges of gap and depth");
       }
       barren = 0;
       if (candidate->witness.empty()) {

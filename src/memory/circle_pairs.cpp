@@ -42,7 +42,7 @@ bool is_turned(const Transform& before, const Transform& after, double angle) {
 /// Reason why rotations and mirror images are not symmetries of `robot`, or nothing.
 std::optional<std::string> describe_asymmetry(const Robot& robot) {
   if (!robot.is_planar() || robot.joint_count() == 0) {
-    return "it is not planar: all its joints must turn about the z axis";
+    return "the robot is not planar: all its joints must turn about the z axis";
   }
   Configuration q(static_cast<std::size_t>(robot.joint_count()), 0.0);
   const std::vector<Transform> straight = robot.link_poses(q);

@@ -24,7 +24,7 @@ Result<PlanarChain> PlanarChain::make(const Robot& robot) {
         ErrorCode::unsupported,
         "robot '" + robot.name() + "': learning local samplers needs a planar serial arm: " + why);
   };
-  if (!robot.is_planar()) return refuse("it moves out of the plane z = 0");
+  if (!robot.is_planar()) return refuse("the robot moves out of the plane z = 0");
   PlanarChain chain;
   Vec3 tip = Vec3::Zero();
   int parent_link = 0;

@@ -79,8 +79,8 @@ namespace internal {
 namespace {
 
 /// Deforms remembered paths so that their ends match the query's: each waypoint is shifted by the
-/// ends' offsets, weighted by its arc length from them. Paths that match better in reverse are
-/// reversed.
+/// ends' offsets, weighted by the waypoint's arc length from the ends. Paths that match better in
+/// reverse are reversed.
 class PathWarper {
  public:
   PathWarper(const Robot& robot, std::span<const double> start, std::span<const double> goal)

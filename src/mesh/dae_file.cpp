@@ -173,7 +173,8 @@ class DaeReader {
     if (std::ssize(path_) >= kMostDepth) {
       fail(parent, "nests its nodes too deep, expected at most {} levels", kMostDepth);
     }
-    if (std::ranges::find(path_, &parent) != path_.end()) fail(parent, "the node instances itself");
+    if (std::ranges::find(path_, &parent) != path_.end())
+      fail(parent, "this node contains an instance of itself");
     path_.push_back(&parent);
     for (const XMLElement* child = parent.FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
@@ -196,7 +197,8 @@ class DaeReader {
 
   void count_step(const XMLElement& element) {
     if (++steps_ > kMostSteps) {
-      fail(element, "the nodes expand to more than {} elements", kMostSteps);
+      fail(element, "all <node> and <instance_node> together expand to more than {} elements",
+           kMostSteps);
     }
   }
 

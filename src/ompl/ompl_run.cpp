@@ -142,7 +142,7 @@ Result<PlanResult> OmplRun::plan() {
   const auto made = MNEME_TRY(make_planner());
   const ob::PlannerPtr& planner = made;
   planner->setProblemDefinition(definition_);
-  // One per attempt, because parallel planners end theirs when they have a path.
+  // One limit per attempt, because parallel planners end their limit when they have a path.
   for (auto limit = limits(); !limit; limit = limits()) {
     planner->solve(limit);
     if (!definition_->hasExactSolution()) break;

@@ -17,9 +17,10 @@ namespace {
 using internal::as_index;
 using internal::PathPoint;
 
-/// States checked together, independent of the vector width, so that results are.
+/// States checked together. Independent of the vector width, so that results are, too.
 constexpr int kBatch = kShortcuts;
-/// Margin of motions next to an end of the path that does not keep the effort's, if it keeps this.
+/// Margin of motions next to an end of the path that does not keep the effort's margin but keeps
+/// this one.
 constexpr double kEndMargin = 2.5e-4;  ///< metres
 /// Waypoints to relax per two batches of stretches.
 constexpr int kRelaxed = 3;

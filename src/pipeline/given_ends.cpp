@@ -40,7 +40,8 @@ class EndMover {
         motions_(robot_, checker.scene(), checker.margin(), tolerances_),
         rng_(derive_seed(query.settings.plan.seed, kEndsTask)) {}
 
-  /// A configuration that stands for `given`, or nothing. Notes what `given` does not keep.
+  /// Returns a configuration that replaces `given`, or nothing. Adds notes about the limits, cones
+  /// and distances that `given` does not keep.
   std::optional<Configuration> find_inside(const Configuration& given, const std::string& name,
                                            std::vector<std::string>& notes) {
     is_start_ = name == "start";
@@ -110,7 +111,8 @@ class EndMover {
     return tolerances_.stretch > 0 ? tolerances_.stretch : kDefaultStretch;
   }
 
-  /// True if everything is kept at `q`, and the straight motion from `given` leads there.
+  /// True if `q` keeps all limits, cones and distances, and the straight motion from `given` to `q`
+  /// passes.
   [[nodiscard]] bool is_inside(const Configuration& given, const Configuration& q) const {
     if (robot_.describe_violation(q, "") || !is_clear_by_exact_geometry(checker_, q)) return false;
     const auto keeps = [&](const OrientationConstraint& constraint) {

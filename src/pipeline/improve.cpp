@@ -134,7 +134,8 @@ class Improvement {
   std::vector<Improved>& curve_;
   double cost_;                     ///< of the best path: seconds or length
   double least_cost_ = 0;           ///< lower bound for any path
-  double verification_time_s_ = 0;  ///< the longest so far; reserved for the next one
+  double verification_time_s_ = 0;  ///< longest verification so far; this time is reserved for the
+                                    ///< next one
   Stopwatch stopwatch_;
 };
 

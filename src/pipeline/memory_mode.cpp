@@ -22,7 +22,8 @@ Result<MemoryMode> parse_memory_mode(std::string_view name) {
   for (const MemoryMode mode : {MemoryMode::automatic, MemoryMode::off, MemoryMode::paper}) {
     if (name == to_string(mode)) return mode;
   }
-  return fail(ErrorCode::invalid, fmt::format("memory is '{}': expected auto, off or paper", name));
+  return fail(ErrorCode::invalid,
+              fmt::format("memory is '{}': expected auto, off or paper (as in the paper)", name));
 }
 
 SolveSettings with_memory_mode(SolveSettings settings) {

@@ -98,7 +98,7 @@ Result<void> check_budget(const SolveSettings& settings, const std::vector<KindS
   if (settings.learn_budget_s == 0 || std::ranges::any_of(kinds, learns)) return {};
   const MemoryKind& kind = *kinds.front().kind;
   return fail(ErrorCode::unsupported,
-              "setting 'learn-budget': memory of the kind '{}' does not learn on a miss; "
+              "setting 'learn-budget': memory of the kind '{}' cannot learn while planning; "
               "'remember-after' learns from solved problems",
               kind.name);
 }

@@ -32,7 +32,7 @@ Result<GivenEnds> move_inside(const Query& query, CellChecker& made, PlanQuery& 
   const SolveSettings& settings = query.settings;
   const bool has_tolerance = settings.start_tolerance > 0 || settings.allow_at_ends > 0;
   if (made.checked.are_ends_clear || !has_tolerance) return GivenEnds{};
-  // Exact geometry may have cleared them.
+  // The exact geometry may show that start and goals are free.
   const CollisionChecker& checker = made.checked.checker;
   const auto is_clear_end = [&](const Configuration& q) {
     return !checker.robot().describe_violation(q, "") && is_clear(checker, q);

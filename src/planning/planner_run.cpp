@@ -119,7 +119,8 @@ bool PlannerRun::must_stop() {
   return is_stopped_;
 }
 
-/// True if verification will pass a motion. Otherwise its branch would be found again and again.
+/// True if verification will pass a motion. Without this check, a branch that verification refuses
+/// would be found again and again.
 bool PlannerRun::would_pass(std::span<const float> from, std::span<const float> to) {
   const auto is_end = [&](std::span<const float> q) {
     const auto is_same = [&](const std::vector<float>& end) { return std::ranges::equal(q, end); };

@@ -175,7 +175,7 @@ class Prm {
   ConfigurationSet milestones_;
   std::vector<int> ends_ = {kStart};       ///< milestones of the start, and then of the goals
   std::vector<int> component_;             ///< label of each milestone
-  std::vector<std::vector<int>> members_;  ///< of each label
+  std::vector<std::vector<int>> members_;  ///< milestones of each label
   std::vector<std::vector<int>> edges_;
   std::vector<int> neighbours_;
   FloatPath path_;

@@ -106,7 +106,7 @@ class Rrt {
   Tree tree_;
   Rng rng_;
   std::vector<int> tried_from_;  ///< per goal the last node extended towards it
-  int removals_ = 0;             ///< of branches that failed verification
+  int removals_ = 0;             ///< number of removed branches, which failed verification
   std::vector<float> delta_;
   FloatPath path_;
 };

@@ -54,7 +54,7 @@ Region read_region(const Input& constraint, const Transform& X_RF) {
     return {X_RB, Vec3::Constant(sphere->radius / std::sqrt(3.0)), true};
   }
   primitives.front().at("type").fail(ErrorCode::unsupported,
-                                     "expected a region that is a box or a sphere");
+                                     "expected a box or a sphere as the region of a position");
 }
 
 void read_position(const Input& constraint, const Transform& X_RF, PoseGoal& goal) {
@@ -65,7 +65,7 @@ void read_position(const Input& constraint, const Transform& X_RF, PoseGoal& goa
         offset->entries(), [](const auto& entry) { return entry.second.finite_number() == 0; });
     if (!is_zero) {
       offset->fail(ErrorCode::unsupported,
-                   "expected no offset, because the region is for the link's origin");
+                   "expected no target_point_offset, because the region is for the link's origin");
     }
   }
   const Region region = read_region(constraint, X_RF);

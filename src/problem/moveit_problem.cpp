@@ -194,7 +194,8 @@ class MoveitReader {
       const MoveitObject& object = shaped(state_.attached[i].object);
       if (object.plane_count > 0) {
         state_.attached[i].object.place.fail(
-            ErrorCode::unsupported, "object \"{}\": expected primitives to attach, got a plane",
+            ErrorCode::unsupported,
+            "object \"{}\": expected shapes without planes to attach, got a plane",
             object.obstacle.name);
       }
       objects[i].shapes = object.obstacle.shapes;

@@ -131,9 +131,10 @@ class AllowedReader {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       for (std::size_t j = i + 1; j < rows.size(); ++j) {
         if (values[i][j] != values[j][i]) {
-          rows[j].fail(ErrorCode::parse,
-                       "expected a symmetric matrix, got two values for {} and {}", names_[i],
-                       names_[j]);
+          rows[j].fail(
+              ErrorCode::parse,
+              "expected a symmetric matrix of allowed collisions, got two values for {} and {}",
+              names_[i], names_[j]);
         }
         if (values[i][j]) allow(names_[i], names_[j]);
       }

@@ -19,8 +19,8 @@ namespace mneme::internal {
 namespace {
 
 constexpr std::size_t kMostPaths = 3;
-constexpr std::int64_t kMostKeys = 1024;  ///< compared for all goals of a query: microseconds
-constexpr std::uint64_t kLocalIterations = 200;  ///< of all local plans of a query
+constexpr std::int64_t kMostKeys = 1024;  ///< keys compared for all goals of a query: microseconds
+constexpr std::uint64_t kLocalIterations = 200;  ///< iterations of all local plans of a query
 /// A repair may check kStatesOfGrace states, and kShareOfPlanning of the number that planning the
 /// remembered path took. Where tasks repeat, past and present planning costs have one distribution:
 /// a repair that fails costs at most half of planning in the mean, and a query at most 1.5 times
@@ -86,7 +86,7 @@ class Replayer {
   }
 
  private:
-  /// Never `none`: a remembered path was found in another scene.
+  /// Never Verification::none, because a remembered path was found in another scene.
   [[nodiscard]] Verification verification() const {
     const Verification wanted = task_.settings.verification();
     return wanted == Verification::none ? Verification::states : wanted;

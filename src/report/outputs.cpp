@@ -80,7 +80,7 @@ Result<void> refuse_memory(const std::string& path) {
   if (!is_special(path)) std::ifstream(path, std::ios::binary).read(header.data(), header.size());
   const std::string_view bytes(header.data(), header.size());
   if (!bytes.starts_with(kSqliteMagic) || !bytes.ends_with(kMemoryId)) return {};
-  return fail(ErrorCode::invalid, "'{}' is a memory; choose another output", path);
+  return fail(ErrorCode::invalid, "'{}' is a database of experience; choose another output", path);
 }
 
 Result<void> check_outputs(std::span<const std::string> outputs, std::span<const ReadFile> inputs) {

@@ -11,7 +11,7 @@ namespace {
 
 /// "0.031 rad away, is blocked at 62 %: link 'wrist' touches obstacle 'box_3'"
 std::string describe(const BlockedPath& path, const Contact& contact) {
-  std::string why = "too close to something";
+  std::string why = "nearer to contact than the margin";
   if (!contact.link.empty()) {
     why = fmt::format("link '{}' touches {} '{}'", contact.link,
                       contact.is_self ? "link" : "obstacle", contact.other);

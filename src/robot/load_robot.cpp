@@ -97,7 +97,7 @@ std::string describe(const std::string& directory) {
 }  // namespace
 
 Result<std::string> find_robot(const std::string& name) {
-  if (name.empty()) return fail(ErrorCode::invalid, "expected a robot: a URDF file or a name");
+  if (name.empty()) return fail(ErrorCode::invalid, "no robot is given: expected a URDF or a name");
   if (name.find('/') != std::string::npos) {
     return fail(ErrorCode::invalid, "'{}' is no robot's name: expected one without '/'", name);
   }

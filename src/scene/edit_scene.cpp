@@ -133,8 +133,8 @@ Result<void> Scene::replace_points(std::string_view obstacle, std::size_t first,
   if (cloud == nullptr) return refuse_edit(obstacle, "expected one cloud of points");
   const std::size_t size = cloud->parts->list().size();
   if (first > size || points.size() > size - first) {
-    return refuse_edit(obstacle, fmt::format("expected points {} to {} to be among its {}", first,
-                                             first + points.size(), size));
+    return refuse_edit(obstacle, fmt::format("expected points {} to {} to be among the cloud's {}",
+                                             first, first + points.size(), size));
   }
   for (const CloudPoint& p : points) {
     if (!std::ranges::all_of(p, [](float x) { return std::isfinite(x); })) {

@@ -36,7 +36,8 @@ class OctreeReader {
     const Cube root{Vec3::Zero(), format_.resolution * (1 << (kDepth - 1))};
     if (!rest_.empty()) format_.is_binary ? read_binary(root, 0) : read_full(root, 0);
     if (!rest_.empty()) {
-      fail(ErrorCode::parse, "expected no more than the tree, got {} bytes more", rest_.size());
+      fail(ErrorCode::parse, "expected the end of the file after the tree, got {} more bytes",
+           rest_.size());
     }
   }
 
@@ -99,7 +100,8 @@ class OctreeReader {
 
   void add(const Cube& cube, std::vector<Cube>& cubes) const {
     if (cubes.size() >= use_.most_cubes) {
-      fail(ErrorCode::unsupported, "expected at most {} leaves of a kind", use_.most_cubes);
+      fail(ErrorCode::unsupported, "expected at most {} occupied leaves, and as many unknown ones",
+           use_.most_cubes);
     }
     cubes.push_back(cube);
   }

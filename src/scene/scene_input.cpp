@@ -122,9 +122,7 @@ void read_allowed_contacts(const Input& list, Scene& scene) {
     Obstacle* obstacle = contacts.find(name);
     if (obstacle == nullptr) {
       pair.fail(ErrorCode::invalid,
-                "expected a link and an obstacle of this scene, "
-                "got no obstacle \"{}\"",
-                name);
+                "expected a link and an obstacle; the scene has no obstacle \"{}\"", name);
     }
     contacts.allow(*obstacle, link);
   }

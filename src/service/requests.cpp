@@ -174,12 +174,14 @@ void check_limits(const Input& input, const SolveSettings& settings,
                limits.longest_plan_s);
   }
   if (settings.threads > limits.threads) {
-    input.at("threads").fail(ErrorCode::invalid, "expected at most {}, the threads of this service",
+    input.at("threads").fail(ErrorCode::invalid,
+                             "expected at most {} threads, the limit of this service",
                              limits.threads);
   }
   if (settings.plan.max_nodes > limits.nodes) {
     input.at("max-nodes")
-        .fail(ErrorCode::invalid, "expected at most {}, the limit of this service", limits.nodes);
+        .fail(ErrorCode::invalid, "expected at most {} nodes, the limit of this service",
+              limits.nodes);
   }
 }
 

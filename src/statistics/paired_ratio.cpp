@@ -17,7 +17,7 @@ namespace mneme {
 namespace {
 
 constexpr std::size_t kResamples = 2000;
-constexpr std::size_t kLowRank = kResamples / 40;  // of the 2.5 % quantile
+constexpr std::size_t kLowRank = kResamples / 40;  // rank of the 2.5 % quantile
 constexpr std::uint64_t kSeed = 20190524;
 /// With fewer problems, whole problems are too coarse a unit of resampling.
 constexpr std::size_t kEnoughProblems = 10;

@@ -104,8 +104,8 @@ std::optional<std::string> describe_missing_rows(const std::string& path,
                                                  const StoreState& head) {
   if (!record || head.generation >= record->state.generation) return std::nullopt;
   return fmt::format(
-      "{} rows that were stored are missing: it holds {} changes, but {} were stored until {} "
-      "(according to {})",
+      "{} rows that were stored are missing: the file holds {} changes, but {} were stored until "
+      "{} (according to {})",
       std::max(std::int64_t{0}, record->state.row_count - head.row_count), head.generation,
       record->state.generation, time_text(record->time), record_path(path));
 }

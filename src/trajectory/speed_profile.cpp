@@ -17,10 +17,10 @@ constexpr int kCells = 16;  ///< per parabola
 /// A straight curve, or a part of a parabola of constant path acceleration.
 struct Cell {
   const Curve* curve = nullptr;
-  double begin = 0, length = 0;  ///< on the curve
-  double cap = 0;                ///< of the squared path speed on a straight curve
-  double acceleration = 0;       ///< the greatest one on it
-  CellLimits limits{0, 0};       ///< of a parabola's
+  double begin = 0, length = 0;  ///< arc lengths on the curve
+  double cap = 0;                ///< limit of the squared path speed on a straight curve
+  double acceleration = 0;       ///< greatest path acceleration on a straight curve
+  CellLimits limits{0, 0};       ///< limits on a part of a parabola
 };
 
 /// Squared path speed at the begin of each cell and at the end of the last one.

@@ -160,7 +160,7 @@ Result<void> check_adoption(const std::string& url, const RobotSignature& found,
   auto refused = internal::refuse_robot(url, found, wanted);
   if (can_fit) {
     refused.value().message +=
-        "; an older mneme wrote it without joint frames; if these are equal, use --force";
+        "; an older mneme stored no joint frames; if the frames are equal, use --force";
   }
   return refused;
 }

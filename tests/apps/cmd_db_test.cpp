@@ -43,7 +43,7 @@ TEST_SUITE("flow") {
     write_file(directory / "new.db", "");
     const ProgramRun words = run_program({"db", "info", directory / "new.db"});
     CHECK(words.exit_code == 0);
-    CHECK(has_text(words.out, "holds nothing yet"));
+    CHECK(has_text(words.out, "the database is empty"));
     CHECK_FALSE(has_text(words.out, "older"));
     CHECK(run_json({"db", "info", directory / "new.db"})["schema_version"] == 0);
   }

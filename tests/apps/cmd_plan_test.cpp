@@ -259,7 +259,7 @@ TEST_SUITE("unit") {
     check_bad_inputs({
         {{"plan", problem, "--planner", "rrtt"}, 2, {"unknown planner 'rrtt'", "rrt_connect"}},
         {{"plan", problem, "--sampler", "sobol"}, 2, {"unknown sampler 'sobol'", "halton"}},
-        {{"plan", problem, "--sampler", "cvae"}, 2, {"cvae needs a memory: --db"}},
+        {{"plan", problem, "--sampler", "cvae"}, 2, {"cvae needs a database: --db FILE"}},
         {{"plan", problem, "--bogus", "1"}, 2, {"--bogus"}},
         {{"plan", problem, "--range", "-0.4"}, 2, {"--range", "'-0.4'", "0.001 to 1000"}},
         {{"plan", problem, "--lambda", "1.5"}, 2, {"--lambda", "'1.5'", "0 to 1"}},
@@ -359,7 +359,7 @@ TEST_SUITE("unit") {
         {{"plan", files.short_arm_problem(), "--db", files.database()}, 5, {"planar8", "short"}},
         {{"plan", problem, "--db", files.database(), "--kind", "paths", "--learn-budget", "1"},
          1,
-         {"learn-budget", "'paths'", "does not learn on a miss"}},
+         {"learn-budget", "'paths'", "cannot learn while planning"}},
     });
     CHECK_FALSE(std::filesystem::exists(files / "missing.db"));
   }
@@ -373,7 +373,7 @@ TEST_SUITE("unit") {
       return words;
     };
     check_bad_inputs({
-        {plan({"--learn-budget", "1", "--kind", "paths"}), 1, {"does not learn on a miss"}},
+        {plan({"--learn-budget", "1", "--kind", "paths"}), 1, {"cannot learn while planning"}},
         {plan({"--learn-budget", "1", "--sampler", "halton"}),
          1,
          {"'halton' does not query memory"}},

@@ -20,7 +20,7 @@ TEST_SUITE("unit") {
     const std::string before = read_file(memory);
     std::filesystem::create_symlink(memory, files / "link");
     const std::string read = "is also an input (the memory); choose another output";
-    const std::string kept = "is a memory; choose another output";
+    const std::string kept = "is a database of experience; choose another output";
     check_bad_inputs({
         {{"bench", "run", problem, "--db", memory, "--csv", memory}, 1, {memory, read}},
         {{"bench", "run", problem, "--csv", memory}, 1, {memory, kept}},

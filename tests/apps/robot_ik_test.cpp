@@ -71,7 +71,7 @@ TEST_SUITE("flow") {
           std::vector<std::string>{"plan", files.problem(), "--goal-pose", "link_8:30,0,0"}}) {
       const ProgramRun run = run_program(command);
       CHECK(run.exit_code == 4);
-      CHECK_MESSAGE(has_text(run.err, "it is out of reach of link 'link_8' by "), run.err);
+      CHECK_MESSAGE(has_text(run.err, "the pose is out of reach of link 'link_8' by "), run.err);
     }
   }
 }

@@ -77,8 +77,9 @@ TEST_SUITE("unit") {
     SUBCASE("out of reach") {
       goal.pose.translation = Vec3(1.5, 0, 0.3);
       const std::string failure = failure_of({}, goal);
-      CHECK_MESSAGE(failure.starts_with("goal pose: it is out of reach of link 'panda_hand' by "),
-                    failure);
+      CHECK_MESSAGE(
+          failure.starts_with("goal pose: the pose is out of reach of link 'panda_hand' by "),
+          failure);
       CHECK(failure.ends_with(" cm"));
       goal.pose.translation = Vec3(11.5, 0, 0.3);
       const std::string far = failure_of({}, goal);
@@ -88,7 +89,8 @@ TEST_SUITE("unit") {
       Scene scene;
       scene.obstacles.push_back({"table", {Sphere{goal.pose.translation, 0.1}}});
       CHECK(failure_of(scene, goal) ==
-            "goal pose: link 'panda_hand' reaches it only in contact with obstacle 'table' (2048 "
+            "goal pose: link 'panda_hand' reaches the pose only in contact with obstacle 'table' "
+            "(2048 "
             "seeds tried)");
     }
     SUBCASE("not with that rotation") {
@@ -96,9 +98,10 @@ TEST_SUITE("unit") {
       goal.pose.translation = Vec3(0.75, 0, 0.333);
       goal.pose.rotation = rotation_from_rpy(Vec3(0, -kPi / 2, 0));
       const std::string failure = failure_of({}, goal);
-      CHECK_MESSAGE(failure.starts_with("goal pose: link 'panda_hand' can be there, but not with "
-                                        "that rotation: no solution from 2048 seeds, "),
-                    failure);
+      CHECK_MESSAGE(
+          failure.starts_with("goal pose: link 'panda_hand' reaches this position, but not "
+                              "this rotation: no solution from 2048 seeds, "),
+          failure);
     }
   }
 

@@ -170,7 +170,7 @@ TEST_SUITE("unit") {
     CHECK(build_failure([](TreeBuilder& tree) {
             tree.open(1, InputValue::Map{});
             tree.open(2, InputValue::List{});
-          }) == "f:2: expected a key that is a text");
+          }) == "f:2: expected text as the key of a map");
     CHECK(build_failure([](TreeBuilder& tree) {
             tree.open(1, InputValue::Map{});
             tree.set_key(1, "k");
@@ -263,7 +263,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a key that is no text is refused") {
-    CHECK(yaml_failure("[1, 2]: 3\n") == "f.yaml:1: expected a key that is a text");
+    CHECK(yaml_failure("[1, 2]: 3\n") == "f.yaml:1: expected text as the key of a map");
   }
 
   TEST_CASE("simple text is parsed as the whole of YAML is, with lines") {
@@ -351,7 +351,8 @@ TEST_SUITE("unit") {
     CHECK(std::get<InputValue::List>(map[1].value.content).size() == 2);
     CHECK(map[1].value.line == 2);
     CHECK(std::get<InputValue::Text>(map[3].value.content).text == "3");
-    CHECK(yaml_failure("&a [*a]") == "f.yaml:1: expected an alias of a value that has ended");
+    CHECK(yaml_failure("&a [*a]") ==
+          "f.yaml:1: expected an alias outside of the value that it names");
   }
 
   TEST_CASE("stray brackets after or before the document are refused") {

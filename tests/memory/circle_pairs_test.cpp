@@ -118,7 +118,7 @@ TEST_SUITE("unit") {
 
     Error error = refusal(two_link_arm("xyz='0 0 0'", "xyz='1 0 0'", "0 1 0", kAlongX), scene);
     CHECK(error.code == ErrorCode::unsupported);
-    CHECK(error.message.find("'odd': it is not planar") != std::string::npos);
+    CHECK(error.message.find("'odd': the robot is not planar") != std::string::npos);
 
     error = refusal(two_link_arm("xyz='0.3 0 0'", "xyz='1 0 0'", "0 0 1", kAlongX), scene);
     CHECK(error.message.find("joint 'j1' does not turn link 'one' about the base") !=

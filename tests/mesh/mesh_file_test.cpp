@@ -183,7 +183,7 @@ TEST_SUITE("unit") {
                            "<node id=\"n\"><instance_node url=\"#m\"/></node>"
                            "<node id=\"m\"><instance_node url=\"#n\"/></node>"),
                   "a.dae")
-              .find("the node instances itself") != std::string::npos);
+              .find("this node contains an instance of itself") != std::string::npos);
     std::string doubling = "<node id=\"n\"><instance_node url=\"#n0\"/></node>";
     for (int i = 0; i < 60; ++i) {
       const std::string next = "<instance_node url=\"#n" + std::to_string(i + 1) + "\"/>";

@@ -201,7 +201,7 @@ TEST_SUITE("unit") {
     const Scene scene = make_scene(near_pair());
     const auto refused = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings);
     REQUIRE(!refused.has_value());
-    CHECK(refused.error().message.find("does not learn on a miss") != std::string::npos);
+    CHECK(refused.error().message.find("cannot learn while planning") != std::string::npos);
     settings.learn_budget_s = 0;
     const GlSampler gl = create(robot, scene, database, settings);
     REQUIRE(gl.primitives.size() == 1);

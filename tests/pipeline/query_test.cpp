@@ -283,7 +283,7 @@ TEST_SUITE("unit") {
       CHECK_MESSAGE(early.error().message.find(words) != std::string::npos, early.error().message);
     };
     settings.memory.kind = "paths";
-    refuses("does not learn on a miss");
+    refuses("cannot learn while planning");
     settings.sampler = "uniform";
     refuses("does not query memory");
     settings.sampler = "nobody";

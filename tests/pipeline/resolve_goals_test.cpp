@@ -101,9 +101,9 @@ TEST_SUITE("unit") {
     problem.pose_goals[0].pose.translation = Vec3(2, 0, 0.5);
     const SolveResult result = solve_soundly(problem, {});
     CHECK(result.plan.status == PlanStatus::invalid_goal);
-    CHECK_MESSAGE(
-        result.plan.message.starts_with("goal pose: it is out of reach of link 'panda_hand' by 1"),
-        result.plan.message);
+    CHECK_MESSAGE(result.plan.message.starts_with(
+                      "goal pose: the pose is out of reach of link 'panda_hand' by 1"),
+                  result.plan.message);
     CHECK(result.goals.empty());
   }
 

@@ -279,7 +279,7 @@ allow: [[arm, table], [cup, box], [table, base]]
     CHECK(scene->obstacles[0].may_touch == Names{"arm", "finger"});
     CHECK(parse_scene(to_yaml(*scene), "again")->obstacles[0].may_touch == Names{"arm", "finger"});
     CHECK(parse_scene("allow: [[arm, cup]]\n", "s.yaml").error().message ==
-          "s.yaml:1: key allow[0]: expected a link and an obstacle of this scene, got no obstacle "
+          "s.yaml:1: key allow[0]: expected a link and an obstacle; the scene has no obstacle "
           "\"cup\"");
     const auto moveit = to_moveit_yaml({*scene, "world"});
     REQUIRE(!moveit.has_value());

@@ -368,9 +368,10 @@ TEST_SUITE("unit") {
       return MoveitFiles(kMoveitScene, with(from, to)).failure();
     };
     CHECK(failure("type: 1, dimensions: [0.2, 0.4, 0.6]", "type: 3, dimensions: [1, 1]")
-              .ends_with("expected a region that is a box or a sphere"));
+              .ends_with("expected a box or a sphere as the region of a position"));
     CHECK(failure("{x: 0, y: 0, z: 0}", "{x: 0, y: 0, z: 0.1}")
-              .ends_with("expected no offset, because the region is for the link's origin"));
+              .ends_with(
+                  "expected no target_point_offset, because the region is for the link's origin"));
     CHECK(failure("frame_id: base", "frame_id: moon").find("got \"moon\"") != std::string::npos);
     CHECK(failure("link_name: arm", "link_name: finger")
               .ends_with("expected the link of the orientation constraint, arm, got finger"));

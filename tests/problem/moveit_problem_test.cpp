@@ -173,7 +173,7 @@ TEST_SUITE("unit") {
               .error()
               .message ==
           "f:3: key allowed_collision_matrix.entry_values[1]: expected a symmetric "
-          "matrix, got two values for a and b");
+          "matrix of allowed collisions, got two values for a and b");
     CHECK(read_matrix("  default_entry_names: [a]\n").error().message ==
           "f:2: key allowed_collision_matrix: expected one default value per name, got 0 for 1 "
           "names");
@@ -343,7 +343,7 @@ TEST_SUITE("unit") {
         failure("{link_name: arm, object: {id: sheet, planes: [{coef: [0, 0, 1, 0]}], plane_poses: "
                 "[{position: [0, 0, 0]}]}}") ==
         "scene0001.yaml:11: key robot_state.attached_collision_objects[0].object: object "
-        "\"sheet\": expected primitives to attach, got a plane");
+        "\"sheet\": expected shapes without planes to attach, got a plane");
   }
 
   TEST_CASE("problems that cannot be read exactly are refused by name") {

@@ -249,7 +249,7 @@ TEST_SUITE("unit") {
     const std::vector<CloudPoint> two = {{1, 1, 1}, {2, 2, 2}};
     const std::vector<CloudPoint> wrong = {{0, 0, std::numeric_limits<float>::quiet_NaN()}};
     CHECK(edit_message(scene.replace_points("cloud", 2, two)) ==
-          "obstacle \"cloud\": expected points 2 to 4 to be among its 3");
+          "obstacle \"cloud\": expected points 2 to 4 to be among the cloud's 3");
     CHECK(edit_message(scene.replace_points("cloud", 0, wrong)) ==
           "obstacle \"cloud\": expected finite coordinates");
     CHECK(edit_message(scene.replace_points("ball", 0, two)) ==

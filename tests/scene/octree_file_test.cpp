@@ -112,7 +112,7 @@ TEST_SUITE("unit") {
     CHECK(octree_message(octree_header(true)) == "m.bt: has no occupied leaf");
     CHECK(octree_message(octree_header(true) + "x") == "m.bt: ends within its tree");
     CHECK(octree_message(octree_header(true) + child_bits({kOccupied}) + "x") ==
-          "m.bt: expected no more than the tree, got 1 bytes more");
+          "m.bt: expected the end of the file after the tree, got 1 more bytes");
     std::string deep;
     for (int i = 0; i < 17; ++i) deep += child_bits({kInner});
     CHECK(octree_message(octree_header(true) + deep) ==

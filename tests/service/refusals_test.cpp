@@ -47,7 +47,7 @@ TEST_SUITE("flow") {
     refused(with("settings", {{"improve", 1e5}}), "timeout and improve of at most 60 s together");
     refused(with("settings", {{"timeout", 40}, {"improve", 21}}), "at most 60 s together");
     refused(with("settings", {{"starts-per-link", 2}}), "unknown key");
-    refused(with("settings", {{"threads", 64}}), "the threads of this service");
+    refused(with("settings", {{"threads", 64}}), "threads, the limit of this service");
     refused(with("goal", {{"link", "moon"}, {"position", {1, 0, 0}}}), "expected either goal or");
     refused(with("attached", {{{"name", "a"}, {"link", "moon"}}}), "expected a link of robot");
     const Json ball = {{"type", "sphere"}, {"p", {0.1, 0, 0}}, {"radius", 0.01}};
