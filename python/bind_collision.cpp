@@ -137,8 +137,8 @@ void bind_collision(py::module_& module) {
           "Returns True if every state of path, shape (n, joint_count), is within limits and "
           "free.\n"
           "Uses exact distances that share no code with the kernels. resolution: radians.\n"
-          "Default: a tenth of the checker's. Its first and last motion may do what plan() allows\n"
-          "with the same start_tolerance and allow_at_ends.");
+          "Default: a tenth of the checker's. The path's first and last motion may do what plan()\n"
+          "allows with the same start_tolerance and allow_at_ends.");
 }
 
 }  // namespace mneme::python

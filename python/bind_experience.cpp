@@ -222,12 +222,13 @@ void bind_experience(py::module_& module) {
       "An append-only store of local samplers. Safe to use from several threads.");
   refuse_pickling(memory, "open it in each process");
   memory
-      .def_static("open", &open, py::arg("path"), py::arg("robot") = py::none(), py::kw_only(),
-                  py::arg("mode") = "read_only",
-                  py::arg("memory_mib") = DatabaseSettings{}.memory_bytes >> 20,
-                  "Opens the memory of a robot. Without a robot: any database, to inspect it.\n\n"
-                  "mode: 'read_only', 'read_write', or 'create', which also makes a missing file.\n"
-                  "memory_mib: a larger database stays on disk, and rows are read when they match.")
+      .def_static(
+          "open", &open, py::arg("path"), py::arg("robot") = py::none(), py::kw_only(),
+          py::arg("mode") = "read_only",
+          py::arg("memory_mib") = DatabaseSettings{}.memory_bytes >> 20,
+          "Opens the database of a robot. Without a robot: opens any database, to inspect it.\n\n"
+          "mode: 'read_only', 'read_write', or 'create', which also makes a missing file.\n"
+          "memory_mib: a larger database stays on disk, and rows are read when they match.")
       .def_static("verify", &verify, py::arg("path"),
                   "Returns damaged rows as (id, what). id 0: damage to the file. Empty: no damage.")
       .def(

@@ -233,7 +233,7 @@ void bind_learning(py::module_& module) {
        "primitives: planar arms only; a YAML file with a range to cover, or pairs of circles,\n"
        "shape (n, 6).\n"
        "scenes: planar arms only; scenes or problems whose primitives are learned.\n"
-       "problems: any robot; problems that are solved `paths` times each. Hard ones teach most.\n"
+       "problems: any robot; problems that are solved `paths` times each; hard ones teach most.\n"
        "timeout: seconds per path.\n"
        "count: least number of primitives. Default: from the range.\n"
        "jobs: number of threads. 0: all processors. Does not change the result.\n"

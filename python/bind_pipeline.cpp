@@ -286,7 +286,7 @@ std::string plan_help() {
          "planner: one of planner_names().\n"
          "sampler: one of sampler_names(). Default: 'gl' with a database, 'uniform' without.\n"
          "isa: instruction set of the kernels.\n"
-         "memory: str = 'auto', or 'off', or 'paper' for the paper's literal rules.\n"
+         "memory: str = 'auto', or 'off', or 'paper': all settings as in the paper.\n"
          "record: keep samples and edges for view(). Costs a little time.\n\n" +
          describe_keywords<SolveSettings>() + describe_keywords<PlanSettings>() +
          describe_memory_keywords() + describe_keywords<LearnSettings>() +
