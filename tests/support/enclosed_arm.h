@@ -30,7 +30,7 @@ inline Path bent_motion(double lift = 0) {
 inline Scene enclose(const Robot& robot, const Path& motion, std::uint64_t seed) {
   Rng rng(seed);
   Scene scene;
-  for (int i = 0; i < 4000 && scene.obstacles.size() < 500; ++i) {
+  for (int i = 0; i < 4000 && scene.obstacles.size() < 1500; ++i) {
     const auto poses =
         robot.link_poses(motion[rng.index(static_cast<std::uint32_t>(motion.size()))]);
     const std::size_t half = poses.size() / 2;
