@@ -205,7 +205,7 @@ py::dict info(const Memory& memory) {
   return row;
 }
 
-py::list verify(const std::filesystem::path& path) {
+py::list verify_file(const std::filesystem::path& path) {
   py::list rows;
   for (const Damage& damage :
        unwrap(run_interruptible([&] { return verify_database(path.string()); }))) {
@@ -229,7 +229,7 @@ void bind_experience(py::module_& module) {
           "Opens the database of a robot. Without a robot: opens any database, to inspect it.\n\n"
           "mode: 'read_only', 'read_write', or 'create', which also makes a missing file.\n"
           "memory_mib: a larger database stays on disk, and rows are read when they match.")
-      .def_static("verify", &verify, py::arg("path"),
+      .def_static("verify", &verify_file, py::arg("path"),
                   "Returns damaged rows as (id, what). id 0: damage to the file. Empty: no damage.")
       .def(
           "find", &find, py::arg("primitive"), py::kw_only(), py::arg("similarity") = py::none(),
