@@ -23,7 +23,7 @@ TEST_SUITE("flow") {
   TEST_CASE("bash completes subcommands and flags") {
     CHECK(complete_in_bash("mneme pl") == "plan\n");
     CHECK(complete_in_bash("mneme db ver") == "verify\n");
-    CHECK(complete_in_bash("mneme plan scene.yaml --time") == "--timeout\n");
+    CHECK(complete_in_bash("mneme plan scene.yaml --timeo") == "--timeout\n");
     CHECK(complete_in_bash("mneme robot info --package") == "--package-path\n");
     CHECK(has_text(complete_in_bash("mneme \"\""), "demo plan learn db"));
     CHECK(complete_in_bash("mneme plan sce") == "\n");

@@ -21,12 +21,15 @@ namespace {
 // The files of problems that script/hard, script/repeats, script/enclosed and script/growth make.
 std::vector<std::string> made_by_scripts() {
   std::vector<std::string> names = {
-      "wide.json",   "middle.json",  "narrow.json", "two.json",   "three.json", "two_narrow.json",
-      "starts.json", "carried.json", "reach",       "panda.json", "fetch.json", "starts",
-      "base",        "meshes",       "clouds",      "new",        "solids",     "segments"};
+      "wide.json",   "middle.json",  "narrow.json", "two.json", "three.json", "two_narrow.json",
+      "starts.json", "carried.json", "reach",       "starts",   "base",       "meshes",
+      "clouds",      "new",          "solids",      "segments"};
   for (const std::string robot : {"panda", "fetch", "ur5"}) {
     for (const char* cell : {"static", "moved", "new", "narrow", "random", "wide", "tight"}) {
       names.push_back(robot + "_" + cell + ".json");
+    }
+    for (const char* kind : {".json", "_lessons.json", "_foreign.json"}) {
+      names.push_back(robot + kind);
     }
   }
   return names;
@@ -216,8 +219,8 @@ settings:
     add_baseline_samplers();
     const test::TemporaryDirectory made;
     for (const std::string& name : made_by_scripts()) test::write_file(made / name, "");
-    for (const char* directory :
-         {"GROWTH", "ENCLOSED", "REPEATS", "HARD", "TRANSFER", "ABLATIONS", "PROBLEMS", "WORLDS"}) {
+    for (const char* directory : {"GROWTH", "ENCLOSED", "REPEATS", "HARD", "TRANSFER", "ABLATIONS",
+                                  "PROBLEMS", "WORLDS", "COMPOSED"}) {
       setenv(directory, (made / ".").c_str(), 1);
     }
     for (const char* memory : {"MEMORY", "SHELVES"}) setenv(memory, "memory.db", 1);

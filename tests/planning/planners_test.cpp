@@ -70,7 +70,7 @@ TEST_SUITE("unit") {
                      }
                      CHECK(std::string(sentence).size() > 10);
                    });
-    CHECK(names.size() == 18);
+    CHECK(names.size() == 19);
   }
 }
 

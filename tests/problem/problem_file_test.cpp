@@ -426,7 +426,7 @@ TEST_SUITE("unit") {
     CHECK(failure(rest + "scene: {}\nplanner: rrt") ==
           "p.yaml:5: key planner: unknown key, expected one of name, robot, srdf, group, joints, "
           "fixed_joints, frame, scene, start, goal, goals, allow, attached, constraints, "
-          "self_filter");
+          "self_filter, region");
     CHECK(failure("circles: {a: [1, 2, 1]}") ==
           "p.yaml:1: this is a scene; expected a problem with robot, scene, start and "
           "goal");

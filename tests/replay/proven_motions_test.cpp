@@ -162,7 +162,8 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("queries of other ends in a scene share its checker") {
-    const StaticCell cell;
+    StaticCell cell;
+    cell.problem.scene = make_circle_scene("cell", {{1.42, -1.32, 0.1}});
     CheckerSettings settings;
     settings.margin = 0.01;  // no float
     const auto find = [&](const Configuration& start) {
@@ -175,7 +176,7 @@ TEST_SUITE("unit") {
     CHECK(second.cell == first.cell);
     CHECK(&second.checked.checker.scene() == &first.checked.checker.scene());
     CHECK(second.checked.are_ends_clear);
-    const internal::CellChecker blocked = find({-2.2, 0});
+    const internal::CellChecker blocked = find({-0.5, -0.5});
     CHECK(blocked.cell == first.cell);
     CHECK_FALSE(blocked.checked.are_ends_clear);
   }

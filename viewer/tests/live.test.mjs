@@ -123,7 +123,7 @@ describe("the page of a service", { skip }, () => {
     // Eight links of one metre each do not reach it.
     const far = [-7.5, 7, 0];
     await planned(page, () => carry(page, goal, far));
-    assert.match(await page.locator("#note").textContent(), /^goal pose: it is out of reach/);
+    assert.match(await page.locator("#note").textContent(), /^goal pose: the pose is out of reach of link/);
     assert.match(await page.locator("#dock").textContent(), /out of reach/);
     await planned(page, () => carry(page, far, goal));
     assert.match(await page.locator("#note").textContent(), /^planned in/);
