@@ -46,7 +46,7 @@ def test_no_configuration_says_why(panda):
     assert len(blocked) == 0
     assert "link 'panda_hand' reaches the pose only in contact with obstacle 'ball'" in blocked.message
     upside_down = mneme.PoseGoal("panda_link1", [0, 0, 0.333], TURN)
-    assert "but not with that rotation" in mneme.inverse_kinematics(panda, [upside_down]).message
+    assert "reaches this position, but not this rotation" in mneme.inverse_kinematics(panda, [upside_down]).message
     with pytest.raises(mneme.Error, match="at least one"):
         mneme.inverse_kinematics(panda, [])
 
