@@ -292,7 +292,6 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   if (!loaded) return tl::unexpected(loaded.error());
   SolveSettings settings = options.settings;
   settings.plan.cancel = interrupt_flag();
-  if (!settings.plan.minimize_time) settings.plan.minimize_time = options.trajectory.is_wanted();
   if (needs_memory(settings.sampler) && options.db.empty()) {
     print_note(fmt::format("without --db there is no memory: the sampler '{}' is uniform",
                            settings.sampler));

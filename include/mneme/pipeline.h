@@ -253,8 +253,7 @@ struct SolveResult {
 struct ManySettings {
   SolveSettings solve;
   int jobs = 0;  ///< Threads; 0: one per hardware thread.
-  /// Times each path and samples its trajectory every `timing->dt` seconds; `minimize_time` is then
-  /// on by default. Default: paths only.
+  /// Times each path and samples its trajectory every `timing->dt` seconds. Default: paths only.
   std::optional<TrajectorySettings> timing;
 };
 struct TimedSolution {

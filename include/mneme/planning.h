@@ -109,7 +109,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "a shorter path; 0 only drops waypoints.");
   visit("minimize-time", s.minimize_time, false, true,
         "Shorten, and improve, the time that a path takes at the velocity limits of the URDF "
-        "instead of its L2 joint distance. Default: where a trajectory is wanted.");
+        "instead of its L2 joint distance. Default: off.");
   visit("improve", s.improve, 0.0, 1e6,
         "Time to look for shorter paths after the first one, seconds. Plans from other seeds, "
         "several at once, and shortens the best one further.");

@@ -12,9 +12,8 @@
 namespace mneme {
 namespace {
 
-Result<TimedSolution> plan_one(const Problem& problem, Database* database, ManySettings settings) {
-  PlanSettings& plan = settings.solve.plan;
-  if (!plan.minimize_time) plan.minimize_time = settings.timing.has_value();
+Result<TimedSolution> plan_one(const Problem& problem, Database* database,
+                               const ManySettings& settings) {
   TimedSolution solution{MNEME_TRY(solve(problem, database, settings.solve)), {}};
   if (!settings.timing || !solution.result.plan.is_solved()) return solution;
   const RateLimits limits = MNEME_TRY(find_rate_limits(problem.robot, *settings.timing));
