@@ -101,8 +101,5 @@ template <class CrossingsOf>
   }
   return yes == 3;
 }
-[[nodiscard]] inline bool is_enclosed(const Vec3& point, const Parts<Triangle>& surface) {
-  return is_enclosed(point, [&](const Line& line) { return crossings_of(line, surface); });
-}
 
 }  // namespace mneme::internal

@@ -37,7 +37,7 @@ double choose_voxel_size(const AxisBox& bounds) {
 
 }  // namespace
 
-SolidModel::SolidModel(const TriangleMesh& mesh) : surface_(mesh) {
+SolidModel::SolidModel(const TriangleMesh& mesh) : is_enclosed_(mesh) {
   const AxisBox bounds = box_around(mesh);
   voxel_size_ = choose_voxel_size(bounds);
   origin_ = bounds.low - Vec3::Constant(kPadding * voxel_size_);
@@ -112,7 +112,7 @@ void SolidModel::flood() {
 void SolidModel::fill_open(bool has_rim) {
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
     const Vec3 center = center_of(index_at(i));
-    if (kinds_[i] == Kind::outside && has_rim && is_enclosed(center, surface_)) {
+    if (kinds_[i] == Kind::outside && has_rim && is_enclosed_(center)) {
       kinds_[i] = Kind::inside;
     }
   }
@@ -140,7 +140,7 @@ bool SolidModel::contains(const Vec3& point) const {
   const Index index = index_of(point);
   if (!is_in_grid(index)) return false;
   const Kind kind = kinds_[slot(index)];
-  return kind == Kind::inside || (kind == Kind::surface && is_enclosed(point, surface_));
+  return kind == Kind::inside || (kind == Kind::surface && is_enclosed_(point));
 }
 
 double SolidModel::depth(const Vec3& point, double limit) const {

@@ -4,6 +4,7 @@
 /// The inside of a link: points that its surface encloses, and their depth.
 #pragma once
 
+#include "spheres/enclosure_grid.h"
 #include "spheres/surface_distance.h"
 #include "spheres/triangle_mesh.h"
 
@@ -56,7 +57,7 @@ class SolidModel {
   [[nodiscard]] std::size_t slot(const Index& index) const;
   [[nodiscard]] Index index_at(std::size_t slot) const;
 
-  Parts<Triangle> surface_;
+  EnclosureGrid is_enclosed_;
   SurfaceDistance outer_{{}};
   Vec3 origin_;
   double voxel_size_ = 0;

@@ -11,16 +11,22 @@ using internal::TriangleMesh;
 
 /// A surface by the questions that SolidModel has for it.
 struct Surface {
-  explicit Surface(TriangleMesh triangles)
-      : mesh{{}, std::make_shared<const Parts<Triangle>>(std::move(triangles)), 0} {}
+  explicit Surface(const TriangleMesh& triangles)
+      : mesh{{}, std::make_shared<const Parts<Triangle>>(triangles), 0}, grid(triangles) {}
   [[nodiscard]] double distance(const Vec3& p) const {
     return internal::nearest_part(mesh, p, p).distance;
   }
+  /// By a grid per direction, and by a search of the tree of triangles: the same answer.
   [[nodiscard]] bool is_enclosed(const Vec3& p) const {
-    return internal::is_enclosed(p, *mesh.parts);
+    const bool is_in = grid(p);
+    CHECK(is_in == internal::is_enclosed(p, [&](const internal::Line& line) {
+            return internal::crossings_of(line, *mesh.parts);
+          }));
+    return is_in;
   }
 
   Mesh mesh;
+  internal::EnclosureGrid grid;
 };
 
 /// The least distance from a point to a fine grid of points of the triangle: an upper bound.
@@ -77,6 +83,22 @@ TEST_SUITE("law") {
       const bool is_inside = std::abs(p.x()) < 1 && std::abs(p.y()) < 0.5 && std::abs(p.z()) < 0.25;
       CHECK(surface.is_enclosed(p) == is_inside);
     }
+  }
+
+  TEST_CASE("a grid of lines counts as a search of the tree does, in soups of any triangles") {
+    Rng rng(4);
+    int enclosed = 0;
+    for (const double size : {0.05, 0.5, 3.0}) {
+      TriangleMesh soup;
+      for (int i = 0; i < 300; ++i) {
+        const Vec3 corner = random_point(rng, 1);
+        soup.push_back(
+            {corner, corner + random_point(rng, size), corner + random_point(rng, size)});
+      }
+      const Surface surface(soup);
+      for (int i = 0; i < 500; ++i) enclosed += surface.is_enclosed(random_point(rng, 1.2)) ? 1 : 0;
+    }
+    CHECK(enclosed > 50);
   }
 }
 
