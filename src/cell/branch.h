@@ -7,7 +7,7 @@
 #include "mneme/cell.h"
 #include "mneme/collision.h"
 
-#include "cell/link_chain.h"
+#include "goal/link_chain.h"
 #include "cell/task_frame.h"
 
 #include <vector>

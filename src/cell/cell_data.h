@@ -9,7 +9,7 @@
 
 #include "cell/bent_path.h"
 #include "cell/branch.h"
-#include "cell/link_chain.h"
+#include "goal/link_chain.h"
 #include "cell/task_frame.h"
 
 #include <array>

@@ -6,7 +6,7 @@
 
 #include "mneme/cell.h"
 
-#include "cell/link_chain.h"
+#include "goal/link_chain.h"
 
 #include <array>
 #include <vector>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cell/link_chain.h"
+#include "goal/link_chain.h"
 
 #include "base/as_index.h"
 #include "base/fail.h"
@@ -15,7 +15,6 @@
 namespace mneme::internal {
 namespace {
 
-using Twist = Eigen::Matrix<double, 6, 1>;
 using Square = Eigen::Matrix<double, 6, 6>;
 
 /// Joint motions are rated less within this distance of a limit, radians.
@@ -27,9 +26,12 @@ constexpr double kLongestStep = 0.5;
 constexpr double kRadiansPerMetre = 3;
 
 /// Joints between root and link, with those that follow others.
-constexpr std::size_t kMostSteps = 2 * kMostCellJoints;
+constexpr std::size_t kMostSteps = 2 * kMostChainJoints;
 
-/// From one pose to another: motion, then rotation.
+double cube(double x) { return x * x * x; }
+
+}  // namespace
+
 Twist difference(const Transform& from, const Transform& to) {
   Twist twist;
   twist.head<3>() = to.translation - from.translation;
@@ -41,9 +43,8 @@ Twist difference(const Transform& from, const Transform& to) {
   return twist;
 }
 
-}  // namespace
-
-Result<LinkChain> LinkChain::make(const Robot& robot, const std::string& link) {
+Result<LinkChain> LinkChain::make(const Robot& robot, const std::string& link,
+                                  std::optional<Axis> free_axis) {
   const auto found = robot.find_link(link);
   if (!found) {
     return fail(ErrorCode::invalid, "expected a link of robot {}, got \"{}\"", robot.name(), link);
@@ -61,33 +62,52 @@ Result<LinkChain> LinkChain::make(const Robot& robot, const std::string& link) {
       fixed = fixed * joint_motion(joint, joint.fixed_value);
       continue;
     }
-    const Eigen::Matrix3d to_axis =
-        Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), joint.axis).toRotationMatrix();
-    chain.steps_.push_back({fixed * Transform{to_axis, Vec3::Zero()}, drive->joint, drive->rate,
-                            drive->offset, joint.type == JointType::prismatic});
-    fixed = Transform{to_axis.transpose(), Vec3::Zero()};
+    fixed = chain.add_step(
+        fixed, joint.axis,
+        {{}, drive->joint, drive->rate, drive->offset, joint.type == JointType::prismatic});
     moving.insert(drive->joint);
   }
-  chain.tip_ = fixed;
-  constexpr std::size_t kLeastJoints = 6;
-  if (moving.size() < kLeastJoints || robot.joint_count() > kMostCellJoints ||
-      chain.steps_.size() > kMostSteps) {
+  const int extra = free_axis ? 1 : 0, count = robot.joint_count() + extra;
+  const int moving_count = static_cast<int>(moving.size());
+  constexpr int kLeastJoints = 6;
+  if (moving_count + extra < kLeastJoints || count > kMostChainJoints ||
+      chain.steps_.size() + as_index(extra) > kMostSteps) {
     return fail(ErrorCode::unsupported,
-                "{} of {} joints of robot {} move link \"{}\"; a cell needs at least {} that do, "
-                "and a group of at most {} joints",
-                moving.size(), robot.joint_count(), robot.name(), link, kLeastJoints,
-                kMostCellJoints);
+                "{} of {} joints of robot {} move link \"{}\"; cells and lines need at least {} "
+                "that do, and a group of at most {} joints",
+                moving_count, robot.joint_count(), robot.name(), link, kLeastJoints - extra,
+                kMostChainJoints - extra);
   }
-  chain.lower_.resize(robot.joint_count());
-  chain.upper_.resize(robot.joint_count());
+  if (free_axis) {
+    fixed = chain.add_step(fixed, Vec3::Unit(static_cast<int>(*free_axis)),
+                           {{}, robot.joint_count(), 1, 0, false});
+  }
+  chain.tip_ = fixed;
+  chain.moving_count_ = moving_count + extra;
+  chain.set_limits(robot, count);
+  return chain;
+}
+
+void LinkChain::set_limits(const Robot& robot, int count) {
   constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+  lower_.setConstant(count, -kUnlimited);
+  upper_.setConstant(count, kUnlimited);
+  wraps_.assign(as_index(count), true);
   for (int j = 0; j < robot.joint_count(); ++j) {
     const Joint& joint = robot.group_joint(j);
-    chain.wraps_.push_back(joint.type == JointType::continuous);
-    chain.lower_[j] = chain.wraps_.back() ? -kUnlimited : joint.lower;
-    chain.upper_[j] = chain.wraps_.back() ? kUnlimited : joint.upper;
+    if (joint.type == JointType::continuous) continue;
+    wraps_[as_index(j)] = false;
+    lower_[j] = joint.lower;
+    upper_[j] = joint.upper;
   }
-  return chain;
+}
+
+Transform LinkChain::add_step(const Transform& fixed, const Vec3& axis, Step step) {
+  const Eigen::Matrix3d to_axis =
+      Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), axis).toRotationMatrix();
+  step.fixed = fixed * Transform{to_axis, Vec3::Zero()};
+  steps_.push_back(step);
+  return {to_axis.transpose(), Vec3::Zero()};
 }
 
 Transform LinkChain::place(const JointVector& q, Jacobian* jacobian) const {
@@ -130,10 +150,16 @@ Transform LinkChain::place(const JointVector& q, Jacobian* jacobian) const {
 Response LinkChain::response(const JointVector& q) const {
   Jacobian jacobian;
   (void)place(q, &jacobian);
+  return response(q, jacobian, 0);
+}
+
+Response LinkChain::response(const JointVector& q, const Jacobian& jacobian,
+                             std::uint32_t locked) const {
   Jacobian weighted = jacobian;
   for (int j = 0; j < joint_count(); ++j) {
     const double room = std::min(q[j] - lower_[j], upper_[j] - q[j]);
-    weighted.col(j) *= std::clamp(room / kLimitRoom, kLeastWeight, 1.0);
+    const bool is_locked = (locked >> j & 1) != 0;
+    weighted.col(j) *= is_locked ? 0 : std::clamp(room / kLimitRoom, kLeastWeight, 1.0);
   }
   const Square gram = jacobian * weighted.transpose();
   return weighted.transpose() * gram.inverse();
@@ -155,6 +181,22 @@ bool LinkChain::reach(const Transform& pose, const Response& response, int steps
     q += step;
   }
   return false;
+}
+
+LinkChain::MotionBounds LinkChain::bounds(const JointVector& from, const JointVector& to) const {
+  double turn = 0, jerk = 0;
+  for (const Step& step : steps_) {
+    jerk += cube(turn) * step.fixed.translation.norm();
+    const double rate = std::abs(step.rate * (to[step.joint] - from[step.joint]));
+    if (step.is_prismatic) {
+      const double longest = std::max(std::abs(step.rate * from[step.joint] + step.offset),
+                                      std::abs(step.rate * to[step.joint] + step.offset));
+      jerk += cube(turn) * longest + 3 * turn * turn * rate;
+    } else {
+      turn += rate;
+    }
+  }
+  return {jerk + cube(turn) * tip_.translation.norm(), turn};
 }
 
 }  // namespace mneme::internal
