@@ -16,6 +16,7 @@
 #include "mneme/path.h"
 #include "mneme/trajectory.h"
 #include "mneme/goal.h"
+#include "mneme/line.h"
 #include "mneme/planning.h"
 #include "mneme/cell.h"
 #include "mneme/store.h"

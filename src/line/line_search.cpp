@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "line/line_search.h"
+
+#include "base/as_index.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace mneme::internal {
+namespace {
+
+/// Seeds and solutions of inverse kinematics for one place that branches grow towards.
+constexpr int kSeeds = 32, kSolutions = 4;
+/// Distance ahead of the farthest state, metres, at which every other place is chosen.
+constexpr double kAhead = 0.01;
+/// Places ahead without a configuration after which the search ends.
+constexpr int kPatience = 4;
+/// Largest motion of the joints per metre of the line, radians, towards a configuration.
+constexpr double kMostDrift = 40;
+
+double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+
+}  // namespace
+
+LineSearch::LineSearch(LineTracker& tracker, const InverseKinematics& kinematics,
+                       const CollisionChecker& checker, const PoseGoal& goal,
+                       const LineSettings& settings)
+    : tracker_(tracker),
+      kinematics_(kinematics),
+      checker_(checker),
+      goal_(goal),
+      settings_(settings),
+      rng_(settings.seed) {}
+
+void LineSearch::run(const std::vector<JointVector>& starts) {
+  std::vector<int> roots;
+  for (const JointVector& q : starts) {
+    if (is_over() || has_enough()) return;
+    roots.push_back(add(tracker_.begin(0, q), -1));
+    extend(roots.back(), 1, nullptr);
+  }
+  if (!roots.empty() && tracker_.redundancy() > 0) explore();
+}
+
+bool LineSearch::has_enough() const { return std::ssize(whole_) >= settings_.line_paths; }
+
+bool LineSearch::is_over() {
+  is_cancelled_ = settings_.cancel != nullptr && settings_.cancel->load();
+  is_timed_out_ = stopwatch_.elapsed_s() > settings_.timeout_s;
+  return is_cancelled_ || is_timed_out_ || steps_ >= settings_.line_steps;
+}
+
+int LineSearch::add(const LineState& state, int parent) {
+  const int node = static_cast<int>(nodes_.size());
+  nodes_.push_back({state, parent});
+  if (farthest_ < 0 || state.s > at(farthest_).s) farthest_ = node;
+  if (state.s == 1) whole_.push_back(node);
+  return node;
+}
+
+int LineSearch::extend(int node, double until, const JointVector* goal) {
+  while (at(node).s < until) {
+    const LineState from = at(node);
+    JointVector drift = tracker_.drift_from_limits(from.q);
+    if (goal != nullptr) {
+      drift = motion(from.q, *goal) / (until - from.s);
+      const double most = kMostDrift * tracker_.segment().size();
+      if (drift.norm() > most) drift *= most / drift.norm();
+    }
+    LineState to;
+    LineStop stop = tracker_.step(from, until, drift, to, steps_);
+    if (stop.kind == LineStop::Kind::none && is_over()) stop.kind = LineStop::Kind::budget;
+    if (stop.kind != LineStop::Kind::none) {
+      if (from.s >= at(farthest_).s) stop_ = stop;
+      break;
+    }
+    node = add(to, node);
+  }
+  return node;
+}
+
+void LineSearch::explore() {
+  const double ahead = kAhead / tracker_.segment().size();
+  int barren = 0;
+  for (int i = 0; !is_over() && !has_enough() && barren < kPatience; ++i) {
+    const double from = has_enough() ? 0 : at(farthest_).s;
+    const bool is_near = i % 2 == 0;
+    const double s = is_near ? std::min(1.0, from + ahead) : rng_.uniform(from, 1);
+    const std::vector<JointVector> goals = sample_states(s);
+    if (is_near) barren = goals.empty() ? barren + 1 : 0;
+    for (const JointVector& goal : goals) {
+      if (is_over() || has_enough()) return;
+      const int last = extend(find_nearest(goal, s), s, &goal);
+      if (at(last).s >= s) extend(last, 1, nullptr);
+    }
+  }
+}
+
+std::vector<JointVector> LineSearch::sample_states(double s) {
+  goal_.pose = tracker_.segment().at(s);
+  IkSettings settings;
+  settings.seeds = kSeeds;
+  settings.solutions = kSolutions;
+  settings.apart = 0.2;
+  settings.seed = rng_.next();
+  const JointVector& last = at(farthest_).q;
+  const auto joints = checker_.robot().joint_count();
+  const Configuration near(last.data(), last.data() + joints);
+  std::vector<JointVector> states;
+  for (const Configuration& q :
+       kinematics_.solve(goal_, near, settings, &checker_, kVerificationMargin).solutions) {
+    JointVector state = with_free_axis(q, s);
+    if (tracker_.settle(s, state)) states.push_back(state);
+  }
+  return states;
+}
+
+JointVector LineSearch::with_free_axis(const Configuration& q, double s) const {
+  const LinkChain& chain = tracker_.chain();
+  JointVector state = JointVector::Zero(chain.joint_count());
+  for (std::size_t j = 0; j < q.size(); ++j) state[static_cast<Eigen::Index>(j)] = q[j];
+  if (chain.joint_count() == std::ssize(q)) return state;
+  const Transform pose = chain.place(state);
+  const Eigen::Quaterniond turn(pose.rotation.transpose() * tracker_.segment().at(s).rotation);
+  const double about = turn.vec()[static_cast<int>(goal_.axis)];
+  state[chain.joint_count() - 1] = wrapped(2 * std::atan2(about, turn.w()));
+  return state;
+}
+
+JointVector LineSearch::motion(const JointVector& from, const JointVector& to) const {
+  JointVector delta = to - from;
+  for (int j = 0; j < delta.size(); ++j) {
+    if (tracker_.chain().wraps(j)) delta[j] = wrapped(delta[j]);
+  }
+  return delta;
+}
+
+int LineSearch::find_nearest(const JointVector& goal, double s) const {
+  int nearest = -1;
+  double least = std::numeric_limits<double>::infinity();
+  const double size = tracker_.segment().size();
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const LineState& state = nodes_[i].state;
+    if (state.s >= s) continue;
+    const double distance = motion(state.q, goal).norm();
+    // Beyond what the drift can close, a node is no use.
+    const double gap = std::max(0.0, distance - 0.5 * kMostDrift * size * (s - state.s));
+    const double cost = distance + 100 * gap;
+    if (cost >= least) continue;
+    least = cost;
+    nearest = static_cast<int>(i);
+  }
+  return nearest;
+}
+
+LinePath LineSearch::path_to(int node) const {
+  LinePath path;
+  const auto joints = checker_.robot().joint_count();
+  for (; node >= 0; node = nodes_[as_index(node)].parent) {
+    const LineState& state = at(node);
+    path.path.emplace_back(state.q.data(), state.q.data() + joints);
+    path.fractions.push_back(state.s);
+    path.position_deviation = std::max({path.position_deviation, state.off_line, state.position});
+    path.rotation_deviation =
+        std::max({path.rotation_deviation, state.off_rotation, state.rotation});
+  }
+  std::ranges::reverse(path.path);
+  std::ranges::reverse(path.fractions);
+  return path;
+}
+
+LinePath LineSearch::farthest() const { return farthest_ < 0 ? LinePath{} : path_to(farthest_); }
+
+std::vector<LinePath> LineSearch::whole() const {
+  std::vector<LinePath> paths;
+  for (const int node : whole_) paths.push_back(path_to(node));
+  return paths;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The search over branches of inverse kinematics along a line.
+#pragma once
+
+#include "mneme/goal.h"
+#include "mneme/line.h"
+
+#include "line/line_tracker.h"
+
+#include <optional>
+#include <vector>
+
+namespace mneme::internal {
+
+/// A tree of states: follows each start configuration along the line. Where all of them end early
+/// and joints are redundant, branches grow towards configurations that reach farther.
+class LineSearch {
+ public:
+  /// Refers to its arguments. `goal` is the region of the link's poses at the start of the line;
+  /// its pose is replaced.
+  LineSearch(LineTracker& tracker, const InverseKinematics& kinematics,
+             const CollisionChecker& checker, const PoseGoal& goal, const LineSettings& settings);
+
+  void run(const std::vector<JointVector>& starts);
+
+  /// The path to the farthest state, or nothing without a start.
+  [[nodiscard]] LinePath farthest() const;
+  /// The whole paths.
+  [[nodiscard]] std::vector<LinePath> whole() const;
+  /// Why the farthest path ends.
+  [[nodiscard]] const LineStop& stop() const { return stop_; }
+  [[nodiscard]] int steps() const { return steps_; }
+  [[nodiscard]] bool is_timed_out() const { return is_timed_out_; }
+  [[nodiscard]] bool is_cancelled() const { return is_cancelled_; }
+
+  /// Returns `q` with the joint of a free axis such that the link's pose is that at `s`.
+  [[nodiscard]] JointVector with_free_axis(const Configuration& q, double s) const;
+
+ private:
+  struct Node {
+    LineState state;
+    int parent = -1;
+  };
+  [[nodiscard]] const LineState& at(int node) const {
+    return nodes_[static_cast<std::size_t>(node)].state;
+  }
+  [[nodiscard]] bool is_over();
+  [[nodiscard]] bool has_enough() const;
+  int add(const LineState& state, int parent);
+  /// Follows the line from a node, towards `goal` at the share `until` if it is not null. Returns
+  /// the last node.
+  int extend(int node, double until, const JointVector* goal);
+  void explore();
+  /// Free configurations at the share `s`.
+  [[nodiscard]] std::vector<JointVector> sample_states(double s);
+  /// The node from which the least motion per share of the line leads to `goal` at `s`.
+  [[nodiscard]] int find_nearest(const JointVector& goal, double s) const;
+  [[nodiscard]] JointVector motion(const JointVector& from, const JointVector& to) const;
+  [[nodiscard]] LinePath path_to(int node) const;
+
+  LineTracker& tracker_;
+  const InverseKinematics& kinematics_;
+  const CollisionChecker& checker_;
+  PoseGoal goal_;
+  LineSettings settings_;
+  Stopwatch stopwatch_;
+  Rng rng_;
+  std::vector<Node> nodes_;
+  std::vector<int> whole_;  ///< last nodes of whole paths
+  int farthest_ = -1;
+  LineStop stop_;
+  int steps_ = 0;
+  bool is_timed_out_ = false, is_cancelled_ = false;
+};
+
+}  // namespace mneme::internal

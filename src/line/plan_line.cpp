@@ -1,0 +1,308 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/line.h"
+#include "mneme/goal.h"
+
+#include "base/as_index.h"
+#include "base/check_ranges.h"
+#include "base/fail.h"
+#include "check/link_distances.h"
+#include "line/line_search.h"
+#include "robot/kinematics.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace mneme {
+namespace {
+
+using internal::JointVector;
+using internal::LineStop;
+
+constexpr double kDegree = std::numbers::pi / 180;
+/// Metres and radians below which a line has no length.
+constexpr double kLeastLength = 1e-6;
+/// Half a turn has no unique axis.
+constexpr double kMostAngle = std::numbers::pi - 1e-3;
+
+std::string describe_place(const internal::LineSegment& segment, double s) {
+  return segment.length() > kLeastLength
+             ? fmt::format("{:.1f} of {:.1f} cm", 100 * s * segment.length(),
+                           100 * segment.length())
+             : fmt::format("{:.1f} of {:.1f} degrees", s * segment.angle() / kDegree,
+                           segment.angle() / kDegree);
+}
+
+/// One call of plan_line().
+class LinePlan {
+ public:
+  LinePlan(const CollisionChecker& checker, const Line& line, std::span<const double> from,
+           const LineSettings& settings)
+      : checker_(checker),
+        robot_(checker.robot()),
+        line_(line),
+        from_(from.begin(), from.end()),
+        settings_(settings) {}
+
+  Result<LineResult> run() {
+    MNEME_TRY(check());
+    MNEME_TRY(find_ends());
+    const auto chain =
+        MNEME_TRY(internal::LinkChain::make(robot_, robot_.links()[link_].name, line_.free_axis));
+    const auto kinematics =
+        MNEME_TRY(InverseKinematics::make(robot_, robot_.links()[link_].name, checker_.isa()));
+    const internal::LineSegment segment(result_.begin, result_.end);
+    const MotionVerifier verifier(checker_);
+    internal::LineTracker tracker(chain, segment, verifier,
+                                  {line_.position_tolerance, line_.rotation_tolerance},
+                                  from_.size());
+    internal::LineSearch search(tracker, kinematics, checker_, start_region(), settings_);
+    search.run(find_starts(search, tracker));
+    finish(search, tracker);
+    return std::move(result_);
+  }
+
+ private:
+  template <class... Args>
+  static tl::unexpected<Error> refuse(fmt::format_string<Args...> what, Args&&... args) {
+    return fail(ErrorCode::invalid, fmt::format(what, std::forward<Args>(args)...));
+  }
+
+  Result<void> check() {
+    MNEME_TRY(internal::check_ranges(settings_));
+    if (const auto violation = robot_.describe_violation(from_, "start")) {
+      return fail(ErrorCode::invalid, *violation);
+    }
+    if (!checker_.constraints().empty()) {
+      return fail(ErrorCode::unsupported,
+                  "lines are planned without orientation constraints: the line itself keeps the "
+                  "rotation");
+    }
+    if (!(line_.position_tolerance >= 1e-6 && line_.position_tolerance <= 1)) {
+      return refuse("the line's position tolerance is {} m: expected 1e-6 to 1",
+                    line_.position_tolerance);
+    }
+    if (!(line_.rotation_tolerance >= 1e-5 && line_.rotation_tolerance <= 1)) {
+      return refuse("the line's rotation tolerance is {} rad: expected 1e-5 to 1",
+                    line_.rotation_tolerance);
+    }
+    return find_link();
+  }
+
+  Result<void> find_link() {
+    std::string name = line_.link;
+    if (name.empty()) {
+      const std::vector<std::string> tips = find_tips(robot_);
+      if (tips.size() != 1) {
+        return refuse("the group of robot {} has {} tips ({}): expected the line's link",
+                      robot_.name(), tips.size(), fmt::join(tips, ", "));
+      }
+      name = tips.front();
+    }
+    link_ = internal::as_index(MNEME_TRY(index_of(name, "link")));
+    return {};
+  }
+
+  [[nodiscard]] Result<int> index_of(const std::string& name, const char* what) const {
+    const auto found = robot_.find_link(name);
+    if (found) return *found;
+    std::vector<std::string> names;
+    for (const Link& link : robot_.links()) names.push_back(link.name);
+    return refuse("the line's {} \"{}\" is no link of robot {}{}", what, name, robot_.name(),
+                  did_you_mean(name, names));
+  }
+
+  static bool is_pose(const Transform& pose) {
+    return pose.translation.allFinite() && pose.rotation.allFinite() &&
+           (pose.rotation.transpose() * pose.rotation).isIdentity(1e-6) &&
+           pose.rotation.determinant() > 0;
+  }
+
+  /// The frame of the line, in the root link's frame.
+  [[nodiscard]] Result<Transform> find_frame(const std::vector<Transform>& poses) const {
+    if (line_.frame.empty()) return Transform{};
+    if (line_.frame == "world" && !robot_.find_link("world")) return Transform{};
+    const auto frame = internal::as_index(MNEME_TRY(index_of(line_.frame, "frame")));
+    return frame == link_ ? result_.begin : poses[frame];
+  }
+
+  Result<void> find_ends() {
+    const std::vector<Transform> poses = robot_.link_poses(from_);
+    result_.begin = line_.start.value_or(poses[link_]);
+    const bool is_finite = line_.target ? is_pose(*line_.target) : line_.displacement.allFinite();
+    if (!is_finite || !is_pose(result_.begin)) {
+      return refuse(
+          "expected finite numbers and rotations with orthonormal columns as the line's "
+          "{}",
+          is_finite      ? "start"
+          : line_.target ? "target"
+                         : "displacement");
+    }
+    const Transform X_RF = MNEME_TRY(find_frame(poses));
+    result_.end = result_.begin;
+    if (line_.target) {
+      result_.end = X_RF * *line_.target;
+      if (line_.keeps_rotation) result_.end.rotation = result_.begin.rotation;
+    } else {
+      result_.end.translation += X_RF.rotation * line_.displacement;
+    }
+    const internal::LineSegment segment(result_.begin, result_.end);
+    if (segment.length() < kLeastLength && segment.angle() < kLeastLength) {
+      return refuse(
+          "the line of link \"{}\" has no length: expected a displacement, or a target "
+          "other than the pose at the start",
+          robot_.links()[link_].name);
+    }
+    if (segment.angle() > kMostAngle) {
+      return refuse(
+          "the target turns link \"{}\" by half a turn, about no unique axis: divide the "
+          "line in two",
+          robot_.links()[link_].name);
+    }
+    return {};
+  }
+
+  [[nodiscard]] PoseGoal start_region() const {
+    PoseGoal goal;
+    goal.link = robot_.links()[link_].name;
+    goal.pose = result_.begin;
+    if (line_.free_axis) {
+      goal.axis = *line_.free_axis;
+      goal.turn = std::numbers::pi;
+    }
+    return goal;
+  }
+
+  /// Start configurations; without any, writes the reason.
+  std::vector<JointVector> find_starts(const internal::LineSearch& search,
+                                       const internal::LineTracker& tracker) {
+    std::vector<JointVector> starts;
+    if (!line_.start) {
+      starts = {search.with_free_axis(from_, 0)};
+      result_.branches = 1;
+      return starts;
+    }
+    IkSettings settings;
+    settings.seeds = 512;
+    settings.solutions = 16;
+    settings.apart = 0.2;
+    settings.seed = settings_.seed;
+    const PoseGoal region = start_region();
+    auto source = PoseGoalSource::make(checker_, {&region, 1}, from_, settings, 0);
+    for (const Configuration& q : source->find_all()) {
+      JointVector state = search.with_free_axis(q, 0);
+      if (tracker.settle(0, state)) starts.push_back(state);
+    }
+    result_.branches = static_cast<int>(starts.size());
+    if (starts.empty()) result_.reason = "the line cannot start: " + source->describe_failure();
+    return starts;
+  }
+
+  void finish(const internal::LineSearch& search, internal::LineTracker& tracker) {
+    result_.steps = search.steps();
+    result_.checks = tracker.checks();
+    result_.is_cancelled = search.is_cancelled();
+    result_.is_timed_out = search.is_timed_out();
+    std::vector<LinePath> whole = search.whole();
+    if (!whole.empty()) {
+      result_.line = std::move(whole.front());
+      result_.others.assign(std::make_move_iterator(whole.begin() + 1),
+                            std::make_move_iterator(whole.end()));
+      return;
+    }
+    result_.line = search.farthest();
+    if (result_.branches == 0) return;
+    result_.reason = fmt::format(
+        "{} after {}: {}",
+        result_.branches == 1 ? "branch ends"
+                              : fmt::format("the longest of {} branches ends", result_.branches),
+        describe_place(tracker.segment(), result_.line.fraction()), describe(search.stop()));
+  }
+
+  [[nodiscard]] std::string describe(const LineStop& stop) const {
+    switch (stop.kind) {
+      case LineStop::Kind::limit:
+        return describe_limit(stop);
+      case LineStop::Kind::contact:
+        return describe_contact(stop);
+      case LineStop::Kind::kinematics:
+        return describe_kinematics();
+      case LineStop::Kind::budget:
+      case LineStop::Kind::none:
+        break;
+    }
+    return "the search was ended by its limits";
+  }
+
+  [[nodiscard]] std::string describe_limit(const LineStop& stop) const {
+    const Joint& joint = robot_.group_joint(stop.joint);
+    const bool is_lower = stop.to[stop.joint] < joint.lower;
+    return fmt::format("joint '{}' at its {} limit of {:.4g} {}", joint.name,
+                       is_lower ? "lower" : "upper", is_lower ? joint.lower : joint.upper,
+                       joint.type == JointType::prismatic ? "m" : "rad");
+  }
+
+  [[nodiscard]] std::string describe_contact(const LineStop& stop) const {
+    constexpr double kNear = 1e-3;
+    const internal::LinkDistances links(robot_);
+    for (const double share : {1.0, 0.5}) {
+      const JointVector state = stop.from + share * (stop.to - stop.from);
+      const Configuration q(state.data(), state.data() + robot_.joint_count());
+      const auto contacts =
+          internal::find_contacts(robot_, links, checker_.scene(), q, checker_.margin() + kNear);
+      if (contacts.empty()) continue;
+      const Contact& nearest = *std::ranges::min_element(contacts, {}, &Contact::distance);
+      return fmt::format("contact of link '{}' with {} '{}'", nearest.link,
+                         nearest.is_self ? "link" : "obstacle", nearest.other);
+    }
+    return "links come too close to each other";
+  }
+
+  /// Tells a line that leaves the reach from a singularity on it.
+  [[nodiscard]] std::string describe_kinematics() const {
+    const internal::LineSegment segment(result_.begin, result_.end);
+    constexpr double kAhead = 0.005;
+    PoseGoal goal = start_region();
+    goal.pose = segment.at(std::min(1.0, result_.line.fraction() + kAhead / segment.size()));
+    IkSettings settings;
+    settings.seeds = 256;
+    settings.solutions = 1;
+    const auto kinematics = InverseKinematics::make(robot_, goal.link, checker_.isa());
+    if (!kinematics->solve(goal, from_, settings).solutions.empty()) {
+      return "the arm is at a singularity, and only other branches go on";
+    }
+    return fmt::format("the next poses are out of reach of link '{}'", goal.link);
+  }
+
+  const CollisionChecker& checker_;
+  const Robot& robot_;
+  const Line& line_;
+  Configuration from_;
+  LineSettings settings_;
+  std::size_t link_ = 0;
+  LineResult result_;
+};
+
+}  // namespace
+
+Result<LineResult> plan_line(const CollisionChecker& checker, const Line& line,
+                             std::span<const double> from, const LineSettings& settings) {
+  return LinePlan(checker, line, from, settings).run();
+}
+
+Result<LineResult> plan_line(const Robot& robot, const Scene& scene, const Line& line,
+                             std::span<const double> from, const LineSettings& settings) {
+  const CollisionChecker checker = MNEME_TRY(CollisionChecker::make(robot, scene));
+  return plan_line(checker, line, from, settings);
+}
+
+Transform line_pose(const LineResult& result, double fraction) {
+  return internal::LineSegment(result.begin, result.end).at(fraction);
+}
+
+}  // namespace mneme
