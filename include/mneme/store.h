@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -45,6 +46,10 @@ struct RememberedPath {
     return joint_count == 0 ? 0 : static_cast<int>(waypoints.size()) / joint_count;
   }
 };
+
+/// Kind of the rows that hold choices of tasks, one configuration per group of stages. No kind of
+/// memory for paths reads them.
+inline constexpr std::string_view kTaskRows = "tasks/1";
 
 /// Where a row comes from, as text for people; the program never parses it. If two databases hold
 /// equal rows, a merge keeps the earlier provenance.
