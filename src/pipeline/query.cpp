@@ -38,8 +38,8 @@ Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Da
     kinds.push_back(MNEME_TRY(find_memory_kind(*settings.memory.kind)));
     return kinds;
   }
-  const std::vector<KindInfo> held =
-      database == nullptr ? std::vector<KindInfo>() : database->kinds();
+  std::vector<KindInfo> held = database == nullptr ? std::vector<KindInfo>() : database->kinds();
+  std::erase_if(held, [](const KindInfo& info) { return info.kind == kTaskRows; });
   for (const KindInfo& info : held) {
     if (const MemoryKind* kind = memory_kind_of(info.kind)) kinds.push_back(kind);
   }
