@@ -25,3 +25,4 @@
 #include "mneme/memory.h"
 #include "mneme/learning.h"
 #include "mneme/pipeline.h"
+#include "mneme/task.h"

@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Tasks: sequences of stages such as approach, grasp, lift and place, with alternatives among
+/// which a search chooses.
+#pragma once
+
+#include "mneme/base.h"
+#include "mneme/path.h"
+#include "mneme/pipeline.h"
+#include "mneme/problem.h"
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace mneme {
+
+enum class StageKind {
+  move,     ///< plans a path around obstacles
+  line,     ///< moves a link on a straight line
+  attach,   ///< a link takes an obstacle, which moves with it from now on
+  detach,   ///< a held object becomes an obstacle where it is
+  allow,    ///< pairs may touch from now on
+  gripper,  ///< sets joints outside of the planning group
+};
+[[nodiscard]] std::string_view to_string(StageKind kind);
+
+/// Alternative poses for a link, or for the object that it holds.
+struct PoseChoice {
+  std::string link;    ///< the link to bring there
+  std::string object;  ///< held object whose poses these are; empty: they are the link's
+  /// Link or obstacle whose frame the poses are given in; empty: the root link. An obstacle's frame
+  /// is the pose of its first shape; a link's frame is taken at the task's start.
+  std::string frame;
+  std::vector<Transform> poses;
+};
+
+/// A stage of a task. Each kind uses the fields listed for it, and `name`.
+struct Stage {
+  StageKind kind = StageKind::move;
+  std::string name;  ///< empty: its kind and number
+  /// move: configurations to end at; any one of them. Without these and `poses`, a move ends where
+  /// the next line begins.
+  std::vector<Configuration> configurations = {};
+  /// move, line: poses to end at; any one of them.
+  PoseChoice poses = {};
+  /// move: regions to end in, in the root link's frame; any one of them.
+  std::vector<PoseGoal> regions = {};
+  /// line: the link to move. Default: the last link of the group.
+  std::string link = {};
+  /// line: unit vector in the frame of `along`. A line with poses may leave it 0 where its first
+  /// configuration is known.
+  Vec3 direction = Vec3::Zero();
+  std::string along = {};    ///< line: link whose frame `direction` is in; empty: the root link
+  double distance = 0;       ///< line: metres, > 0, with a direction
+  std::string object = {};   ///< attach, detach: name of the obstacle
+  std::string carrier = {};  ///< attach: link that takes the object
+  std::vector<std::string> may_touch = {};  ///< attach: links that touch the object; the carrier
+                                            ///< and links that no joint of the group moves against
+                                            ///< it always may
+  std::vector<std::pair<std::string, std::string>> pairs = {};  ///< allow
+  std::map<std::string, double> values = {};                    ///< gripper: by joint
+  std::vector<OrientationConstraint> constraints = {};          ///< move: in addition to the task's
+  double speed = 1;  ///< move, line: share of the velocity limits, in (0, 1]
+};
+
+/// A robot, a scene, a start, and stages.
+struct Task {
+  std::string name;
+  Robot robot;
+  std::string robot_path;  ///< path of the URDF
+  Scene scene;
+  Configuration start;
+  std::vector<Stage> stages;
+  std::vector<OrientationConstraint> constraints = {};  ///< hold in each move
+  std::vector<std::string> warnings = {};
+  std::vector<std::string> files = {};
+};
+
+struct TaskSettings {
+  int branches = 4;
+  int siblings = 8;
+  std::uint64_t first_iterations = 2000;
+  double improve = 0;
+  std::optional<int> improve_plans;
+  SolveSettings solve;
+};
+
+/// Declares the settings of this struct; `solve` declares its own.
+template <class Settings, class Visitor>
+requires std::same_as<std::remove_const_t<Settings>, TaskSettings>
+void visit_settings(Settings& s, Visitor&& visit) {
+  visit("branches", s.branches, 1, 64,
+        "Largest number of configurations of inverse kinematics to try for a pose. More find plans "
+        "in narrower places and take longer where there is none.");
+  visit("siblings", s.siblings, 1, 1000000,
+        "Paths that fail from one configuration before the search returns to the stage before.");
+  visit("first-iterations", s.first_iterations, std::uint64_t{1}, ~std::uint64_t{0},
+        "Iteration limit of each path in the first round. Each further round has eight times the "
+        "limit, until the time limit.");
+  visit("improve-task", s.improve, 0.0, 1e6,
+        "Time to look for shorter plans of the task after the first one, seconds. Part of the time "
+        "limit.");
+  visit("improve-plans", s.improve_plans, 1, 1000000,
+        "Largest number of plans that improvement compares. With a seed the result is repeatable. "
+        "Default: as many as the time allows.");
+}
+
+/// Why alternatives were dropped.
+enum class DropReason { reach, kinematics, contact, line, attach, path };
+inline constexpr std::size_t kDropReasons = 6;
+/// Returns "out of reach", "no inverse kinematics", "contact", "no straight line", "not at the
+/// object" or "no path".
+[[nodiscard]] std::string_view to_string(DropReason reason);
+
+/// Alternatives of a stage that were dropped for one reason.
+struct Dropped {
+  DropReason reason = DropReason::reach;
+  int count = 0;
+  std::string what;  ///< the commonest obstacle of this reason, such as "'mug' with 'shelf'"
+};
+
+/// A stage of a plan. Scene and robot are those while it moves.
+struct StageResult {
+  std::string name;
+  StageKind kind = StageKind::move;
+  std::shared_ptr<const Problem> world;  ///< robot with held objects, scene, start of the stage;
+                                         ///< never null
+  Path path;             ///< from where the stage before ended; one configuration if nothing moves
+  double time_s = 0;     ///< at the velocity limits of the URDF (path_time()) and the stage's speed
+  int alternative = -1;  ///< index of the pose that was chosen; -1: the stage has no choice
+  int alternatives = 0;  ///< number of poses to choose from
+  std::vector<Dropped> dropped = {};
+  std::uint64_t states_checked = 0;  ///< for the path
+};
+
+struct TaskResult {
+  PlanStatus status = PlanStatus::timeout;
+  std::string message;  ///< why there is no plan: the stage and what is in its way; empty if solved
+  /// All stages in order; of a task without a plan, those with alternatives that were dropped.
+  std::vector<StageResult> stages;
+  double duration_s = 0;         ///< sum of the stages' times
+  double first_duration_s = 0;   ///< of the first plan, before improvement
+  double first_plan_time_s = 0;  ///< until the first plan
+  double total_time_s = 0;
+  std::uint64_t states_checked = 0;
+  int plans = 0;            ///< complete plans that were found
+  int remembered_rows = 0;  ///< rows of memory that ranked the alternatives
+  std::vector<std::string> notes;
+
+  [[nodiscard]] bool is_solved() const { return status == PlanStatus::solved; }
+};
+
+/// Reads a task file: a problem file with `stages` instead of goals (docs/tasks.md). Errors name
+/// file, line and key.
+[[nodiscard]] Result<Task> load_task(const std::string& path, const ProblemOptions& options = {});
+/// True for a YAML file with the key `stages`. False for a file that cannot be read.
+[[nodiscard]] bool is_task_file(const std::string& path);
+
+/// Reads a list of stages as YAML or JSON text, as the key `stages` of a task file; `source` names
+/// it in messages.
+[[nodiscard]] Result<std::vector<Stage>> parse_stages(const std::string& text,
+                                                      const std::string& source,
+                                                      const Robot& robot);
+
+/// Checks a task without planning. Errors: no stages; an unknown link, frame, object or joint; a
+/// line without length; an object that is attached twice or detached but not held; values out of
+/// range. The message names the stage.
+[[nodiscard]] Result<void> check_task(const Task& task);
+
+/// Chooses among the alternatives of the stages and plans the paths between them. Cheap tests come
+/// first: reach, contact of the hand alone, inverse kinematics, contact, straight lines; paths are
+/// planned last. With a `database`, alternatives that worked for the same object nearby come first,
+/// moves use its experience, and a plan is remembered if SolveSettings::remember_after is set. The
+/// time limit is that of `settings.solve.plan`. Errors: those of check_task() and check_settings();
+/// a scene that cannot be checked.
+[[nodiscard]] Result<TaskResult> solve_task(const Task& task, Database* database,
+                                            const TaskSettings& settings = {});
+
+/// The motion of a whole task.
+struct TaskMotion {
+  Trajectory trajectory;
+  std::vector<double> begins_s;                   ///< per stage
+  std::vector<std::optional<Trajectory>> stages;  ///< per stage, each from 0 on; nothing for one
+                                                  ///< without a path, which takes no time
+};
+/// Times the path of each stage, from rest to rest, within `limits` scaled by the stage's speed.
+/// Precondition: `result` is a plan of `task`. Errors: those of parameterize().
+[[nodiscard]] Result<TaskMotion> time_task(const Task& task, const TaskResult& result,
+                                           const SolveSettings& settings, const RateLimits& limits,
+                                           const TrajectorySettings& timing = {});
+
+/// Returns the plan as JSON: status, message, durations and counts, and per stage its kind, time,
+/// path, choice and dropped alternatives.
+[[nodiscard]] std::string to_json(const Task& task, const TaskResult& result);
+
+}  // namespace mneme

@@ -1,0 +1,515 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "task/alternatives.h"
+
+#include "mneme/goal.h"
+
+#include "base/as_index.h"
+#include "planning/end_contacts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace mneme::internal {
+namespace {
+
+/// Metres by which spheres of an object may overlap what it stands on.
+constexpr double kObjectDepth = 0.02;
+/// Metres that count as much as a radian when poses are ordered.
+constexpr double kMetresPerTurn = 0.3;
+
+double pose_distance(const Transform& a, const Transform& b) {
+  const double cosine = 0.5 * ((a.rotation.transpose() * b.rotation).trace() - 1);
+  return (a.translation - b.translation).norm() +
+         kMetresPerTurn * std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+/// A ball that contains the origin of a link in every configuration.
+class Reach {
+ public:
+  Reach(const Robot& robot, const std::string& link) {
+    const Joint* first = nullptr;
+    for (int at = *robot.find_link(link); robot.links()[as_index(at)].parent_joint >= 0;) {
+      first = &robot.joints()[as_index(robot.links()[as_index(at)].parent_joint)];
+      radius_ += first->origin.translation.norm();
+      if (first->type == JointType::prismatic) {
+        radius_ += std::max(std::abs(first->lower), std::abs(first->upper));
+      }
+      at = first->parent_link;
+    }
+    if (first == nullptr || first->type == JointType::prismatic) return;
+    // The origin of the first joint itself does not move.
+    centre_ = first->origin.translation;
+    radius_ -= centre_.norm();
+  }
+  [[nodiscard]] bool contains(const Transform& pose) const {
+    return (pose.translation - centre_).norm() <= radius_ + 1e-6;
+  }
+
+ private:
+  Vec3 centre_ = Vec3::Zero();
+  double radius_ = 0;
+};
+
+}  // namespace
+
+void DropCounts::add(int stage, const Failure& failure, int count) {
+  Entry& entry = stages_[as_index(stage)][static_cast<std::size_t>(failure.reason)];
+  entry.count += count;
+  if (!failure.what.empty()) entry.whats[failure.what] += count;
+}
+
+std::vector<Dropped> DropCounts::of_stage(int stage) const {
+  std::vector<Dropped> all;
+  for (std::size_t i = 0; i < kDropReasons; ++i) {
+    const Entry& entry = stages_[as_index(stage)][i];
+    if (entry.count == 0) continue;
+    Dropped dropped{static_cast<DropReason>(i), entry.count, {}};
+    int most = 0;
+    for (const auto& [what, count] : entry.whats) {
+      if (count > most) std::tie(most, dropped.what) = std::pair(count, what);
+    }
+    all.push_back(std::move(dropped));
+  }
+  return all;
+}
+
+bool DropCounts::has_any(int stage) const { return !of_stage(stage).empty(); }
+
+Alternatives::Alternatives(TaskRun& run, DropCounts& tally, const Group& group, const Group* next,
+                           CheckedWorldPtr world, Configuration near, const Ranker& rank)
+    : run_(run),
+      drops_(tally),
+      group_(group),
+      next_group_(next),
+      world_(std::move(world)),
+      touched_(world_),
+      near_(std::move(near)) {
+  if (auto ready = make_ready(); !ready) {
+    drops_.add(ready.error().first, ready.error().second);
+    return;
+  }
+  list_alternatives();
+  drop_unreachable();
+  make_bodies();
+  look_ahead();
+  sort(rank);
+}
+
+const Stage& Alternatives::stage(int i) const { return run_.task.stages[as_index(i)]; }
+
+/// Objects may touch the links that take them, or that they leave, during the whole group.
+World Alternatives::with_touch(World world) const {
+  for (const int i : group_.local) {
+    const Stage& at = stage(i);
+    if (at.kind == StageKind::attach) allow_touch(world.scene, at.object, at.may_touch);
+  }
+  return world;
+}
+
+/// Applies contact that the group allows, and the stages between the move and its line.
+tl::expected<void, std::pair<int, Failure>> Alternatives::make_ready() {
+  World world = with_touch(world_->world);
+  const auto check = [&](int i) -> tl::expected<void, std::pair<int, Failure>> {
+    auto checked = check_world(world, run_);
+    if (!checked)
+      return tl::unexpected(std::pair(i, Failure{DropReason::attach, checked.error().message}));
+    touched_ = *std::move(checked);
+    return {};
+  };
+  const int first = group_.move.value_or(0);
+  if (!(world.scene == world_->world.scene)) {
+    if (auto checked = check(first); !checked) return checked;
+  }
+  for (const int i : group_.local) {
+    if (!group_.is_line_anchor || i == *group_.anchor) break;
+    before_line_.emplace_back(i, touched_);
+    auto next = after_stage(world, stage(i), near_);
+    if (!next)
+      return tl::unexpected(std::pair(i, Failure{DropReason::attach, next.error().message}));
+    world = *std::move(next);
+    if (auto checked = check(i); !checked) return checked;
+  }
+  return {};
+}
+
+void Alternatives::list_alternatives() {
+  if (!group_.anchor) {
+    count_ = 1;
+  } else {
+    const Stage& at = stage(*group_.anchor);
+    if (!at.poses.poses.empty()) {
+      link_ = at.poses.link;
+      targets_ = link_targets(touched_->world, at.poses, run_.start_poses);
+    }
+    count_ = static_cast<int>(at.configurations.size() + at.regions.size() + targets_.size());
+  }
+  is_left_.assign(as_index(count_), 1);
+}
+
+/// Where a line that ends at X_end begins.
+Transform Alternatives::line_begin(int line, const Transform& X_end,
+                                   const std::vector<Transform>& link_poses) const {
+  const Stage& at = stage(line);
+  Vec3 direction = at.direction;
+  if (at.along == link_) {
+    direction = X_end.rotation * direction;
+  } else if (!at.along.empty()) {
+    direction = link_poses[as_index(*world_->world.robot.find_link(at.along))].rotation * direction;
+  }
+  Transform begin = X_end;
+  begin.translation -= at.distance * direction;
+  return begin;
+}
+
+/// Drops targets out of reach.
+void Alternatives::drop_unreachable() {
+  if (targets_.empty()) return;
+  const Reach reach(touched_->world.robot, link_);
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    if (reach.contains(targets_[i])) continue;
+    is_left_[first_target() + i] = 0;
+    drops_.add(failing_stage(), {DropReason::reach, fmt::format("link '{}'", link_)});
+  }
+}
+
+void Alternatives::make_bodies() {
+  if (targets_.empty()) return;
+  const World& world = touched_->world;
+  const Isa isa = run_.settings.solve.isa;
+  hand_ = FloatingBody::of_link(world, link_, isa);
+  const PoseChoice& choice = stage(*group_.anchor).poses;
+  if (!choice.object.empty()) object_ = FloatingBody::of_object(world, choice.object, isa);
+}
+
+/// Tests the hand, and the object in it, at the next few targets in order.
+void Alternatives::filter_block() {
+  if (targets_.empty()) return;
+  std::vector<int> block;
+  const std::size_t end = std::min(order_.size(), position_ + kBlock);
+  for (std::size_t i = position_; i < end; ++i) {
+    if (as_index(order_[i].first) >= first_target()) block.push_back(order_[i].first);
+  }
+  const World& world = touched_->world;
+  const PoseChoice& choice = stage(*group_.anchor).poses;
+  const auto drop = [&](const std::optional<FloatingBody>& body, double depth,
+                        const auto& pose_at) {
+    if (!body || block.empty()) return;
+    std::vector<Transform> poses;
+    for (const int i : block) poses.push_back(pose_at(targets_[as_index(i) - first_target()]));
+    drop_where(*body, depth, poses, block);
+  };
+  if (object_) {
+    const Transform X_LO = world.held.at(choice.object).X_LO;
+    drop(object_, kObjectDepth, [&](const Transform& target) { return target * X_LO; });
+  }
+  drop(hand_, 0, [](const Transform& target) { return target; });
+  if (!group_.is_line_anchor) return;
+  const std::vector<Transform> link_poses = world.robot.link_poses(near_);
+  drop(hand_, 0,
+       [&](const Transform& target) { return line_begin(*group_.anchor, target, link_poses); });
+}
+
+/// Drops the alternatives of `block` at whose poses the body is not free.
+void Alternatives::drop_where(const FloatingBody& body, double depth,
+                              const std::vector<Transform>& poses, std::vector<int>& block) {
+  run_.states += poses.size();
+  const std::vector<std::uint8_t> is_free = body.find_free(poses, depth);
+  std::string what;
+  std::vector<int> left;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (is_free[i]) {
+      left.push_back(block[i]);
+      continue;
+    }
+    is_left_[as_index(block[i])] = 0;
+    // Naming bodies costs more than the test: one speaks for its block.
+    if (what.empty()) what = body.describe_contact(poses[i]);
+    drops_.add(failing_stage(), {DropReason::contact, what});
+  }
+  block = std::move(left);
+}
+
+/// Prepares the test whether a grasp suits any pose at which the next group wants the object.
+void Alternatives::look_ahead() {
+  if (next_group_ == nullptr || !next_group_->anchor || targets_.empty()) return;
+  const PoseChoice& choice = stage(*next_group_->anchor).poses;
+  const World& world = touched_->world;
+  const auto pose = world.poses.find(choice.object);
+  const auto attach = std::ranges::find_if(group_.local, [&](int i) {
+    return stage(i).kind == StageKind::attach && stage(i).object == choice.object;
+  });
+  if (choice.object.empty() || pose == world.poses.end() || attach == group_.local.end()) return;
+  if (stage(*attach).carrier != link_ || choice.link != link_) return;
+  World without = world;
+  without.held[choice.object] = {};  // the object's own frame as the link's: poses are the object's
+  if (!without.scene.remove(choice.object)) return;
+  LookAhead ahead{pose->second.inverse(),
+                  link_targets(without, choice, run_.start_poses),
+                  FloatingBody::of_link(without, link_, run_.settings.solve.isa),
+                  {}};
+  const auto object = FloatingBody::of_obstacle(world, choice.object, run_.settings.solve.isa);
+  if (object) {
+    run_.states += ahead.places.size();
+    const std::vector<std::uint8_t> is_free = object->find_free(ahead.places, kObjectDepth);
+    std::vector<Transform> left;
+    for (std::size_t i = 0; i < ahead.places.size(); ++i) {
+      if (is_free[i]) {
+        left.push_back(ahead.places[i]);
+      } else if (ahead.what.empty()) {
+        ahead.what = object->describe_contact(ahead.places[i]);
+      }
+    }
+    ahead.places = std::move(left);
+  }
+  ahead_ = std::move(ahead);
+}
+
+/// True unless the hand fits at no pose of the next group with this grasp.
+bool Alternatives::suits_next_group(int alternative) {
+  if (!ahead_) return true;
+  const Transform X_OL = ahead_->X_OW * targets_[as_index(alternative) - first_target()];
+  const Reach reach(touched_->world.robot, link_);
+  std::vector<Transform> hands;
+  for (const Transform& place : ahead_->places) {
+    const Transform X_WL = place * X_OL;
+    if (reach.contains(X_WL)) hands.push_back(X_WL);
+  }
+  Failure failure{DropReason::reach, fmt::format("link '{}'", link_)};
+  if (ahead_->places.empty()) {
+    failure = {DropReason::contact, ahead_->what};
+  } else if (!hands.empty()) {
+    if (!ahead_->hand) return true;
+    run_.states += hands.size();
+    if (std::ranges::count(ahead_->hand->find_free(hands, 0), 1) > 0) return true;
+    failure = {DropReason::contact, ahead_->hand->describe_contact(hands.front())};
+  }
+  failure.what += fmt::format(" at each pose of '{}'", stage_name(run_.task, *next_group_->anchor));
+  drops_.add(failing_stage(), failure);
+  return false;
+}
+
+void Alternatives::sort(const Ranker& rank) {
+  std::vector<std::uint8_t> is_listed(is_left_.size(), 0);
+  const Remembered remembered =
+      targets_.empty() ? Remembered() : rank(touched_->world, targets_, first_target(), link_);
+  for (const auto& [alternative, q] : remembered.choices) {
+    if (as_index(alternative) >= is_left_.size() || !is_left_[as_index(alternative)]) continue;
+    if (std::exchange(is_listed[as_index(alternative)], 1)) continue;
+    order_.emplace_back(alternative, q);
+  }
+  std::vector<std::pair<double, int>> rest;
+  Transform from;
+  if (!targets_.empty()) {
+    from = world_->world.robot.link_poses(near_)[as_index(*world_->world.robot.find_link(link_))];
+  }
+  for (std::size_t i = 0; i < is_left_.size(); ++i) {
+    if (!is_left_[i] || is_listed[i]) continue;
+    const bool is_target = i >= first_target();
+    rest.emplace_back(is_target ? pose_distance(from, targets_[i - first_target()]) : 0,
+                      static_cast<int>(i));
+  }
+  std::ranges::sort(rest);
+  for (const auto& [distance, alternative] : rest) order_.emplace_back(alternative, std::nullopt);
+}
+
+std::optional<Candidate> Alternatives::next() {
+  while (found_.empty() && position_ < order_.size() && !run_.is_over()) {
+    if (position_ % kBlock == 0) filter_block();
+    const int alternative = order_[position_++].first;
+    if (!is_left_[as_index(alternative)]) continue;
+    if (as_index(alternative) >= first_target() && !suits_next_group(alternative)) continue;
+    try_alternative(alternative);
+  }
+  if (found_.empty()) return std::nullopt;
+  Candidate first = std::move(found_.front());
+  found_.pop_front();
+  return first;
+}
+
+std::vector<Configuration> Alternatives::solve_kinematics(int alternative) {
+  const Stage& at = stage(*group_.anchor);
+  const std::size_t first_region = at.configurations.size();
+  const std::size_t first_pose = first_region + at.regions.size();
+  PoseGoal goal;
+  if (as_index(alternative) < first_pose) {
+    goal = at.regions[as_index(alternative) - first_region];
+  } else {
+    goal.link = link_;
+    goal.pose = targets_[as_index(alternative) - first_pose];
+  }
+  const CollisionChecker& checker = touched_->checker;
+  const auto kinematics = InverseKinematics::make(checker.robot(), goal.link, checker.isa());
+  if (!kinematics) {
+    drops_.add(failing_stage(), {DropReason::kinematics, kinematics.error().message});
+    return {};
+  }
+  IkSettings settings = run_.settings.solve.ik;
+  settings.seed = run_.settings.solve.plan.seed;
+  settings.seeds = std::min(settings.seeds, 48);
+  settings.solutions = run_.settings.branches;
+  settings.is_over = [this] { return run_.is_over(); };
+  const auto& hint = order_[position_ - 1].second;
+  const Configuration& near = hint ? *hint : near_;
+  // A held object may rest on something at the end of a line.
+  const bool may_touch = group_.is_line_anchor && !touched_->world.held.empty();
+  IkResult reached =
+      kinematics->solve(goal, near, settings, may_touch ? nullptr : &checker, kVerificationMargin);
+  run_.states += reached.solutions.size() + reached.blocked.size();
+  if (reached.solutions.empty()) {
+    Failure failure{DropReason::kinematics, fmt::format("link '{}'", goal.link)};
+    if (!reached.blocked.empty()) {
+      failure = {DropReason::contact, describe_contact(checker, reached.blocked.front())};
+    }
+    drops_.add(failing_stage(), failure);
+  }
+  return std::move(reached.solutions);
+}
+
+void Alternatives::try_alternative(int alternative) {
+  if (!group_.anchor) {
+    try_configuration(alternative, run_.task.start);
+    return;
+  }
+  const Stage& at = stage(*group_.anchor);
+  if (as_index(alternative) < at.configurations.size()) {
+    try_configuration(alternative, at.configurations[as_index(alternative)]);
+    return;
+  }
+  for (const Configuration& q : solve_kinematics(alternative)) {
+    if (run_.is_over()) return;
+    try_configuration(alternative, q);
+  }
+}
+
+tl::expected<Alternatives::LocalState, Failure> Alternatives::begin_at_line(
+    const Configuration& anchor) {
+  const int line = *group_.anchor;
+  const std::vector<Transform> poses = world_->world.robot.link_poses(anchor);
+  const Transform X_end = poses[as_index(*world_->world.robot.find_link(link_))];
+  auto followed =
+      follow_line(run_, touched_, {link_, anchor, line_begin(line, X_end, poses), false});
+  if (!followed) return tl::unexpected(followed.error());
+  LocalState state{followed->world, anchor, {}};
+  for (const auto& [i, world] : before_line_) {
+    state.stages.push_back({i, world, {followed->path.front()}});
+  }
+  state.stages.push_back({line, followed->world, std::move(followed->path)});
+  return state;
+}
+
+void Alternatives::try_configuration(int alternative, const Configuration& anchor) {
+  const Robot& robot = world_->world.robot;
+  const auto drop = [&](int at, const Failure& failure) { drops_.add(at, failure); };
+  if (const auto violation = robot.describe_violation(anchor, "its goal")) {
+    return drop(failing_stage(), {DropReason::reach, *violation});
+  }
+  if (!group_.is_line_anchor) {
+    ++run_.states;
+    const bool is_start = !group_.anchor.has_value();
+    if (!is_start && !is_clear_by_exact_geometry(world_->checker, anchor)) {
+      return drop(failing_stage(),
+                  {DropReason::contact, describe_contact(world_->checker, anchor)});
+    }
+    return run_from(0, {touched_, anchor, {}}, alternative, anchor, anchor);
+  }
+  auto state = begin_at_line(anchor);
+  if (!state) return drop(*group_.anchor, state.error());
+  const Configuration begin = state->stages.front().path.front();
+  ++run_.states;
+  if (world_ != touched_ && !is_clear(world_->checker, begin)) {
+    return drop(failing_stage(), {DropReason::contact, describe_contact(world_->checker, begin)});
+  }
+  const auto line = std::ranges::find(group_.local, *group_.anchor);
+  run_from(as_index(static_cast<int>(line - group_.local.begin())) + 1, *std::move(state),
+           alternative, begin, anchor);
+}
+
+void Alternatives::run_from(std::size_t position, LocalState state, int alternative,
+                            const Configuration& begin, const Configuration& anchor) {
+  for (; position < group_.local.size(); ++position) {
+    const int i = group_.local[position];
+    if (stage(i).kind == StageKind::line) {
+      return run_line(position, state, alternative, begin, anchor);
+    }
+    auto next = after_stage(state.world->world, stage(i), state.q);
+    if (!next) return drops_.add(i, {DropReason::attach, next.error().message});
+    const bool is_detach = stage(i).kind == StageKind::detach;
+    if (is_detach) {
+      allow_touch(next->scene, stage(i).object,
+                  state.world->world.held.at(stage(i).object).may_touch);
+    }
+    auto checked = check_world(*std::move(next), run_);
+    if (!checked) return drops_.add(i, {DropReason::contact, checked.error().message});
+    state.stages.push_back({i, state.world, {state.q}});
+    state.world = *std::move(checked);
+  }
+  finish(std::move(state), alternative, begin, anchor);
+}
+
+void Alternatives::run_line(std::size_t position, const LocalState& state, int alternative,
+                            const Configuration& begin, const Configuration& anchor) {
+  const int i = group_.local[position];
+  const Stage& at = stage(i);
+  const World& world = state.world->world;
+  const std::vector<Transform> poses = world.robot.link_poses(state.q);
+  std::vector<Transform> ends = link_targets(world, at.poses, run_.start_poses);
+  const std::string& link = ends.empty() ? at.link : at.poses.link;
+  const bool has_choice = !ends.empty();
+  if (!has_choice) {
+    Transform end = poses[as_index(*world.robot.find_link(link))];
+    const Vec3 direction =
+        at.along.empty()
+            ? at.direction
+            : Vec3(poses[as_index(*world.robot.find_link(at.along))].rotation * at.direction);
+    end.translation += at.distance * direction;
+    ends.push_back(end);
+  }
+  for (std::size_t choice = 0; choice < ends.size() && !run_.is_over(); ++choice) {
+    auto followed = follow_line(run_, state.world, {link, state.q, ends[choice], true});
+    if (!followed) {
+      drops_.add(i, followed.error());
+      continue;
+    }
+    LocalState next = state;
+    next.q = followed->path.back();
+    next.stages.push_back({i, followed->world, std::move(followed->path),
+                           has_choice ? static_cast<int>(choice) : -1});
+    run_from(position + 1, std::move(next), alternative, begin, anchor);
+  }
+}
+
+void Alternatives::finish(LocalState state, int alternative, const Configuration& begin,
+                          const Configuration& anchor) {
+  Candidate candidate;
+  candidate.alternative = group_.anchor ? alternative : -1;
+  candidate.begin = begin;
+  candidate.end = state.q;
+  candidate.anchor = anchor;
+  World after = state.world->world;
+  for (const int i : group_.local) {
+    if (Obstacle* obstacle = after.scene.find(stage(i).object)) {
+      // Contact with the hand is allowed while it takes or leaves the object only.
+      const Obstacle* before = run_.task.scene.find(stage(i).object);
+      if (before != nullptr) obstacle->may_touch = before->may_touch;
+    }
+  }
+  candidate.after = state.world;
+  if (!(after.scene == state.world->world.scene)) {
+    auto checked = check_world(std::move(after), run_);
+    if (!checked) return;
+    candidate.after = *std::move(checked);
+  }
+  for (const LocalStage& each : state.stages) {
+    if (each.path.size() > 1) {
+      candidate.time_s += path_time(each.world->world.robot, each.path) / stage(each.stage).speed;
+    }
+  }
+  candidate.stages = std::move(state.stages);
+  found_.push_back(std::move(candidate));
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The alternatives of a group of stages, tested from cheap to expensive, one at a time.
+#pragma once
+
+#include "task/floating_body.h"
+#include "task/follow.h"
+#include "task/groups.h"
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mneme::internal {
+
+/// Counts dropped alternatives per stage and reason.
+class DropCounts {
+ public:
+  explicit DropCounts(std::size_t stages) : stages_(stages) {}
+  void add(int stage, const Failure& failure, int count = 1);
+  [[nodiscard]] std::vector<Dropped> of_stage(int stage) const;
+  [[nodiscard]] bool has_any(int stage) const;
+
+ private:
+  struct Entry {
+    int count = 0;
+    std::map<std::string, int> whats;
+  };
+  std::vector<std::array<Entry, kDropReasons>> stages_;
+};
+
+/// A stage with its path, before moves are planned.
+struct LocalStage {
+  int stage = 0;
+  CheckedWorldPtr world;
+  Path path;             ///< one configuration if nothing moves
+  int alternative = -1;  ///< of a line with poses
+};
+
+/// One choice for a group: what follows from its anchor.
+struct Candidate {
+  int alternative = -1;
+  Configuration begin, end;  ///< where the group's move ends, and where its last stage ends
+  Configuration anchor;      ///< where the choice's pose is reached
+  std::vector<LocalStage> stages;
+  CheckedWorldPtr after;  ///< after all stages, without contact that they allowed
+  double time_s = 0;      ///< of the lines
+};
+
+/// Configurations and poses that worked before, best first.
+struct Remembered {
+  std::vector<std::pair<int, Configuration>> choices;  ///< alternative and configuration near it
+};
+
+/// Ranks the poses of a group's anchor: targets of a link, the number of alternatives before them.
+using Ranker = std::function<Remembered(const World& world, const std::vector<Transform>& targets,
+                                        std::size_t first, const std::string& link)>;
+
+/// Candidates of a group in one world, from cheap tests to expensive ones.
+class Alternatives {
+ public:
+  /// `next` is the group after this one, if any; an alternative is dropped at once if the object
+  /// that it attaches fits no pose of the next group. All must outlive this object.
+  Alternatives(TaskRun& run, DropCounts& tally, const Group& group, const Group* next,
+               CheckedWorldPtr world, Configuration near, const Ranker& rank);
+
+  /// Returns the next candidate; nothing once none is left or the time is over.
+  [[nodiscard]] std::optional<Candidate> next();
+  /// Number of alternatives of the anchor.
+  [[nodiscard]] int count() const { return count_; }
+
+ private:
+  /// Targets whose hand and object are tested at once: the lanes of the widest vector.
+  static constexpr std::size_t kBlock = 16;
+  /// Poses where the next group wants the object that this group attaches.
+  struct LookAhead {
+    Transform X_OW;
+    std::vector<Transform> places;  ///< of the object; those where it is free
+    std::optional<FloatingBody> hand;
+    std::string what;  ///< what the object touches, where it is not free
+  };
+  struct LocalState {
+    CheckedWorldPtr world;
+    Configuration q;
+    std::vector<LocalStage> stages;
+  };
+
+  [[nodiscard]] const Stage& stage(int i) const;
+  [[nodiscard]] int failing_stage() const { return group_.anchor.value_or(0); }
+  [[nodiscard]] World with_touch(World world) const;
+  [[nodiscard]] tl::expected<void, std::pair<int, Failure>> make_ready();
+  void list_alternatives();
+  void drop_unreachable();
+  void make_bodies();
+  void filter_block();
+  void drop_where(const FloatingBody& body, double depth, const std::vector<Transform>& poses,
+                  std::vector<int>& block);
+  void look_ahead();
+  [[nodiscard]] bool suits_next_group(int alternative);
+  [[nodiscard]] std::size_t first_target() const { return is_left_.size() - targets_.size(); }
+  void sort(const Ranker& rank);
+  [[nodiscard]] Transform line_begin(int line, const Transform& X_end,
+                                     const std::vector<Transform>& link_poses) const;
+  void try_alternative(int alternative);
+  [[nodiscard]] std::vector<Configuration> solve_kinematics(int alternative);
+  void try_configuration(int alternative, const Configuration& anchor);
+  [[nodiscard]] tl::expected<LocalState, Failure> begin_at_line(const Configuration& anchor);
+  void run_from(std::size_t position, LocalState state, int alternative, const Configuration& begin,
+                const Configuration& anchor);
+  void run_line(std::size_t position, const LocalState& state, int alternative,
+                const Configuration& begin, const Configuration& anchor);
+  void finish(LocalState state, int alternative, const Configuration& begin,
+              const Configuration& anchor);
+
+  TaskRun& run_;
+  DropCounts& drops_;
+  const Group& group_;
+  const Group* next_group_;
+  CheckedWorldPtr world_;    ///< where the move ends
+  CheckedWorldPtr touched_;  ///< with the contact that stages of the group allow, where its line
+                             ///< begins
+  std::vector<std::pair<int, CheckedWorldPtr>> before_line_;  ///< stages between move and line
+  Configuration near_;
+  int count_ = 0;
+  std::string link_;                   ///< of the anchor's poses
+  std::vector<Transform> targets_;     ///< per alternative that is a pose
+  std::vector<std::uint8_t> is_left_;  ///< per alternative: 0 once dropped
+  std::vector<std::pair<int, std::optional<Configuration>>> order_;
+  std::size_t position_ = 0;
+  std::optional<FloatingBody> hand_, object_;
+  std::optional<LookAhead> ahead_;
+  std::deque<Candidate> found_;
+};
+
+}  // namespace mneme::internal

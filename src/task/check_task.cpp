@@ -1,0 +1,243 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/task.h"
+
+#include "base/as_index.h"
+#include "base/fail.h"
+#include "task/groups.h"
+#include "task/world.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace mneme {
+namespace internal {
+namespace {
+
+/// Follows which objects are held, stage by stage.
+class TaskCheck {
+ public:
+  explicit TaskCheck(const Task& task) : task_(task) {
+    for (const Obstacle& obstacle : task.scene.obstacles) free_.insert(obstacle.name);
+    for (const ApproximatedObject& each : task.robot.attached()) {
+      held_.emplace(each.object.name, each.object.link);
+    }
+    for (const Link& link : task.robot.without_attached().links()) links_.insert(link.name);
+  }
+
+  Result<void> check() {
+    if (task_.stages.empty()) {
+      return fail(ErrorCode::invalid, "task '{}' has no stages; expected at least one", task_.name);
+    }
+    if (const auto violation = task_.robot.describe_violation(task_.start, "start")) {
+      return fail(ErrorCode::invalid, *violation);
+    }
+    for (std::size_t i = 0; i < task_.stages.size(); ++i) {
+      const Result<void> checked = check_stage(task_.stages[i]);
+      if (checked) continue;
+      return fail(checked.error().code, "stage '{}': {}", stage_name(task_, static_cast<int>(i)),
+                  checked.error().message);
+    }
+    return {};
+  }
+
+ private:
+  Result<void> check_stage(const Stage& stage) {
+    if (!(stage.speed > 0 && stage.speed <= 1)) {
+      return fail(ErrorCode::invalid, "its speed is {}, expected more than 0 and at most 1",
+                  stage.speed);
+    }
+    switch (stage.kind) {
+      case StageKind::move:
+        return check_move(stage);
+      case StageKind::line:
+        return check_line(stage);
+      case StageKind::attach:
+        return check_attach(stage);
+      case StageKind::detach:
+        return check_detach(stage);
+      case StageKind::allow:
+        return check_allow(stage);
+      case StageKind::gripper:
+        return with_joint_values(task_.robot, stage.values).map([](const Robot&) {});
+    }
+    return {};
+  }
+
+  Result<void> check_link(const std::string& link, std::string_view what) const {
+    if (links_.contains(link)) return {};
+    return fail(ErrorCode::invalid, "expected a link of robot {} as {}, got '{}'{}",
+                task_.robot.name(), what, link, did_you_mean(link, names(links_)));
+  }
+
+  static std::vector<std::string> names(const std::set<std::string>& all) {
+    return {all.begin(), all.end()};
+  }
+
+  Result<void> check_move(const Stage& stage) const {
+    for (const Configuration& q : stage.configurations) {
+      if (const auto violation = task_.robot.describe_violation(q, "its goal")) {
+        return fail(ErrorCode::invalid, *violation);
+      }
+    }
+    for (const PoseGoal& region : stage.regions) {
+      if (const auto fault = describe_fault(task_.robot, region)) {
+        return fail(ErrorCode::invalid, *fault);
+      }
+    }
+    for (const OrientationConstraint& constraint : stage.constraints) {
+      if (const auto fault = describe_fault(task_.robot, constraint)) {
+        return fail(ErrorCode::invalid, *fault);
+      }
+    }
+    return check_poses(stage.poses);
+  }
+
+  Result<void> check_poses(const PoseChoice& choice) const {
+    if (choice.poses.empty()) return {};
+    MNEME_TRY(check_link(choice.link, "the link to bring to its poses"));
+    const std::string& frame = choice.frame;
+    if (!frame.empty() && !links_.contains(frame) && !free_.contains(frame)) {
+      std::vector<std::string> known = names(links_);
+      known.insert(known.end(), free_.begin(), free_.end());
+      return fail(ErrorCode::invalid, "expected a link or an obstacle as frame, got '{}'{}{}",
+                  frame, held_.contains(frame) ? ", which is held" : "",
+                  did_you_mean(frame, known));
+    }
+    for (const Transform& pose : choice.poses) {
+      const Eigen::Matrix3d& R = pose.rotation;
+      const bool is_rotation = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < 1e-6;
+      if (pose.translation.allFinite() && is_rotation) continue;
+      return fail(ErrorCode::invalid, "one of its poses is no rotation and position");
+    }
+    if (choice.object.empty()) return {};
+    const auto held = held_.find(choice.object);
+    if (held == held_.end()) {
+      return fail(ErrorCode::invalid,
+                  "expected a held object, got '{}'; an attach stage must come first",
+                  choice.object);
+    }
+    if (held->second == choice.link) return {};
+    return fail(ErrorCode::invalid, "object '{}' is held by link '{}', not '{}'", choice.object,
+                held->second, choice.link);
+  }
+
+  Result<void> check_line(const Stage& stage) const {
+    MNEME_TRY(check_poses(stage.poses));
+    if (stage.poses.poses.empty()) MNEME_TRY(check_link(stage.link, "the link of a line"));
+    if (!stage.along.empty()) MNEME_TRY(check_link(stage.along, "the frame of its direction"));
+    const bool has_direction = stage.direction.norm() > 0;
+    if (!has_direction && stage.poses.poses.empty()) {
+      return fail(ErrorCode::invalid,
+                  "the line leads nowhere; expected a direction and a distance, or poses");
+    }
+    if (has_direction && !(std::abs(stage.direction.norm() - 1) < 1e-6)) {
+      return fail(ErrorCode::invalid, "its direction is no unit vector");
+    }
+    if (has_direction && !(stage.distance > 0 && std::isfinite(stage.distance))) {
+      return fail(ErrorCode::invalid, "its distance is {} m, expected more than 0", stage.distance);
+    }
+    return {};
+  }
+
+  Result<void> check_attach(const Stage& stage) {
+    MNEME_TRY(check_link(stage.carrier, "the link that takes an object"));
+    for (const std::string& link : stage.may_touch)
+      MNEME_TRY(check_link(link, "a link that may touch"));
+    if (held_.contains(stage.object)) {
+      return fail(ErrorCode::invalid, "object '{}' is held by link '{}' already; detach it first",
+                  stage.object, held_.at(stage.object));
+    }
+    if (!free_.contains(stage.object)) {
+      return fail(ErrorCode::invalid, "expected an obstacle of the scene to attach, got '{}'{}",
+                  stage.object, did_you_mean(stage.object, names(free_)));
+    }
+    free_.erase(stage.object);
+    held_.emplace(stage.object, stage.carrier);
+    return {};
+  }
+
+  Result<void> check_detach(const Stage& stage) {
+    if (held_.erase(stage.object) == 0) {
+      std::string held;
+      for (const auto& [name, link] : held_)
+        held += fmt::format("{}'{}'", held.empty() ? "" : ", ", name);
+      return fail(ErrorCode::invalid, "expected a held object to detach, got '{}'; held is {}",
+                  stage.object, held.empty() ? "nothing" : held);
+    }
+    free_.insert(stage.object);
+    return {};
+  }
+
+  Result<void> check_allow(const Stage& stage) const {
+    for (const auto& [first, second] : stage.pairs) {
+      const bool fits = (free_.contains(second) && is_carried(first)) ||
+                        (free_.contains(first) && is_carried(second));
+      if (fits) continue;
+      return fail(ErrorCode::invalid,
+                  "expected a pair of an obstacle and a link or held object, got '{}' and '{}'",
+                  first, second);
+    }
+    return {};
+  }
+
+  [[nodiscard]] bool is_carried(const std::string& name) const {
+    return links_.contains(name) || held_.contains(name);
+  }
+
+  const Task& task_;
+  std::set<std::string> links_, free_;
+  std::map<std::string, std::string> held_;  ///< object to link
+};
+
+}  // namespace
+}  // namespace internal
+
+Result<void> check_task(const Task& task) {
+  MNEME_TRY(internal::TaskCheck(task).check());
+  return internal::make_groups(task).map([](const auto&) {});
+}
+
+std::string_view to_string(StageKind kind) {
+  switch (kind) {
+    case StageKind::move:
+      return "move";
+    case StageKind::line:
+      return "line";
+    case StageKind::attach:
+      return "attach";
+    case StageKind::detach:
+      return "detach";
+    case StageKind::allow:
+      return "allow";
+    case StageKind::gripper:
+      return "gripper";
+  }
+  return "";
+}
+
+std::string_view to_string(DropReason reason) {
+  switch (reason) {
+    case DropReason::reach:
+      return "out of reach";
+    case DropReason::kinematics:
+      return "no inverse kinematics";
+    case DropReason::contact:
+      return "contact";
+    case DropReason::line:
+      return "no straight line";
+    case DropReason::attach:
+      return "not at the object";
+    case DropReason::path:
+      return "no path";
+  }
+  return "";
+}
+
+}  // namespace mneme

@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "task/floating_body.h"
+
+#include "mneme/spheres.h"
+
+#include "base/as_index.h"
+#include "robot/kinematics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+/// Farther than any pose of an arm, metres.
+constexpr double kFarthestPose = 20;
+
+Joint joint_along(int axis, JointType type, int number) {
+  Joint joint;
+  joint.name = fmt::format("floating_{}", number);
+  joint.type = type;
+  joint.parent_link = number;
+  joint.child_link = number + 1;
+  joint.axis = Vec3::Unit(axis);
+  joint.upper = type == JointType::prismatic ? kFarthestPose : 2 * std::numbers::pi;
+  joint.lower = -joint.upper;
+  return joint;
+}
+
+/// x, y, z, yaw, pitch, roll: six joints that reach any pose.
+std::array<float, 6> floating_values(const Transform& pose) {
+  const Eigen::Matrix3d& R = pose.rotation;
+  const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
+  // At the poles yaw alone turns.
+  const bool is_pole = std::hypot(R(0, 0), R(1, 0)) < 1e-9;
+  const double yaw = is_pole ? std::atan2(-R(0, 1), R(1, 1)) : std::atan2(R(1, 0), R(0, 0));
+  const double roll = is_pole ? 0 : std::atan2(R(2, 1), R(2, 2));
+  const Vec3& p = pose.translation;
+  return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()),
+          static_cast<float>(yaw),   static_cast<float>(pitch), static_cast<float>(roll)};
+}
+
+Link moved_link(const Link& link, const Transform& X) {
+  Link moved_one{link.name, -1, link.spheres, link.capsules, {}, std::nullopt};
+  for (Sphere& sphere : moved_one.spheres) sphere.center = X * sphere.center;
+  for (Capsule& capsule : moved_one.capsules) capsule = moved(capsule, X);
+  return moved_one;
+}
+
+}  // namespace
+
+std::optional<FloatingBody> FloatingBody::make(std::vector<Link> links, Scene scene, Isa isa) {
+  std::erase_if(links, [](const Link& link) { return !has_shapes(link); });
+  if (links.empty()) return std::nullopt;
+  Robot::Parts parts;
+  parts.name = "floating";
+  parts.allowed_pairs.emplace();
+  for (int i = 0; i <= 6; ++i) {
+    parts.links.push_back({fmt::format("floating_link_{}", i), i - 1, {}, {}, {}, {}});
+  }
+  for (int i = 0; i < 3; ++i) parts.joints.push_back(joint_along(i, JointType::prismatic, i));
+  for (int i = 0; i < 3; ++i)
+    parts.joints.push_back(joint_along(2 - i, JointType::revolute, 3 + i));
+  for (Link& link : links) {
+    Joint joint;
+    joint.name = "to_" + link.name;
+    joint.parent_link = 6;
+    joint.child_link = static_cast<int>(parts.links.size());
+    link.parent_joint = static_cast<int>(parts.joints.size());
+    parts.joints.push_back(std::move(joint));
+    parts.links.push_back(std::move(link));
+  }
+  const auto robot = make_robot(std::move(parts));
+  if (!robot) return std::nullopt;
+  scene.exact_pairs.clear();
+  for (Obstacle& obstacle : scene.obstacles) {
+    obstacle.exact_links.clear();
+    std::erase_if(obstacle.may_touch,
+                  [&](const std::string& name) { return !robot->find_link(name); });
+  }
+  CheckerSettings settings;
+  settings.isa = isa;
+  auto checker = CollisionChecker::make(*robot, scene, settings);
+  if (!checker) return std::nullopt;
+  return FloatingBody(*std::move(checker));
+}
+
+std::optional<FloatingBody> FloatingBody::of_link(const World& world, const std::string& link,
+                                                  Isa isa) {
+  const Robot bare = world.robot.without_attached();
+  const int tip = *bare.find_link(link);
+  const Configuration middle = bare.normalized(Configuration(as_index(bare.joint_count()), 0.0));
+  const std::vector<Transform> poses = bare.link_poses(middle);
+  std::vector<Link> links;
+  for (const int i : rigid_with(bare, tip)) {
+    links.push_back(
+        moved_link(bare.links()[as_index(i)], poses[as_index(tip)].inverse() * poses[as_index(i)]));
+  }
+  return make(std::move(links), world.scene, isa);
+}
+
+std::optional<FloatingBody> FloatingBody::of_object(const World& world, const std::string& object,
+                                                    Isa isa) {
+  const Transform X_OL = world.held.at(object).X_LO.inverse();
+  std::vector<Link> links;
+  for (const ApproximatedObject& each : world.robot.attached()) {
+    if (each.object.name != object) continue;
+    links.push_back(moved_link({object, -1, each.spheres, each.capsules, {}, {}}, X_OL));
+  }
+  return make(std::move(links), world.scene, isa);
+}
+
+std::optional<FloatingBody> FloatingBody::of_obstacle(const World& world, const std::string& name,
+                                                      Isa isa) {
+  const Transform X_OW = world.poses.at(name).inverse();
+  AttachedObject object{name, "", {}};
+  for (const Shape& shape : world.scene.find(name)->shapes) {
+    object.shapes.push_back(transformed(X_OW, shape));
+  }
+  const auto spheres = approximate_object(std::move(object));
+  Scene scene = world.scene;
+  if (!spheres || !scene.remove(name)) return std::nullopt;
+  return make({{name, -1, spheres->spheres, spheres->capsules, {}, {}}}, std::move(scene), isa);
+}
+
+std::vector<std::uint8_t> FloatingBody::find_free(const std::vector<Transform>& poses,
+                                                  double depth) const {
+  std::vector<float> rows;
+  rows.reserve(6 * poses.size());
+  for (const Transform& pose : poses) {
+    const std::array<float, 6> values = floating_values(pose);
+    rows.insert(rows.end(), values.begin(), values.end());
+  }
+  std::vector<std::uint8_t> is_free(poses.size(), 1);
+  if (!poses.empty()) checker_.check_states(rows, is_free, -depth);
+  return is_free;
+}
+
+std::string FloatingBody::describe_contact(const Transform& pose) const {
+  const std::array<float, 6> values = floating_values(pose);
+  const std::vector<Contact> contacts =
+      checker_.contacts(Configuration(values.begin(), values.end()));
+  if (contacts.empty()) return "";
+  const Contact& deepest = *std::ranges::min_element(contacts, {}, &Contact::distance);
+  return fmt::format("'{}' with '{}'", deepest.link, deepest.other);
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Straight lines of a stage, which may begin or end in contact of a held object.
+#pragma once
+
+#include "mneme/collision.h"
+
+#include "task/world.h"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace mneme::internal {
+
+/// A world with its checker. Immutable.
+struct CheckedWorld {
+  World world;
+  CollisionChecker checker;  ///< its scene may have more exact pairs than the world's
+};
+using CheckedWorldPtr = std::shared_ptr<const CheckedWorld>;
+
+/// What every step of a search over alternatives needs.
+struct TaskRun {
+  const Task& task;
+  const TaskSettings& settings;
+  std::vector<Transform> start_poses = {};  ///< of links at the task's start
+  Stopwatch stopwatch = {};
+  std::uint64_t states = 0;  ///< checked so far, without moves
+
+  [[nodiscard]] CheckerSettings checker_settings() const {
+    return {settings.solve.resolution, settings.solve.margin, settings.solve.isa, {}};
+  }
+  [[nodiscard]] bool is_cancelled() const;
+  [[nodiscard]] bool is_over() const;
+  [[nodiscard]] double remaining_s() const;
+};
+
+[[nodiscard]] Result<CheckedWorldPtr> check_world(World world, const TaskRun& run);
+
+/// Why an alternative fails at a stage.
+struct Failure {
+  DropReason reason = DropReason::contact;
+  std::string what = {};
+};
+
+/// The line of a link from `q` to `X_WL`.
+struct LineTask {
+  std::string link;
+  Configuration q;
+  Transform X_WL;        ///< pose of the link at the other end
+  bool is_start = true;  ///< false: the path will be reversed, `q` is where it ends
+};
+
+struct FollowedLine {
+  CheckedWorldPtr world;  ///< as checked
+  Path path;              ///< from `q` on, or up to `q` unless LineTask::is_start
+};
+/// Returns the path of the line, proven free, or why there is none. If a held object touches
+/// something at `q`, the first motion from there leaves the contact within allow-at-ends.
+[[nodiscard]] tl::expected<FollowedLine, Failure> follow_line(TaskRun& run,
+                                                              const CheckedWorldPtr& world,
+                                                              const LineTask& line);
+
+/// Returns "'panda_hand' with 'shelf'", the deepest contact at `q`.
+[[nodiscard]] std::string describe_contact(const CollisionChecker& checker, const Configuration& q);
+
+}  // namespace mneme::internal

@@ -1,0 +1,394 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+// Depth first over groups of stages: the next candidate of each group by cheap tests, then the
+// moves between them, then back to the group whose move failed.
+#include "mneme/task.h"
+
+#include "base/as_index.h"
+#include "base/check_ranges.h"
+#include "base/fail.h"
+#include "task/alternatives.h"
+#include "task/task_memory.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace mneme {
+namespace {
+
+using namespace internal;
+
+/// Factor on the iteration limit of paths from one round to the next.
+constexpr std::uint64_t kIterationGrowth = 8;
+
+/// A path to a candidate.
+struct Entry {
+  std::shared_ptr<const Problem> problem;
+  Path path;
+  std::uint64_t states = 0;
+};
+
+/// A group on the way from the first to the last.
+struct Level {
+  std::unique_ptr<Alternatives> alternatives;
+  std::optional<Candidate> candidate;
+  std::optional<Entry> entry;  ///< to the candidate, once it is planned
+  int failures = 0;
+};
+
+/// A complete choice with all of its paths.
+struct TaskPlan {
+  std::vector<Candidate> candidates;
+  std::vector<Entry> entries;
+  double duration_s = std::numeric_limits<double>::infinity();
+};
+
+class TaskSearch {
+ public:
+  TaskSearch(const Task& task, Database* database, const TaskSettings& settings,
+             std::vector<Group> groups)
+      : run_{task, settings, task.robot.link_poses(task.start)},
+        database_(database),
+        groups_(std::move(groups)),
+        drops_(task.stages.size()),
+        memory_(task, groups_, database) {}
+
+  Result<TaskResult> solve();
+
+ private:
+  /// How a round of the search ends.
+  enum class End { plan, exhausted, no_paths, over };
+
+  Result<End> search();
+  bool push_level();
+  bool advance();
+  Result<bool> plan_moves();
+  Result<bool> plan_move(std::size_t level);
+  Problem problem_of(std::size_t level) const;
+  [[nodiscard]] double bound() const;
+  void keep_plan();
+  void improve_until_over();
+  void describe_stages(TaskResult& result) const;
+  void add_stages(TaskResult& result) const;
+  [[nodiscard]] std::string describe_failure() const;
+  [[nodiscard]] int count_of(int stage) const;
+  [[nodiscard]] const CheckedWorldPtr& world_before(std::size_t level) const;
+  [[nodiscard]] const Configuration& end_before(std::size_t level) const;
+
+  TaskRun run_;
+  Database* database_;
+  std::vector<Group> groups_;
+  DropCounts drops_;
+  TaskMemory memory_;
+  CheckedWorldPtr first_world_;
+  std::vector<Level> levels_;
+  std::optional<TaskPlan> best_;
+  std::uint64_t iterations_ = 0, move_states_ = 0;
+  bool has_failed_paths_ = false;
+  std::size_t deepest_ = 0;  ///< deepest group that was tried
+  int plans_ = 0;
+};
+
+const CheckedWorldPtr& TaskSearch::world_before(std::size_t level) const {
+  return level == 0 ? first_world_ : levels_[level - 1].candidate->after;
+}
+const Configuration& TaskSearch::end_before(std::size_t level) const {
+  return level == 0 ? run_.task.start : levels_[level - 1].candidate->end;
+}
+
+bool TaskSearch::push_level() {
+  const std::size_t level = levels_.size();
+  deepest_ = std::max(deepest_, level);
+  const Group* next = level + 1 < groups_.size() ? &groups_[level + 1] : nullptr;
+  const auto rank = [&, level](const World& world, const std::vector<Transform>& targets,
+                               std::size_t first, const std::string& link) {
+    return memory_.rank(level, world, targets, first, link);
+  };
+  Level pushed;
+  pushed.alternatives = std::make_unique<Alternatives>(
+      run_, drops_, groups_[level], next, world_before(level), end_before(level), rank);
+  levels_.push_back(std::move(pushed));
+  return true;
+}
+
+/// Takes the next candidate of the last level, or drops levels until one has a next. Returns false
+/// once none is left.
+bool TaskSearch::advance() {
+  while (!levels_.empty() && !run_.is_over()) {
+    Level& last = levels_.back();
+    last.entry.reset();
+    last.candidate = last.alternatives->next();
+    if (last.candidate && (!best_ || bound() < best_->duration_s)) return true;
+    if (!last.candidate) levels_.pop_back();
+  }
+  return false;
+}
+
+/// Seconds that any plan through the present candidates takes at least.
+double TaskSearch::bound() const {
+  double time_s = 0;
+  for (std::size_t i = 0; i < levels_.size(); ++i) {
+    const Level& level = levels_[i];
+    if (!level.candidate) break;
+    time_s += level.candidate->time_s;
+    if (!groups_[i].move) continue;
+    const Path straight{end_before(i), level.candidate->begin};
+    const Path& path = level.entry ? level.entry->path : straight;
+    time_s += path_time(run_.task.robot, path) / run_.task.stages[as_index(*groups_[i].move)].speed;
+  }
+  return time_s;
+}
+
+Result<TaskSearch::End> TaskSearch::search() {
+  while (!run_.is_over()) {
+    if (levels_.size() < groups_.size()) {
+      push_level();
+      if (!advance()) break;
+      continue;
+    }
+    if (MNEME_TRY(plan_moves())) {
+      keep_plan();
+      return End::plan;
+    }
+    if (!advance()) break;
+  }
+  if (run_.is_over()) return End::over;
+  return has_failed_paths_ ? End::no_paths : End::exhausted;
+}
+
+/// Plans the moves of the complete choice from the first on. Returns false if one fails: its level
+/// is then the last one.
+Result<bool> TaskSearch::plan_moves() {
+  for (std::size_t i = 0; i < levels_.size(); ++i) {
+    if (levels_[i].entry) continue;
+    if (MNEME_TRY(plan_move(i))) {
+      if (!best_ || bound() < best_->duration_s) continue;
+      levels_.resize(i + 1);
+      return false;
+    }
+    has_failed_paths_ = true;
+    levels_.resize(i + 1);
+    if (++levels_[i].failures >= run_.settings.siblings && i > 0) levels_.resize(i);
+    return false;
+  }
+  return true;
+}
+
+Problem TaskSearch::problem_of(std::size_t level) const {
+  const Task& task = run_.task;
+  const CheckedWorldPtr& world = world_before(level);
+  Problem problem{task.name,
+                  world->world.robot,
+                  task.robot_path,
+                  world->checker.scene(),
+                  end_before(level),
+                  {levels_[level].candidate->begin},
+                  {}};
+  problem.constraints = task.constraints;
+  if (groups_[level].move) {
+    const Stage& stage = task.stages[as_index(*groups_[level].move)];
+    problem.constraints.insert(problem.constraints.end(), stage.constraints.begin(),
+                               stage.constraints.end());
+  }
+  return problem;
+}
+
+Result<bool> TaskSearch::plan_move(std::size_t level) {
+  Entry entry;
+  if (!groups_[level].move) {
+    levels_[level].entry = std::move(entry);
+    return true;
+  }
+  auto problem = std::make_shared<const Problem>(problem_of(level));
+  SolveSettings settings = run_.settings.solve;
+  settings.plan.timeout_s = run_.remaining_s();
+  settings.plan.max_iterations =
+      std::min(iterations_, settings.plan.max_iterations.value_or(iterations_));
+  settings.plan.improve = 0;
+  settings.plan.improve_rounds.reset();
+  SolveResult solved = MNEME_TRY(mneme::solve(*problem, database_, settings));
+  move_states_ += solved.plan.states_checked;
+  if (!solved.plan.is_solved()) {
+    drops_.add(*groups_[level].move, {DropReason::path, solved.plan.message});
+    return false;
+  }
+  entry.problem = std::move(problem);
+  entry.path = std::move(solved.plan.path);
+  entry.path.back() = run_.task.robot.turned_near(entry.problem->goals.front(), entry.path.back());
+  entry.states = solved.plan.states_checked;
+  levels_[level].entry = std::move(entry);
+  return true;
+}
+
+void TaskSearch::keep_plan() {
+  ++plans_;
+  TaskPlan plan;
+  plan.duration_s = bound();
+  for (const Level& level : levels_) {
+    plan.candidates.push_back(*level.candidate);
+    plan.entries.push_back(*level.entry);
+  }
+  if (!best_ || plan.duration_s < best_->duration_s) best_ = std::move(plan);
+}
+
+void TaskSearch::improve_until_over() {
+  const Stopwatch improving;
+  const int most = run_.settings.improve_plans.value_or(std::numeric_limits<int>::max());
+  while (improving.elapsed_s() < run_.settings.improve && plans_ < most && advance()) {
+    const Result<End> end = search();
+    if (!end || *end != End::plan) break;
+  }
+}
+
+int TaskSearch::count_of(int stage) const {
+  const Stage& at = run_.task.stages[as_index(stage)];
+  const std::size_t all = at.configurations.size() + at.regions.size() + at.poses.poses.size();
+  return static_cast<int>(all);
+}
+
+/// The deepest stage at which something was dropped, with its reasons.
+std::string TaskSearch::describe_failure() const {
+  const Group& group = groups_[deepest_];
+  std::vector<int> stages = group.local;
+  if (group.move) stages.insert(stages.begin(), *group.move);
+  std::string text;
+  for (const int stage : stages) {
+    const std::vector<Dropped> all = drops_.of_stage(stage);
+    if (all.empty()) continue;
+    text += fmt::format("{}stage '{}'", text.empty() ? "" : "; ", stage_name(run_.task, stage));
+    if (const int count = count_of(stage); count > 1)
+      text += fmt::format(" of {} alternatives", count);
+    std::string reasons;
+    for (const Dropped& dropped : all) {
+      reasons += reasons.empty() ? ": " : ", ";
+      if (dropped.count > 1) reasons += fmt::format("{} times ", dropped.count);
+      reasons += to_string(dropped.reason);
+      if (!dropped.what.empty()) reasons += fmt::format(" ({})", dropped.what);
+    }
+    text += reasons;
+  }
+  return text.empty() ? "no alternative is left" : text;
+}
+
+void TaskSearch::describe_stages(TaskResult& result) const {
+  for (int i = 0; i < static_cast<int>(run_.task.stages.size()); ++i) {
+    if (!drops_.has_any(i)) continue;
+    StageResult stage;
+    stage.name = stage_name(run_.task, i);
+    stage.kind = run_.task.stages[as_index(i)].kind;
+    stage.alternatives = count_of(i);
+    stage.dropped = drops_.of_stage(i);
+    result.stages.push_back(std::move(stage));
+  }
+}
+
+void TaskSearch::add_stages(TaskResult& result) const {
+  const Task& task = run_.task;
+  const auto describe = [&](int i, int alternative) {
+    StageResult stage;
+    stage.name = stage_name(task, i);
+    stage.kind = task.stages[as_index(i)].kind;
+    stage.alternatives = count_of(i);
+    stage.alternative = alternative;
+    stage.dropped = drops_.of_stage(i);
+    return stage;
+  };
+  const auto add = [&](StageResult stage, int i) {
+    stage.time_s = path_time(task.robot, stage.path) / task.stages[as_index(i)].speed;
+    // Continuous joints do not jump between stages.
+    if (!result.stages.empty()) {
+      stage.path = unwrapped(task.robot, std::move(stage.path), result.stages.back().path.back());
+    }
+    result.stages.push_back(std::move(stage));
+  };
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    const Candidate& candidate = best_->candidates[k];
+    const Group& group = groups_[k];
+    if (group.move) {
+      StageResult move = describe(*group.move, group.is_line_anchor ? -1 : candidate.alternative);
+      move.world = best_->entries[k].problem;
+      move.path = best_->entries[k].path;
+      move.states_checked = best_->entries[k].states;
+      add(std::move(move), *group.move);
+    }
+    for (const LocalStage& local : candidate.stages) {
+      const bool is_anchor = group.is_line_anchor && local.stage == *group.anchor;
+      StageResult stage =
+          describe(local.stage, is_anchor ? candidate.alternative : local.alternative);
+      const World& world = local.world->world;
+      stage.path = local.path;
+      stage.world = std::make_shared<const Problem>(Problem{task.name,
+                                                            world.robot,
+                                                            task.robot_path,
+                                                            local.world->checker.scene(),
+                                                            stage.path.front(),
+                                                            {stage.path.back()},
+                                                            {}});
+      add(std::move(stage), local.stage);
+    }
+  }
+}
+
+Result<TaskResult> TaskSearch::solve() {
+  TaskResult result;
+  first_world_ = MNEME_TRY(check_world(first_world(run_.task), run_));
+  result.remembered_rows = memory_.rows();
+  End end = End::over;
+  for (iterations_ = run_.settings.first_iterations;; iterations_ *= kIterationGrowth) {
+    drops_ = DropCounts(run_.task.stages.size());
+    levels_.clear();
+    has_failed_paths_ = false;
+    end = MNEME_TRY(search());
+    const std::uint64_t most = run_.settings.solve.plan.max_iterations.value_or(
+        std::numeric_limits<std::uint64_t>::max() / kIterationGrowth);
+    if (end != End::no_paths || iterations_ >= most) break;
+  }
+  if (best_) {
+    result.status = PlanStatus::solved;
+    result.first_plan_time_s = run_.stopwatch.elapsed_s();
+    result.first_duration_s = best_->duration_s;
+    if (run_.settings.improve > 0) improve_until_over();
+    result.duration_s = best_->duration_s;
+    add_stages(result);
+    if (run_.settings.solve.remember_after) {
+      std::vector<Configuration> anchors;
+      for (const Candidate& candidate : best_->candidates) anchors.push_back(candidate.anchor);
+      if (const auto stored = memory_.remember(anchors, run_.task.name); !stored) {
+        result.notes.push_back("the choices were not remembered: " + stored.error().message);
+      }
+    }
+  } else {
+    result.message = describe_failure();
+    result.status = PlanStatus::invalid_goal;
+    if (run_.is_cancelled()) {
+      result.status = PlanStatus::cancelled;
+      result.message = "cancelled";
+    } else if (end == End::over) {
+      result.status = PlanStatus::timeout;
+      result.message = "no plan within the time limit; so far " + result.message;
+    } else if (end == End::no_paths) {
+      result.status = PlanStatus::iteration_limit;
+    }
+    describe_stages(result);
+  }
+  result.plans = plans_;
+  result.states_checked = run_.states + move_states_;
+  result.total_time_s = run_.stopwatch.elapsed_s();
+  return result;
+}
+
+}  // namespace
+
+Result<TaskResult> solve_task(const Task& task, Database* database, const TaskSettings& settings) {
+  MNEME_TRY(internal::check_ranges(settings));
+  MNEME_TRY(check_settings(settings.solve));
+  MNEME_TRY(check_task(task));
+  return TaskSearch(task, database, settings, MNEME_TRY(internal::make_groups(task))).solve();
+}
+
+}  // namespace mneme

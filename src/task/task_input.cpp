@@ -1,0 +1,293 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/goal.h"
+#include "mneme/task.h"
+
+#include "base/files.h"
+#include "problem/problem_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <utility>
+
+namespace mneme {
+namespace internal {
+namespace {
+
+/// Bounds the memory for alternatives.
+constexpr std::size_t kMostPoses = 100'000;
+
+Transform read_pose(const Input& input) {
+  Transform pose;
+  if (const auto position = input.find("position")) pose.translation = read_point(*position);
+  if (const auto quaternion = input.find("quat_xyzw")) {
+    pose.rotation = read_rotation(*quaternion, false);
+  }
+  return pose;
+}
+
+/// The transforms of an item of `vary`: turns about an axis, or shifts along it.
+std::vector<Transform> read_variation(const Input& input) {
+  input.allow_keys({"turn", "shift", "from", "to", "count"});
+  const auto turn = input.find("turn"), shift = input.find("shift");
+  if (turn.has_value() == shift.has_value()) {
+    input.fail(ErrorCode::parse, "expected one of the keys turn and shift");
+  }
+  const Input named = turn ? *turn : *shift;
+  const auto axis = parse_axis(named.is_text() ? named.text() : "");
+  if (!axis) named.fail_expecting("x, y or z");
+  const auto count = input.at("count").whole_number();
+  if (!count || *count < 1 || *count > kMostPoses) {
+    input.at("count").fail_expecting("a whole number from 1 to {}", kMostPoses);
+  }
+  const double from = input.at("from").finite_number(), to = input.at("to").finite_number();
+  std::vector<Transform> all;
+  for (std::uint64_t i = 0; i < *count; ++i) {
+    const double share = *count == 1 ? 0 : static_cast<double>(i) / static_cast<double>(*count - 1);
+    const double value = from + share * (to - from);
+    Transform one;
+    const Vec3 unit = Vec3::Unit(static_cast<int>(*axis));
+    if (turn) one.rotation = rotation_about(unit, value);
+    if (shift) one.translation = value * unit;
+    all.push_back(one);
+  }
+  return all;
+}
+
+class StageReader {
+ public:
+  StageReader(const Robot& robot, const Transform& X_RF) : robot_(robot), X_RF_(X_RF) {
+    const std::vector<std::string> tips = find_tips(robot.without_attached());
+    if (tips.size() == 1) tip_ = tips.front();
+  }
+
+  Stage read(const Input& input) {
+    input.allow_keys(
+        {"name", "speed", "constraints", "move", "line", "attach", "detach", "allow", "gripper"});
+    Stage stage;
+    stage.name = input.text_or("name", "");
+    if (const auto speed = input.find("speed")) stage.speed = speed->positive_number();
+    std::optional<Input> found;
+    constexpr std::array kKinds = {StageKind::move,   StageKind::line,  StageKind::attach,
+                                   StageKind::detach, StageKind::allow, StageKind::gripper};
+    for (const StageKind kind : kKinds) {
+      const auto value = input.find(to_string(kind));
+      if (!value) continue;
+      if (found)
+        input.fail(ErrorCode::parse, "expected one kind of stage, got {} and {}",
+                   to_string(stage.kind), to_string(kind));
+      found = value;
+      stage.kind = kind;
+    }
+    if (!found) {
+      input.fail(ErrorCode::parse,
+                 "expected one of the keys move, line, attach, detach, allow and gripper");
+    }
+    read_kind(*found, stage);
+    read_stage_constraints(input, stage);
+    return stage;
+  }
+
+ private:
+  void read_kind(const Input& input, Stage& stage) {
+    switch (stage.kind) {
+      case StageKind::move:
+        return read_move(input, stage);
+      case StageKind::line:
+        return read_line(input, stage);
+      case StageKind::attach:
+        return read_attach(input, stage);
+      case StageKind::detach:
+        stage.object = input.text();
+        carriers_.erase(stage.object);
+        return;
+      case StageKind::allow:
+        for (const Input& pair : input.items()) stage.pairs.push_back(read_name_pair(pair));
+        return;
+      case StageKind::gripper:
+        for (const auto& [name, value] : input.entries())
+          stage.values[name] = value.finite_number();
+        return;
+    }
+  }
+
+  void read_stage_constraints(const Input& input, Stage& stage) {
+    if (!input.find("constraints")) return;
+    Problem scratch{"", robot_, "", {}, {}, {}, {}};
+    read_constraints(input, X_RF_, scratch);
+    stage.constraints = std::move(scratch.constraints);
+  }
+
+  std::string read_link(const Input& input) {
+    if (const auto link = input.find("link")) return link->text();
+    if (tip_.empty())
+      input.fail(ErrorCode::parse, "expected the key link: the group has no single tip");
+    return tip_;
+  }
+
+  void read_move(const Input& input, Stage& stage) {
+    if (input.is_text() && input.text() == "next") return;
+    if (input.is_map() && input.find("to")) {
+      input.allow_keys({"link", "to"});
+      stage.poses = read_choice(input.at("to"), read_link(input));
+      return;
+    }
+    if (input.is_map() && input.find("any")) {
+      input.allow_keys({"any"});
+      for (const Input& goal : input.items("any")) read_one_goal(goal, stage);
+      return;
+    }
+    read_one_goal(input, stage);
+  }
+
+  void read_one_goal(const Input& input, Stage& stage) {
+    Problem scratch{
+        "", robot_, "", {}, Configuration(static_cast<std::size_t>(robot_.joint_count())), {}, {}};
+    read_goal(input, X_RF_, scratch);
+    for (Configuration& q : scratch.goals) stage.configurations.push_back(std::move(q));
+    for (PoseGoal& goal : scratch.pose_goals) stage.regions.push_back(std::move(goal));
+  }
+
+  void read_line(const Input& input, Stage& stage) {
+    input.allow_keys({"link", "direction", "along", "distance", "to"});
+    stage.link = read_link(input);
+    stage.along = input.text_or("along", "");
+    if (const auto direction = input.find("direction")) {
+      const Vec3 vector = read_point(*direction);
+      if (!(vector.norm() > 1e-9)) direction->fail_expecting("a direction of some length");
+      stage.direction = vector.normalized();
+      if (stage.along.empty()) stage.direction = X_RF_.rotation * stage.direction;
+      stage.distance = input.at("distance").positive_number();
+    } else if (const auto distance = input.find("distance")) {
+      distance->fail(ErrorCode::parse, "expected the key direction, too");
+    }
+    if (const auto to = input.find("to")) stage.poses = read_choice(*to, stage.link);
+  }
+
+  void read_attach(const Input& input, Stage& stage) {
+    if (input.is_text()) {
+      stage.object = input.text();
+      if (tip_.empty())
+        input.fail_expecting("a map with the keys object and link: the group has no single tip");
+      stage.carrier = tip_;
+    } else {
+      input.allow_keys({"object", "link", "touch"});
+      stage.object = input.at("object").text();
+      stage.carrier = read_link(input);
+      for (const Input& name : input.items("touch")) stage.may_touch.push_back(name.text());
+    }
+    carriers_[stage.object] = stage.carrier;
+  }
+
+  PoseChoice read_choice(const Input& input, const std::string& link) {
+    input.allow_keys({"frame", "object", "position", "quat_xyzw", "poses", "vary"});
+    PoseChoice choice;
+    choice.link = link;
+    choice.object = input.text_or("object", "");
+    choice.frame = input.text_or("frame", "");
+    // A held object's carrier is known.
+    if (const auto carrier = carriers_.find(choice.object); carrier != carriers_.end()) {
+      choice.link = carrier->second;
+    }
+    std::vector<Transform> poses;
+    if (const auto list = input.find("poses")) {
+      for (const Input& item : list->items()) {
+        item.allow_keys({"position", "quat_xyzw"});
+        poses.push_back(read_pose(item));
+      }
+      if (poses.empty()) list->fail_expecting("at least one pose");
+    } else {
+      poses.push_back(read_pose(input));
+    }
+    const std::vector<Input> variations = input.items("vary");
+    for (auto varied = variations.rbegin(); varied != variations.rend(); ++varied) {
+      std::vector<Transform> product;
+      const std::vector<Transform> all = read_variation(*varied);
+      if (all.size() * poses.size() > kMostPoses) {
+        varied->fail(ErrorCode::invalid, "expected at most {} poses in all", kMostPoses);
+      }
+      for (const Transform& change : all) {
+        for (const Transform& pose : poses) product.push_back(change * pose);
+      }
+      poses = std::move(product);
+    }
+    if (choice.frame.empty()) {
+      for (Transform& pose : poses) pose = X_RF_ * pose;
+    }
+    choice.poses = std::move(poses);
+    return choice;
+  }
+
+  const Robot& robot_;
+  Transform X_RF_;
+  std::string tip_;
+  std::map<std::string, std::string> carriers_;  ///< by object
+};
+
+Task read_task(const std::string& path, const ProblemOptions& options) {
+  const auto text = value_or_throw(read_text_file(path));
+  const InputValue value = parse_yaml(text, path);
+  const Input input(value, path);
+  input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
+                    "start", "allow", "attached", "constraints", "self_filter", "stages"});
+  const std::string name = input.text_or("name", std::filesystem::path(path).stem().string());
+  FramedScene scene = read_scene_of_problem(input, path);
+  // Stages take the place of the goals.
+  ProblemOptions without_goal = options;
+  without_goal.goal = Configuration();
+  Problem problem = read_problem({input, input, name, directory_of(path), std::move(scene.scene),
+                                  kSceneSpelling, std::move(scene.files)},
+                                 without_goal);
+  Task task{name,
+            std::move(problem.robot),
+            std::move(problem.robot_path),
+            std::move(problem.scene),
+            std::move(problem.start),
+            {},
+            std::move(problem.constraints),
+            std::move(problem.warnings),
+            std::move(problem.files)};
+  StageReader reader(task.robot, read_frame(input, task.robot));
+  const std::vector<Input> stages = input.at("stages").items();
+  for (const Input& stage : stages) task.stages.push_back(reader.read(stage));
+  if (const auto checked = check_task(task); !checked) {
+    input.at("stages").fail(checked.error().code, checked.error().message);
+  }
+  return task;
+}
+
+}  // namespace
+}  // namespace internal
+
+Result<Task> load_task(const std::string& path, const ProblemOptions& options) {
+  return internal::without_throwing([&] { return internal::read_task(path, options); });
+}
+
+Result<std::vector<Stage>> parse_stages(const std::string& text, const std::string& source,
+                                        const Robot& robot) {
+  return internal::without_throwing([&] {
+    const internal::InputValue value = internal::parse_yaml(text, source);
+    internal::StageReader reader(robot, {});
+    std::vector<Stage> stages;
+    const std::vector<internal::Input> items = internal::Input(value, source).items();
+    for (const internal::Input& stage : items) stages.push_back(reader.read(stage));
+    return stages;
+  });
+}
+
+bool is_task_file(const std::string& path) {
+  if (path.find(".json") != std::string::npos) return false;
+  const auto found = internal::without_throwing([&] {
+    const auto text = internal::value_or_throw(internal::read_text_file(path));
+    if (text.find("stages") == std::string::npos) return false;
+    const internal::InputValue value = internal::parse_yaml(text, path);
+    const internal::Input input(value, path);
+    return input.is_map() && input.find("stages").has_value();
+  });
+  return found.value_or(false);
+}
+
+}  // namespace mneme

@@ -1,0 +1,235 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "task/world.h"
+
+#include "mneme/spheres.h"
+
+#include "base/as_index.h"
+#include "base/fail.h"
+#include "robot/kinematics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+Transform frame_of(const Sphere& sphere) { return {Eigen::Matrix3d::Identity(), sphere.center}; }
+Transform frame_of(const Capsule& capsule) {
+  const Vec3 middle = 0.5 * (capsule.a + capsule.b);
+  const Vec3 z = capsule.b - capsule.a;
+  const Vec3 axis = Vec3::UnitZ().cross(z);
+  if (axis.norm() < 1e-12) return {Eigen::Matrix3d::Identity(), middle};
+  return {rotation_about(axis.normalized(), std::atan2(axis.norm(), z.z())), middle};
+}
+template <class Posed>
+Transform frame_of(const Posed& shape) {
+  return shape.pose;
+}
+
+/// Metres between the links rigid with the carrier and the obstacle, and the nearest link.
+std::pair<double, std::string> distance_to_hand(const Robot& robot, const std::string& carrier,
+                                                const Obstacle& obstacle, const Configuration& q) {
+  const std::vector<Transform> poses = robot.link_poses(q);
+  double nearest = std::numeric_limits<double>::infinity();
+  std::string name = carrier;
+  for (const int link : rigid_with(robot, *robot.find_link(carrier))) {
+    std::vector<Capsule> shapes = shapes_of(robot.links()[as_index(link)], poses[as_index(link)]);
+    if (shapes.empty() && robot.links()[as_index(link)].name == carrier) {
+      const Vec3 origin = poses[as_index(link)].translation;
+      shapes.push_back({origin, origin, 0});
+    }
+    for (const Capsule& capsule : shapes) {
+      for (const Shape& shape : obstacle.shapes) {
+        const double gap = distance_to_segment(capsule.a, capsule.b, shape) - capsule.radius;
+        if (gap < nearest)
+          std::tie(nearest, name) = std::pair(gap, robot.links()[as_index(link)].name);
+      }
+    }
+  }
+  return {nearest, name};
+}
+
+Result<World> attached(const World& world, const Stage& stage, const Configuration& q) {
+  const Obstacle* obstacle = world.scene.find(stage.object);
+  const auto [gap, nearest] = distance_to_hand(world.robot, stage.carrier, *obstacle, q);
+  if (!(gap <= kFarthestAttach)) {
+    return fail(ErrorCode::invalid,
+                "object '{}' is {:.1f} cm from link '{}', the nearest of the hand; a link attaches "
+                "what is within {:.0f} cm: move there first",
+                stage.object, 100 * gap, nearest, 100 * kFarthestAttach);
+  }
+  const Transform X_WL = world.robot.link_poses(q)[as_index(*world.robot.find_link(stage.carrier))];
+  AttachedObject object{stage.object, stage.carrier, {}, {}, stage.may_touch};
+  for (const Shape& shape : obstacle->shapes) {
+    object.shapes.push_back(transformed(X_WL.inverse(), shape));
+  }
+  World next = world;
+  next.held[stage.object] = {stage.carrier, X_WL.inverse() * world.poses.at(stage.object),
+                             stage.may_touch, obstacle->may_touch};
+  next.poses.erase(stage.object);
+  MNEME_TRY(next.scene.remove(stage.object));
+  std::vector<ApproximatedObject> objects;
+  objects.push_back(MNEME_TRY(approximate_object(std::move(object))));
+  next.robot = MNEME_TRY(world.robot.with_attached(std::move(objects)));
+  return next;
+}
+
+Result<World> detached(const World& world, const Stage& stage, const Configuration& q) {
+  const HeldObject& held = world.held.at(stage.object);
+  const Transform X_WL = world.robot.link_poses(q)[as_index(*world.robot.find_link(held.link))];
+  const auto object = std::ranges::find_if(
+      world.robot.attached(),
+      [&](const ApproximatedObject& each) { return each.object.name == stage.object; });
+  Obstacle obstacle{stage.object, {}, held.free_touch};
+  for (const Shape& shape : object->object.shapes) {
+    obstacle.shapes.push_back(transformed(X_WL, shape));
+  }
+  World next = world;
+  next.poses[stage.object] = X_WL * held.X_LO;
+  next.robot = MNEME_TRY(world.robot.without_attached(stage.object));
+  next.held.erase(stage.object);
+  for (Obstacle& other : next.scene.obstacles) std::erase(other.exact_links, stage.object);
+  MNEME_TRY(next.scene.add(std::move(obstacle)));
+  return next;
+}
+
+Result<World> with_allowed(const World& world, const Stage& stage) {
+  World next = world;
+  for (const auto& [first, second] : stage.pairs) {
+    const bool is_obstacle = next.scene.find(second) != nullptr;
+    allow_touch(next.scene, is_obstacle ? second : first, {is_obstacle ? first : second});
+  }
+  return next;
+}
+
+/// Pairs of links that are not checked: all but `checked`.
+std::vector<std::pair<std::string, std::string>> unchecked_pairs(const Robot& robot) {
+  const std::set<std::pair<int, int>> checked(robot.self_pairs().begin(), robot.self_pairs().end());
+  std::vector<std::pair<std::string, std::string>> pairs;
+  const auto count = static_cast<int>(robot.links().size());
+  for (int i = 0; i < count; ++i) {
+    for (int k = i + 1; k < count; ++k) {
+      if (checked.contains({i, k})) continue;
+      pairs.emplace_back(robot.links()[as_index(i)].name, robot.links()[as_index(k)].name);
+    }
+  }
+  return pairs;
+}
+
+}  // namespace
+
+Result<Robot> with_joint_values(const Robot& robot, const std::map<std::string, double>& values) {
+  const Robot bare = robot.without_attached();
+  Robot::Parts parts;
+  parts.name = bare.name();
+  parts.links.assign(bare.links().begin(), bare.links().end());
+  parts.joints.assign(bare.joints().begin(), bare.joints().end());
+  parts.allowed_pairs = unchecked_pairs(bare);
+  parts.states.assign(bare.named_states().begin(), bare.named_states().end());
+  for (const auto& [first, second] : bare.exact_pairs()) {
+    parts.exact_pairs.emplace_back(bare.links()[as_index(first)].name,
+                                   bare.links()[as_index(second)].name);
+  }
+  RobotOptions options;
+  options.joints = bare.joint_names();
+  options.fixed_values = values;
+  for (std::size_t i = 0; i < parts.joints.size(); ++i) {
+    const Joint& joint = parts.joints[i];
+    const bool is_planned = std::ranges::count(bare.group(), static_cast<int>(i)) > 0;
+    if (is_free(joint) && !is_planned) options.fixed_values.emplace(joint.name, joint.fixed_value);
+  }
+  const Robot changed = MNEME_TRY(make_robot(std::move(parts), options));
+  if (robot.attached().empty()) return changed;
+  return changed.with_attached({robot.attached().begin(), robot.attached().end()});
+}
+
+Transform pose_of(const Shape& shape) {
+  return std::visit([](const auto& each) { return frame_of(each); }, shape);
+}
+
+World first_world(const Task& task) {
+  World world{task.robot, task.scene, {}, {}};
+  const std::vector<Transform> poses = task.robot.link_poses(task.start);
+  for (const ApproximatedObject& each : task.robot.attached()) {
+    const AttachedObject& object = each.object;
+    world.held[object.name] = {object.link,
+                               object.shapes.empty() ? Transform{} : pose_of(object.shapes.front()),
+                               object.may_touch,
+                               {}};
+  }
+  for (const Obstacle& obstacle : task.scene.obstacles) {
+    if (!obstacle.shapes.empty()) world.poses[obstacle.name] = pose_of(obstacle.shapes.front());
+  }
+  return world;
+}
+
+Result<World> after_stage(const World& world, const Stage& stage, const Configuration& q) {
+  switch (stage.kind) {
+    case StageKind::attach:
+      return attached(world, stage, q);
+    case StageKind::detach:
+      return detached(world, stage, q);
+    case StageKind::allow:
+      return with_allowed(world, stage);
+    case StageKind::gripper: {
+      World next = world;
+      next.robot = MNEME_TRY(with_joint_values(world.robot, stage.values));
+      return next;
+    }
+    case StageKind::move:
+    case StageKind::line:
+      break;
+  }
+  return world;
+}
+
+void allow_touch(Scene& scene, const std::string& object, const std::vector<std::string>& links) {
+  Obstacle* obstacle = scene.find(object);
+  if (obstacle == nullptr) return;
+  for (const std::string& link : links) {
+    if (std::ranges::count(obstacle->may_touch, link) == 0) obstacle->may_touch.push_back(link);
+  }
+}
+
+std::vector<Transform> link_targets(const World& world, const PoseChoice& choice,
+                                    const std::vector<Transform>& start_poses) {
+  Transform X_WF;
+  if (const auto link = world.robot.find_link(choice.frame); link && !choice.frame.empty()) {
+    if (as_index(*link) < start_poses.size()) X_WF = start_poses[as_index(*link)];
+  }
+  if (const auto pose = world.poses.find(choice.frame); pose != world.poses.end()) {
+    X_WF = pose->second;
+  }
+  const Transform X_OL =
+      choice.object.empty() ? Transform() : world.held.at(choice.object).X_LO.inverse();
+  std::vector<Transform> targets;
+  targets.reserve(choice.poses.size());
+  for (const Transform& pose : choice.poses) targets.push_back(X_WF * pose * X_OL);
+  return targets;
+}
+
+std::vector<int> rigid_with(const Robot& robot, int link) {
+  const std::vector<bool> moving = find_moving(robot.joints(), robot.group());
+  const std::span<const Link> links = robot.links();
+  std::vector<int> body(links.size());
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    const int joint = links[i].parent_joint;
+    const bool is_own = joint < 0 || moving[as_index(joint)];
+    body[i] =
+        is_own ? static_cast<int>(i) : body[as_index(robot.joints()[as_index(joint)].parent_link)];
+  }
+  std::vector<int> rigid;
+  for (std::size_t i = 0; i < links.size(); ++i) {
+    if (body[i] == body[as_index(link)]) rigid.push_back(static_cast<int>(i));
+  }
+  return rigid;
+}
+
+}  // namespace mneme::internal

@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Robot and scene between two stages of a task.
+#pragma once
+
+#include "mneme/task.h"
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mneme::internal {
+
+/// An object in the hand.
+struct HeldObject {
+  std::string link;
+  Transform X_LO;
+  std::vector<std::string> may_touch = {};   ///< of the stage that attached it
+  std::vector<std::string> free_touch = {};  ///< Obstacle::may_touch before that
+};
+
+/// Robot and scene at one moment of a task. Immutable once shared.
+struct World {
+  Robot robot;
+  Scene scene;
+  std::map<std::string, Transform> poses;  ///< of objects that some stage attaches and that are
+                                           ///< free, in the root link's frame
+  std::map<std::string, HeldObject> held;  ///< by name
+};
+using WorldPtr = std::shared_ptr<const World>;
+
+/// Pose of a shape's own frame. Spheres: no rotation; capsules: z along the axis.
+[[nodiscard]] Transform pose_of(const Shape& shape);
+
+/// Returns the world at the start of a task.
+[[nodiscard]] World first_world(const Task& task);
+
+/// Returns the world after an attach, detach, allow or gripper stage at `q`. Errors name no stage:
+/// an object that is not near the carrier; those of Robot::with_attached() and make_robot().
+[[nodiscard]] Result<World> after_stage(const World& world, const Stage& stage,
+                                        const Configuration& q);
+
+/// Returns the robot with other values of movable joints outside the group, such as those of
+/// fingers. Errors: those of make_robot(), such as an unknown joint or one of the group.
+[[nodiscard]] Result<Robot> with_joint_values(const Robot& robot,
+                                              const std::map<std::string, double>& values);
+
+/// Largest distance of an object from the links that take it, metres.
+inline constexpr double kFarthestAttach = 0.05;
+
+/// Allows or forbids contact of links with the free object.
+void allow_touch(Scene& scene, const std::string& object, const std::vector<std::string>& links);
+
+/// Returns where each pose of the choice brings its link, in the root link's frame. `start_poses`
+/// are the poses of links at the task's start. Precondition: check_task() accepts the task.
+[[nodiscard]] std::vector<Transform> link_targets(const World& world, const PoseChoice& choice,
+                                                  const std::vector<Transform>& start_poses);
+
+/// The links that no joint of the group moves against `link`, and `link` itself: indices.
+[[nodiscard]] std::vector<int> rigid_with(const Robot& robot, int link);
+
+}  // namespace mneme::internal

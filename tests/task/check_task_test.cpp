@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "task/small_tasks.h"
+
+#include <string>
+
+namespace mneme::test {
+namespace {
+
+TEST_SUITE("unit") {
+  std::string stages(const std::string& list) { return "stages: [" + list + "]\n"; }
+
+  TEST_CASE("tasks that cannot be meant are refused with the stage and the way out") {
+    const auto fails = [](const std::string& list, const std::string& expected) {
+      const std::string message = load_failure(stages(list));
+      INFO(message);
+      CHECK(message.find(expected) != std::string::npos);
+    };
+    fails("", "has no stages; expected at least one");
+    fails("{name: go, move: next}", "stage 'go': it has no goal, and no line with poses");
+    fails("{line: {link: panda_hand}}", "stage 'line 1': the line leads nowhere");
+    fails("{line: {link: panda_hnd, direction: [0, 0, 1], distance: 0.1}}",
+          "expected a link of robot panda as the link of a line, got 'panda_hnd'; did you mean "
+          "'panda_hand'?");
+    fails("{move: {link: panda_hand, to: {frame: cop}}}",
+          "expected a link or an obstacle as frame, got 'cop'; did you mean 'cup'?");
+    fails("{attach: cop}",
+          "expected an obstacle of the scene to attach, got 'cop'; did you mean 'cup'");
+    fails("{attach: cup}, {attach: cup}", "stage 'attach 2': object 'cup' is held by link");
+    fails("{detach: cup}", "expected a held object to detach, got 'cup'; held is nothing");
+    fails("{move: {link: panda_hand, to: {object: cup}}}",
+          "expected a held object, got 'cup'; an attach stage must come first");
+    fails("{gripper: {panda_finger_joint9: 0.01}}", "panda_finger_joint9");
+    fails("{allow: [[table, cup]]}", "expected a pair of an obstacle and a link or held object");
+    fails("{move: [0, 0, 0]}", "expected 7 values");
+    fails("{speed: 2, move: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]}", "its speed is 2");
+    fails("{move: next, line: {}}", "expected one kind of stage, got move and line");
+    fails("{name: nothing}", "expected one of the keys move, line, attach");
+    fails(
+        "{name: a, move: next}, {name: b, attach: cup}, {line: {direction: [0, 0, 1], distance: "
+        "0.1, to: {frame: cup}}}",
+        "stage 'b': it stands between a move without a goal and the line");
+  }
+
+  TEST_CASE("alternatives are the product of turns and shifts") {
+    const Task task =
+        make_task(kCell + stages("{move: {link: panda_hand, to: {position: [0.5, 0, "
+                                 "0.5], vary: [{turn: z, from: 0, to: 1.5707963, "
+                                 "count: 2}, {shift: x, from: 0, to: 0.2, count: 3}]}}}"));
+    const std::vector<Transform>& poses = task.stages[0].poses.poses;
+    REQUIRE(poses.size() == 6);
+    CHECK((poses[2].translation - Vec3(0.7, 0, 0.5)).norm() < 1e-6);
+    CHECK((poses[5].translation - Vec3(0, 0.7, 0.5)).norm() < 1e-6);
+  }
+
+  TEST_CASE("a task file is told from a problem file by its stages") {
+    const TemporaryDirectory directory;
+    write_file(directory / "task.yaml", kCell + stages("{detach: cup}"));
+    write_file(directory / "problem.yaml", kCell + "goal: [0, 0, 0, 0, 0, 0, 0]\n# stages\n");
+    CHECK(is_task_file(directory / "task.yaml"));
+    CHECK_FALSE(is_task_file(directory / "problem.yaml"));
+    CHECK_FALSE(is_task_file(directory / "missing.yaml"));
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test

@@ -1,0 +1,141 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "task/small_tasks.h"
+
+#include <algorithm>
+#include <atomic>
+
+namespace mneme::test {
+namespace {
+
+TEST_SUITE("flow") {
+  TEST_CASE("a cup is taken, carried and put down, and every stage is free by exact distances") {
+    const Task task = make_task(kCell + kPickAndPlace);
+    const TaskResult result = solved(task);
+    check_plan(task, result);
+    CHECK(result.stages[1].alternatives == 30);
+    CHECK(result.stages[1].alternative >= 0);
+    CHECK(result.stages[5].alternatives == 12);
+    // The cup stands at the chosen place.
+    const Scene& scene = result.stages.back().world->scene;
+    const auto& cup = *std::get_if<Cylinder>(&scene.find("cup")->shapes.front());
+    const Vec3 place = task.stages[5]
+                           .poses.poses[static_cast<std::size_t>(result.stages[5].alternative)]
+                           .translation;
+    CHECK((cup.pose.translation - place).norm() < 3e-4);
+    // It moves with the hand in between.
+    CHECK(result.stages[4].world->robot.attached().size() == 1);
+    CHECK(result.stages[4].world->scene.find("cup") == nullptr);
+  }
+
+  TEST_CASE("the hand stays on its line within a millimetre") {
+    const Task task = make_task(kCell + kPickAndPlace);
+    const TaskResult result = solved(task);
+    REQUIRE(result.is_solved());
+    const auto link = static_cast<std::size_t>(*task.robot.find_link("panda_hand"));
+    for (const std::size_t i : {1u, 3u, 5u, 7u}) {
+      const StageResult& stage = result.stages[i];
+      INFO(stage.name);
+      const Robot& robot = stage.world->robot;
+      const Vec3 from = robot.link_poses(stage.path.front())[link].translation;
+      const Vec3 to = robot.link_poses(stage.path.back())[link].translation;
+      CHECK((to - from).norm() == doctest::Approx(i == 3 ? 0.1 : 0.08).epsilon(0.01));
+      for (const Configuration& q : stage.path) {
+        const Vec3 at = robot.link_poses(q)[link].translation - from;
+        CHECK((at - at.dot((to - from).normalized()) * (to - from).normalized()).norm() < 1e-3);
+      }
+    }
+  }
+
+  TEST_CASE("the same seed gives the same plan") {
+    const Task task = make_task(kCell + kPickAndPlace);
+    const TaskResult first = solved(task), second = solved(task);
+    REQUIRE(first.is_solved());
+    REQUIRE(first.stages.size() == second.stages.size());
+    CHECK(first.states_checked == second.states_checked);
+    for (std::size_t i = 0; i < first.stages.size(); ++i) {
+      CHECK(first.stages[i].path == second.stages[i].path);
+      CHECK(first.stages[i].alternative == second.stages[i].alternative);
+    }
+  }
+
+  TEST_CASE("without time, and once cancelled, there is no plan") {
+    const Task task = make_task(kCell + kPickAndPlace);
+    TaskSettings settings;
+    settings.solve.plan.timeout_s = 0;
+    CHECK(solved(task, nullptr, settings).status == PlanStatus::timeout);
+    const std::atomic<bool> cancel = true;
+    settings = {};
+    settings.solve.plan.cancel = &cancel;
+    CHECK(solved(task, nullptr, settings).status == PlanStatus::cancelled);
+  }
+
+  TEST_CASE("improvement returns a plan that takes no longer than the first") {
+    const Task task = make_task(kCell + kPickAndPlace);
+    TaskSettings settings;
+    settings.improve = 1000;
+    settings.improve_plans = 3;
+    const TaskResult result = solved(task, nullptr, settings);
+    check_plan(task, result);
+    CHECK(result.duration_s <= result.first_duration_s);
+  }
+
+  std::string dropped_of(const TaskResult& result, const std::string& stage) {
+    std::string text;
+    for (const StageResult& each : result.stages) {
+      if (each.name != stage) continue;
+      for (const Dropped& dropped : each.dropped) {
+        text += std::to_string(dropped.count) + " " + std::string(to_string(dropped.reason)) + " " +
+                dropped.what + ";";
+      }
+    }
+    return text;
+  }
+
+  TEST_CASE("places in an obstacle are refused with its name before any path is planned") {
+    const std::string block =
+        "    - {name: block, type: box, position: [0.45, 0.2, 0.3], size: [0.5, 0.4, 0.18]}\n";
+    const Task task = make_task(kCell + block + kPickAndPlace);
+    const TaskResult result = solved(task);
+    CHECK(result.status == PlanStatus::invalid_goal);
+    CHECK(result.message.find("stage 'approach'") != std::string::npos);
+    CHECK(result.message.find("'cup' with 'block'") != std::string::npos);
+    CHECK(dropped_of(result, "approach").find("at each pose of 'lower'") != std::string::npos);
+    CHECK(result.states_checked < 1000);
+  }
+
+  TEST_CASE("a cup out of reach is refused with the number of grasps") {
+    const Task task =
+        make_task(replaced(kCell, "[0.5, -0.1, 0.2505]", "[2.5, -0.1, 0.2505]") + kPickAndPlace);
+    const TaskResult result = solved(task);
+    CHECK(result.status == PlanStatus::invalid_goal);
+    CHECK(result.message ==
+          "stage 'approach' of 30 alternatives: 30 times out of reach (link 'panda_hand')");
+  }
+
+  TEST_CASE("grasps that are all in contact are refused with the bodies") {
+    const std::string box =
+        "    - {name: box, type: box, position: [0.5, -0.1, 0.35], size: [0.5, 0.5, 0.3]}\n";
+    const TaskResult result = solved(make_task(kCell + box + kPickAndPlace));
+    CHECK(result.status == PlanStatus::invalid_goal);
+    CHECK(result.message.find("30 times contact") != std::string::npos);
+    CHECK(result.message.find("with 'box'") != std::string::npos);
+  }
+
+  TEST_CASE("an object that is not near is not attached") {
+    const TaskResult result = solved(make_task(kCell + "stages: [{attach: cup}]\n"));
+    CHECK(result.status == PlanStatus::invalid_goal);
+    CHECK(result.message.find("stage 'attach 1': not at the object (object 'cup' is ") == 0);
+    CHECK(result.message.find("move there first") != std::string::npos);
+  }
+
+  TEST_CASE("a line that leaves the reach of the arm says where it ends") {
+    const TaskResult result = solved(make_task(
+        kCell + "stages: [{line: {link: panda_hand, direction: [1, 0, 0], distance: 2}}]\n"));
+    CHECK(result.status == PlanStatus::invalid_goal);
+    CHECK(result.message.find("stage 'line 1': no straight line (") == 0);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
