@@ -11,6 +11,7 @@
 #include "inputs.h"
 #include "options.h"
 #include "problem_primitives.h"
+#include "task_run.h"
 #include "trajectory_file.h"
 
 #include <fmt/format.h>
@@ -23,6 +24,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace mneme::app {
 namespace {
@@ -287,7 +289,36 @@ void print_answer(const PlanOptions& options, const LoadedPlan& loaded, const So
   }
 }
 
+/// Plans a file with stages instead of goals.
+Result<ExitCode> run_stages(const PlanOptions& options) {
+  const bool has_goal = options.goal || !options.goal_poses.empty();
+  if (has_goal) print_note("--goal and --goal-pose have no effect: the file has stages");
+  const PlanFiles& files = options.files;
+  if (!files.svg.empty() || !files.trace.empty() || !files.beside.empty()) {
+    print_note("--svg, --trace and --beside have no effect on a task");
+  }
+  TaskRunOptions task;
+  task.file = options.problem;
+  task.reading = MNEME_TRY(problem_options(options.robot, options.robot_options));
+  task.reading.start = options.start;
+  task.reading.constraints = options.upright;
+  task.reading.self_filter = options.self_filter;
+  task.robot = options.robot_options;
+  task.db = options.db;
+  task.kept = options.kept;
+  task.view = files.view;
+  task.trajectory = options.trajectory;
+  task.is_json = options.is_json;
+  task.settings.solve = options.settings;
+  task.settings.improve = std::exchange(task.settings.solve.plan.improve, 0);
+  if (const auto rounds = std::exchange(task.settings.solve.plan.improve_rounds, std::nullopt)) {
+    task.settings.improve_plans = static_cast<int>(std::min<std::uint64_t>(*rounds, 1000000));
+  }
+  return run_task(task);
+}
+
 Result<ExitCode> run_plan(const PlanOptions& options) {
+  if (is_task_file(options.problem)) return run_stages(options);
   Result<LoadedPlan> loaded = load(options);
   if (!loaded) return tl::unexpected(loaded.error());
   SolveSettings settings = options.settings;

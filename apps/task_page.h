@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The trace of a whole task: objects are links that stand where they are while no hand holds them.
+#pragma once
+
+#include "mneme/report.h"
+#include "mneme/task.h"
+
+namespace mneme::app {
+
+/// Returns the trace of a task's plan, for to_page(). Precondition: the plan is solved. Errors:
+/// those of make_trace().
+[[nodiscard]] Result<PlanTrace> trace_task(const TaskResult& plan, const TaskMotion& motion,
+                                           const RateLimits& limits, const TraceSettings& settings);
+
+}  // namespace mneme::app
