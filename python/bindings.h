@@ -24,5 +24,6 @@ void bind_learning(pybind11::module_& module);
 void bind_pipeline(pybind11::module_& module);
 void bind_many(pybind11::module_& module);
 void bind_benchmark(pybind11::module_& module);
+void bind_task(pybind11::module_& module);
 
 }  // namespace mneme::python

@@ -23,6 +23,7 @@ PYBIND11_MODULE(_mneme, module) {
   mneme::python::bind_problem(module);
   mneme::python::bind_collision(module);
   mneme::python::bind_cell(module);
+  mneme::python::bind_task(module);
   mneme::python::bind_primitive(module);
   mneme::python::bind_experience(module);
   mneme::python::bind_learning(module);

@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "mneme/task.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "errors.h"
+#include "interruptible.h"
+#include "keywords.h"
+#include "memory.h"
+
+#include <fmt/format.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace mneme::python {
+namespace {
+
+/// A task with its plan.
+struct PlannedTask {
+  Task task;
+  SolveSettings settings;
+  TaskResult result;
+};
+
+Task make_task(const Robot& robot, const Scene& scene, const py::object& start,
+               const py::object& stages, const std::string& name) {
+  Task task{name, robot, "", scene, to_vector(start, robot.joint_count(), "start"), {}};
+  const py::module_ json = py::module_::import("json");
+  // NumPy's arrays and numbers become lists and numbers.
+  const py::cpp_function plain([](const py::object& value) { return value.attr("tolist")(); });
+  const auto text = json.attr("dumps")(stages, py::arg("default") = plain).cast<std::string>();
+  task.stages = unwrap(parse_stages(text, "stages", robot));
+  unwrap(check_task(task));
+  return task;
+}
+
+PlannedTask plan_task(const Task& task, const py::object& database, const py::kwargs& arguments) {
+  TaskSettings settings;
+  Keywords own("plan_task", arguments);
+  own.apply(settings);
+  py::kwargs rest;
+  for (const auto& [key, value] : arguments) {
+    bool is_own = false;
+    visit_settings(settings, [&](std::string_view flag, auto&, auto, auto, std::string_view) {
+      is_own = is_own || keyword_of(flag) == key.cast<std::string>();
+    });
+    if (!is_own) rest[key] = value;
+  }
+  const bool has_database = !database.is_none();
+  settings.solve =
+      read_solve_settings("rrt_connect", has_database ? "gl" : "uniform", "automatic", rest);
+  std::shared_ptr<Database> memory;
+  if (has_database) memory = database.cast<const Memory&>().get();
+  std::atomic<bool> cancel = false;
+  settings.solve.plan.cancel = &cancel;
+  TaskResult result =
+      unwrap(run_interruptible(cancel, [&] { return solve_task(task, memory.get(), settings); }));
+  settings.solve.plan.cancel = nullptr;
+  return {task, settings.solve, std::move(result)};
+}
+
+py::list stages_of(const PlannedTask& plan) {
+  py::list rows;
+  for (const StageResult& stage : plan.result.stages) {
+    py::list dropped;
+    for (const Dropped& each : stage.dropped) {
+      py::dict one;
+      one["reason"] = to_text(to_string(each.reason));
+      one["count"] = each.count;
+      one["what"] = to_text(each.what);
+      dropped.append(one);
+    }
+    py::dict row;
+    row["name"] = to_text(stage.name);
+    row["kind"] = to_text(to_string(stage.kind));
+    row["time_s"] = stage.time_s;
+    row["path"] = read_only(to_array(stage.path, plan.task.robot.joint_count()));
+    row["alternative"] =
+        stage.alternative < 0 ? py::object(py::none()) : py::int_(stage.alternative);
+    row["alternatives"] = stage.alternatives;
+    row["dropped"] = dropped;
+    rows.append(row);
+  }
+  return rows;
+}
+
+py::dict trajectory_of(const PlannedTask& plan, const py::object& dt, const py::kwargs& arguments) {
+  TrajectorySettings timing;
+  py::kwargs all(arguments);
+  if (!dt.is_none()) all["dt"] = dt;
+  Keywords keywords("trajectory", all);
+  keywords.apply(timing);
+  keywords.finish();
+  if (!plan.result.is_solved()) {
+    raise_invalid("trajectory: there is no plan: " + plan.result.message);
+  }
+  const RateLimits limits = unwrap(find_rate_limits(plan.task.robot, timing));
+  TaskMotion motion = unwrap(run_interruptible(
+      [&] { return time_task(plan.task, plan.result, plan.settings, limits, timing); }));
+  const auto points = unwrap(motion.trajectory.sample(timing.dt));
+  std::vector<double> times;
+  Path positions, velocities;
+  for (const Trajectory::Point& point : points) {
+    times.push_back(point.time_s);
+    positions.push_back(point.position);
+    velocities.push_back(point.velocity);
+  }
+  const int joints = plan.task.robot.joint_count();
+  py::dict result;
+  result["times"] = to_array(times);
+  result["positions"] = to_array(positions, joints);
+  result["velocities"] = to_array(velocities, joints);
+  result["begins"] = to_array(motion.begins_s);
+  return result;
+}
+
+void bind_plan(py::module_& module) {
+  py::class_<PlannedTask>(module, "TaskPlan", "The plan of a task.")
+      .def_property_readonly(
+          "status", [](const PlannedTask& self) { return to_text(to_string(self.result.status)); },
+          "'solved', 'timeout', 'iteration_limit', 'cancelled' or 'invalid_goal'.")
+      .def_property_readonly("is_solved",
+                             [](const PlannedTask& self) { return self.result.is_solved(); })
+      .def_property_readonly(
+          "message", [](const PlannedTask& self) { return to_text(self.result.message); },
+          "The stage that fails and what is in its way; empty if solved.")
+      .def_property_readonly("stages", &stages_of,
+                             "A dict per stage: name, kind, time_s, path, alternative,\n"
+                             "alternatives and dropped.")
+      .def_property_readonly(
+          "duration_s", [](const PlannedTask& self) { return self.result.duration_s; },
+          "Seconds at the velocity limits, without stops.")
+      .def_property_readonly(
+          "planning_time_s", [](const PlannedTask& self) { return self.result.first_plan_time_s; },
+          "Seconds until the first plan.")
+      .def_property_readonly("states_checked",
+                             [](const PlannedTask& self) { return self.result.states_checked; })
+      .def("trajectory", &trajectory_of, py::arg("dt") = py::none(),
+           "Returns times, positions and velocities of the whole task, and the time at which each\n"
+           "stage begins. Keywords are those of Plan.trajectory().")
+      .def("to_json", [](const PlannedTask& self) { return to_json(self.task, self.result); });
+}
+
+}  // namespace
+
+void bind_task(py::module_& module) {
+  py::class_<Task>(module, "Task", "A robot, a scene, a start, and stages (docs/tasks.md).")
+      .def(py::init(&make_task), py::arg("robot"), py::arg("scene"), py::arg("start"),
+           py::arg("stages"), py::arg("name") = "task",
+           "`stages`: a list of dicts with the keys of a task file.")
+      .def_static(
+          "load",
+          [](const std::string& path) {
+            return unwrap(run_interruptible([&] { return load_task(path); }));
+          },
+          py::arg("path"), "Reads a task file.")
+      .def_readonly("name", &Task::name)
+      .def_readonly("robot", &Task::robot)
+      .def_property_readonly("stage_count", [](const Task& self) { return self.stages.size(); });
+  bind_plan(module);
+  module.def("plan_task", &plan_task, py::arg("task"), py::arg("database") = py::none(),
+             ("Chooses among alternatives and plans all stages. Further keywords are those of "
+              "plan().\n\n" +
+              describe_keywords<TaskSettings>())
+                 .c_str());
+}
+
+}  // namespace mneme::python
