@@ -20,9 +20,11 @@ has `bench report`, summarises rows. Documents have tables between markers, and 
   <!-- /rows -->
 
 Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved,
-bad, p50, mean, p95, p99, max, iterations, states, length, duration, simplification; of ratios: pairs, p50, p95, p99, mean, geometric.
-difficulty: tasks, which are problems whose names agree up to their last underscore, by the baseline's median for them, with solved, p50,
-mean and p95 of each setting, whose name up to a comma counts. growth: sums of
+bad, p50, mean, p95, p99, max, iterations, states, length, duration, simplification, retrieved, replayed (runs that queried the memory for
+samples, or replayed a task); of ratios: pairs, p50, p95, p99, mean, geometric.
+difficulty: tasks, which are problems whose names agree up to their last underscore, by the baseline's median for them, with tasks, solved,
+p50, mean and p95 of each setting, whose name up to a comma counts; p50_gain and mean_gain are the baseline's by its own, with 95 % intervals over
+tasks, slower the pairs in which it took longer than the baseline. growth: sums of
 total times after so many queries, in the order of the rows, of the baseline and of each other setting, whose name up to a comma counts, and the query
 from which on it has taken less in all. cost: of each setting with a memory of its own that was learned, the first of them, what it took to learn, the median time of retrieval
 where there was one, its mean planning time without (the baseline's) and with it, and after how many queries that is gained. beside: rows of two programs on the same
@@ -49,15 +51,18 @@ import sys
 import tempfile
 import textwrap
 
-MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty|growth|cost|beside|output) (?P<words>[^>]+?) -->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
+MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty|growth|cost|beside|output) (?P<words>[^>]+?)\s-->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
                     re.DOTALL | re.MULTILINE)
+OPENED = re.compile(r"^<!-- (?:rows|ratios|difficulty|growth|cost|beside|output) ", re.MULTILINE)
 PERCENT = {"p50": 50, "p95": 95, "p99": 99, "max": 100}
-TITLES = {"bad": "bad paths", "iterations": "iterations p50", "states": "states p50", "length": "mean length",
+TITLES = {"bad": "bad paths", "p50_gain": "p50 gain", "mean_gain": "mean gain", "slower": "slower pairs", "iterations": "iterations p50", "states": "states p50", "length": "mean length",
           "duration": "mean duration s", "simplification": "simplification p50 ms"}
 RESAMPLES = 2000
 MOST_LINES = 15
 BINS_MS = (0, 0.1, 1, 10, 100, 1000, math.inf)
 RATIO_NAMES = ("set", "this", "against")
+# What a row says of memory that was used.
+USED = {"retrieved": lambda row: float(row["retrieval_time_s"] or 0) > 0, "replayed": lambda row: row["replayed"] not in ("", "0")}
 
 
 class Mistake(Exception):
@@ -127,6 +132,8 @@ def milliseconds(seconds):
 
 
 def cell(summary, column, time):
+    if column in USED:
+        return f"{summary[column]} of {summary['valid']}"
     if column in PERCENT:
         rank = max(1, -(-PERCENT[column] * summary["valid"] // 100))
         return (">" if rank > summary["solved"] else "") + milliseconds(summary[f"{time}_{column}_s"])
@@ -188,11 +195,26 @@ def together(summary):
     return [line for line in sets if line["set"] == "all"] or sets
 
 
+def count_used(results, name, summary):
+    """Adds to the summary's sets in how many of their runs memory was used."""
+    used = {}
+    for row in results.rows(name):
+        if not row["status"].startswith("invalid"):
+            for of in (row["set"], "all"):
+                counts = used.setdefault((of, row["planner"], row["sampler"], row["setting"]), dict.fromkeys(USED, 0))
+                for column, is_used in USED.items():
+                    counts[column] += is_used(row)
+    for line in summary["sets"]:
+        line.update(used.get((line["set"], line["planner"], line["sampler"], line["setting"]), {}))
+
+
 def row_lines(results, names, options, where):
     time = options.get("time", "planning")
     lines = []
     for name in names:
         summary = results.summary(name)
+        if USED.keys() & set(options["show"]):
+            count_used(results, name, summary)
         meant = [s for s in (together(summary) if len(names) > 1 else summary["sets"]) if is_meant(s, where)]
         head = [name] if len(names) > 1 else []
         lines += [head + [s[column] for column in options.get("by", [])] +
@@ -227,33 +249,64 @@ def times_of(rows, time):
     return times
 
 
-def summary_cells(runs, columns):
-    values = sorted(time for time, _ in runs)
-    rank = {"p50": 0.5, "p95": 0.95}
+def percentile(values, column):
+    return sorted(values)[max(0, math.ceil(PERCENT[column] * len(values) / 100) - 1)]
+
+
+def resampled(ratio, units):
+    """The ratio of all units, and its bootstrap interval of 95 %."""
+    dice = random.Random(1)
+    values = sorted(ratio(dice.choices(units, k=len(units))) for _ in range(RESAMPLES))
+    return f"{factor(ratio(units))} ({factor(values[round(0.025 * RESAMPLES)])} to {factor(values[round(0.975 * RESAMPLES) - 1])})"
+
+
+def gain_cell(column, runs, base):
+    """Of runs and the baseline's, both by task: how many times less they take, or in how many pairs they take longer."""
+    if column == "slower":
+        pairs = [(this[0], that[0]) for task, these in runs.items() for this, that in zip(these, base[task])]
+        return f"{sum(this > that for this, that in pairs)} of {len(pairs)}"
+
+    def ratio(tasks):
+        these, those = ([time for task in tasks for time, _ in of[task]] for of in (base, runs))
+        if column == "mean_gain":
+            return statistics.fmean(these) / statistics.fmean(those)
+        return percentile(these, "p50") / percentile(those, "p50")
+
+    return resampled(ratio, list(runs))
+
+
+def summary_cells(by_task, base, columns):
+    runs = [run for of_task in by_task.values() for run in of_task]
     for column in columns:
-        if column == "solved":
+        if column == "tasks":
+            yield str(len(by_task))
+        elif column == "solved":
             yield f"{sum(is_solved for _, is_solved in runs)} of {len(runs)}"
         elif column == "mean":
-            yield factor(statistics.fmean(values))
+            yield factor(statistics.fmean(time for time, _ in runs))
+        elif column in ("p50_gain", "mean_gain", "slower"):
+            yield "" if by_task == base else gain_cell(column, by_task, base)
         else:
-            yield factor(values[max(0, math.ceil(rank[column] * len(values)) - 1)])
+            yield factor(percentile([time for time, _ in runs], column))
 
 
 def difficulty_lines(results, names, options, where):
     meant = ((name, row) for name in names for row in results.rows(name) if is_meant(row, where))
     times = times_of(meant, options.get("time", "planning"))
-    if options.get("baseline") not in times:
-        raise Mistake(f"baseline={options.get('baseline')}: expected one of {', '.join(times)}")
-    needed = {task: statistics.median(time for time, _ in runs) for task, runs in times[options["baseline"]].items()}
+    baseline = options.get("baseline", "").replace("_", " ")
+    if baseline not in times:
+        raise Mistake(f"baseline={baseline}: expected one of {', '.join(times)}")
+    needed = {task: statistics.median(time for time, _ in runs) for task, runs in times[baseline].items()}
     lines = []
     for low, high in zip(BINS_MS, BINS_MS[1:]):
-        tasks = [task for task, time in needed.items() if low <= time < high]
-        for setting in times if tasks else ():
-            runs = [run for task in tasks for run in times[setting].get(task, ())]
-            title = f"{low:g} to {high:g} ms" if high < math.inf else f"{low:g} ms and more"
-            lines.append([title, setting, *summary_cells(runs, options["show"])])
+        base = {task: times[baseline][task] for task, time in needed.items() if low <= time < high}
+        for setting in times if base else ():
+            runs = {task: times[setting][task] for task in base if task in times[setting]}
+            if runs:
+                title = f"{low:g} to {high:g} ms" if high < math.inf else f"{low:g} ms and more"
+                lines.append([title, setting, *summary_cells(runs, base, options["show"])])
     unit = {column: f"{column} ms" for column in ("p50", "mean", "p95")}
-    return [f"{options['baseline']} needs", "", *(unit.get(column, column) for column in options["show"])], lines
+    return [f"{baseline} needs", "", *(unit.get(column, TITLES.get(column, column)) for column in options["show"])], lines
 
 
 def cumulative(rows):
@@ -317,10 +370,6 @@ def medians_of(results, name, column):
     return {problem: statistics.median(runs) for problem, runs in values.items()}
 
 
-def percentile(values, column):
-    return sorted(values)[max(0, math.ceil(PERCENT[column] * len(values) / 100) - 1)]
-
-
 def beside_lines(results, names, options, where):
     lines = []
     for pair in names:
@@ -340,10 +389,7 @@ def beside_lines(results, names, options, where):
                 this, that = (statistics.fmean(v) if column == "length" else percentile(v, column) for v in of_each)
                 return this / that
 
-            dice = random.Random(1)
-            resampled = sorted(ratio(dice.choices(both, k=len(both))) for _ in range(RESAMPLES))
-            low, high = resampled[round(0.025 * RESAMPLES)], resampled[round(0.975 * RESAMPLES) - 1]
-            cells.append(f"{factor(ratio(both))} ({factor(low)} to {factor(high)})")
+            cells.append(resampled(ratio, both))
         lines.append(cells)
     return ["", *(TITLES.get(column, column) for column in options["show"])], lines
 
@@ -409,6 +455,8 @@ def rewrite(source, results, is_check):
     stale = []
     for path in documents(source):
         text, told = path.read_text(encoding="utf-8"), []
+        if len(OPENED.findall(text)) != len(MARKED.findall(text)):
+            raise Mistake(f"{path.relative_to(source)}: a table is not closed; expected '-->' at the end of a line, then <!-- /rows -->")
         try:
             new = MARKED.sub(lambda m: m["open"] + block(results, m["kind"], m["words"], told) + m["close"], text)
         except Mistake as mistake:

@@ -72,6 +72,37 @@ def test_rows_become_a_line_each_with_failures_marked(source):
     assert lines[-2:] == ["From:", "- `mneme bench run x`, commit abc, m"]
 
 
+def test_a_marker_may_end_on_a_line_of_its_own(source):
+    assert "| a b | 0.12 |" in written(source, "rows mbm by=setting show=p50\nwhere=setting:a_b\n")
+
+
+def test_a_table_that_is_not_closed_is_refused(source):
+    (source / "docs" / "a.md").write_text("<!-- rows mbm by=setting show=p50 -->\n<!-- /row -->\n", encoding="utf-8")
+    done = run(source, "--check")
+    assert done.returncode == 1 and "docs/a.md: a table is not closed" in done.stderr
+
+
+def test_gains_have_intervals_over_tasks_and_count_slower_pairs(source):
+    rows = ["set,problem,setting,planning_time_s,is_valid"]
+    for task, (base, this) in enumerate([(0.002, 0.001), (0.004, 0.001), (0.003, 0.006)]):
+        rows += [f"a,t{task}_1,planned,{base},1", f"a,t{task}_1,asked,{this},1"]
+    with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
+        packed.write("\n".join(rows) + "\n")
+    line = written(source, "difficulty mbm show=tasks,p50_gain,mean_gain,slower baseline=planned")[3]
+    assert line == "| 1 to 10 ms | asked | 3 | 3 (0.5 to 4) | 1.12 (0.5 to 4) | 1 of 3 |"
+
+
+def test_rows_count_the_runs_that_used_memory(source):
+    rows = ["set,planner,sampler,setting,status,retrieval_time_s,replayed",
+            'cage,rrt_connect,gl,"a b",solved,0.001,0', 'cage,rrt_connect,gl,"a b",solved,0,7',
+            'cage,rrt_connect,gl,"a b",invalid start,0.1,3', 'box,rrt_connect,gl,c,timeout,0,', '"a, b",x,x,x,solved,0,0']
+    with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
+        packed.write("\n".join(rows) + "\n")
+    lines = written(source, "rows mbm by=set show=retrieved,replayed where=set!all")
+    assert lines[0] == "| set | retrieved | replayed |"
+    assert lines[2:-2] == ["| cage | 1 of 100 | 1 of 100 |", "| box | 0 of 100 | 0 of 100 |"]
+
+
 def test_total_times_and_a_choice_of_rows(source):
     lines = written(source, "rows mbm by=setting show=p50 time=total where=setting:a_b")
     assert lines[2:-2] == ["| a b | 0.25 |"]
@@ -103,6 +134,10 @@ def test_problems_are_binned_by_what_the_baseline_needs(source):
     rows += ["a,2,planned,5,0", '"a",1,"asked, arm",0.001,1', '"a",2,"asked, arm",0.02,1']
     with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
         packed.write("\n".join(rows) + "\n")
+    lines = written(source, "difficulty mbm show=tasks,p50_gain,mean_gain,slower baseline=planned")
+    assert lines[0] == "| planned needs |  | tasks | p50 gain | mean gain | slower pairs |"
+    assert lines[2:4] == ["| 1 to 10 ms | planned | 1 |  |  |  |",
+                          "| 1 to 10 ms | asked | 1 | 3 (3 to 3) | 168 (168 to 168) | 0 of 1 |"]
     lines = written(source, "difficulty mbm show=solved,p50,mean,p95 baseline=planned")
     assert lines[0] == "| planned needs |  | solved | p50 ms | mean ms | p95 ms |"
     assert lines[2:-2] == ["| 1 to 10 ms | planned | 3 of 3 | 3 | 168 | 500 |", "| 1 to 10 ms | asked | 1 of 1 | 1 | 1 | 1 |",
