@@ -13,6 +13,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <map>
 #include <numbers>
 #include <thread>
 
@@ -304,11 +305,37 @@ void add_isa(CLI::App& app) {
       ->type_name("NAME");
 }
 
+namespace {
+
+/// Reads JOINT=VALUE,..
+void read_fixed(std::string_view text, std::map<std::string, double>& values) {
+  while (true) {
+    const std::size_t end = std::min(text.find(','), text.size());
+    const std::string_view item = text.substr(0, end);
+    const std::size_t equals = std::min(item.rfind('='), item.size());
+    const auto value = parse_number<double>(item.substr(std::min(equals + 1, item.size())));
+    if (equals == 0 || !value) {
+      throw CLI::ValidationError(
+          "--fix", fmt::format("expected JOINT=VALUE such as lift=0.2, got '{}'", item));
+    }
+    values[std::string(item.substr(0, equals))] = *value;
+    if (end == text.size()) return;
+    text.remove_prefix(end + 1);
+  }
+}
+
+}  // namespace
+
 void add_robot_flags(CLI::App& app, RobotOptions& options) {
   app.add_option("--srdf", options.srdf_path,
                  "SRDF file with groups and allowed collisions (default: next to the URDF)");
   app.add_option("--group", options.group,
                  "joints to plan for: a group of the SRDF, or the chain BASE_LINK:TIP_LINK");
+  add_text(
+      app, "--fix", [&options](const std::string& text) { read_fixed(text, options.fixed_values); },
+      "values of joints outside the group, which stay there: lift=0.2,base/x=1,base/theta=0.5 "
+      "(planar and floating joints have several values)")
+      ->type_name("JOINT=VALUE,..");
   add_reading_flags(app, options);
 }
 

@@ -153,7 +153,7 @@ std::vector<CLI::Option*> add_settings(CLI::App& app, Settings& settings,
 void add_memory_settings(CLI::App& app, MemorySettings& settings);
 /// The flag --isa, which forces the instruction set of all kernels.
 void add_isa(CLI::App& app);
-/// Adds --srdf, --group, --package-path, --strict and --hard-limits.
+/// Adds --srdf, --group, --fix, --package-path, --strict and --hard-limits.
 void add_robot_flags(CLI::App& app, RobotOptions& options);
 /// Adds the flags that control how URDF and SRDF are read.
 void add_reading_flags(CLI::App& app, RobotOptions& options);

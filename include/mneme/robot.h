@@ -30,6 +30,12 @@ struct Mimic {
   double offset = 0;
 };
 
+/// The pose of a planar or floating joint, which counts as fixed.
+struct HeldPose {
+  bool is_planar = false;  ///< a planar joint moves across Joint::axis and turns about it
+  Transform pose;          ///< in the joint frame; Joint::origin contains it
+};
+
 /// A joint moves its child link: X_parent_child(q) = origin * motion(q) about or along `axis`.
 struct Joint {
   std::string name;
@@ -44,6 +50,7 @@ struct Joint {
   std::optional<double> acceleration;  ///< Limit in rad/s^2 or m/s^2, >= 0, if the URDF gives one.
   double fixed_value = 0;              ///< Value of a movable joint outside the planning group.
   std::optional<Mimic> mimic;          ///< Set for a follower, which is in no group.
+  std::optional<HeldPose> held;        ///< Set for a planar or floating joint.
 };
 
 /// A triangle mesh in a file (STL, OBJ, DAE or PLY), not read yet.
@@ -112,7 +119,8 @@ struct RobotOptions {
   /// Pairs of links that may touch, in addition to those of the SRDF.
   std::vector<std::pair<std::string, std::string>> allowed_pairs = {};
   /// Values of movable joints outside the group, by name. Default: 0. A value beyond the limits is
-  /// used with a warning.
+  /// used with a warning. A planar joint J has the values J/x, J/y and J/theta, a floating joint
+  /// J/trans_x, J/trans_y, J/trans_z, J/rot_x, J/rot_y, J/rot_z and J/rot_w (a quaternion).
   std::map<std::string, double> fixed_values = {};
   /// Refuses what is otherwise tolerated with one warning, such as unknown elements and attributes
   /// in URDF and SRDF, missing limits and shapes without size.

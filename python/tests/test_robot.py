@@ -105,3 +105,16 @@ def test_bytes_that_are_not_utf_8_are_escaped_in_messages(tmp_path):
     path.write_bytes(ARM.encode().replace(b"weight", b"w\xffight"))
     assert "<w\\xffight>" in mneme.Robot.load(path).warnings[0]
     assert "<w\\xffight>" in raised(mneme.Robot.load, path, strict=True)[1]
+
+
+def test_planar_joints_stand_where_fixed_values_say(tmp_path):
+    path = tmp_path / "cart.urdf"
+    path.write_text("""<robot name="cart"><link name="ground"/><link name="cart"/><link name="arm">
+      <collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+      <joint name="base" type="planar"><parent link="ground"/><child link="cart"/></joint>
+      <joint name="turn" type="continuous"><parent link="cart"/><child link="arm"/>
+      <axis xyz="0 0 1"/></joint></robot>""")
+    robot = mneme.Robot.load(path, fixed_values={"base/x": 2, "base/y": -1})
+    assert robot.hash != mneme.Robot.load(path).hash
+    message = raised(mneme.Robot.load, path, fixed_values={"base": 1})[1]
+    assert "its fixed values are base/theta, base/x, base/y" in message

@@ -5,6 +5,7 @@
 #include "base/as_index.h"
 #include "base/files.h"
 #include "problem/problem_input.h"
+#include "robot/held_joints.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -76,6 +77,7 @@ class MoveitReader {
 
   Problem read() {
     ProblemRobot robot = load_robot();
+    hold_joints(robot);
     const MoveitFrames frames(scene_input_, state_);
     Problem problem{stem(address_.request), robot.robot, robot.path, {}, {}, {}, {}};
     problem.files = std::move(robot.files);
@@ -113,6 +115,21 @@ class MoveitReader {
   ProblemRobot load_robot() {
     if (options_.group.empty() && options_.joints.empty()) options_.group = request_.group;
     return load_problem_robot(find_path(), options_, overrides_);
+  }
+
+  /// Moves planar and floating joints of the robot to the state's poses. The pose that is left is
+  /// that of a virtual joint.
+  void hold_joints(ProblemRobot& robot) {
+    std::map<std::string, double> values;
+    for (const Joint& joint : robot.robot.joints()) {
+      const auto pose = joint.held ? state_.poses.find(joint.name) : state_.poses.end();
+      if (pose == state_.poses.end()) continue;
+      values.merge(held_values(joint, pose->second));
+      state_.poses.erase(pose);
+    }
+    if (fix_joints(robot, options_, values, request_input_)) {
+      robot.robot = load_problem_robot(robot.path, options_, overrides_).robot;
+    }
   }
 
   Scene place_scene(const Robot& robot, const MoveitFrames& frames) const {

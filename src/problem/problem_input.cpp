@@ -7,6 +7,7 @@
 #include "base/as_index.h"
 #include "base/files.h"
 #include "check/link_distances.h"
+#include "robot/held_joints.h"
 #include "robot/kinematics.h"
 
 #include <fmt/format.h>
@@ -42,8 +43,12 @@ std::string find_path(const Input& input, const std::string& directory,
 
 /// Returns why the value of a joint cannot be fixed, or nothing.
 std::string describe_obstruction(const Robot& robot, const std::string& name) {
+  for (const Joint& joint : robot.joints()) {
+    if (joint.held && held_values(joint, {}).contains(name)) return "";
+  }
   const auto joint = std::ranges::find(robot.joints(), name, &Joint::name);
   if (joint == robot.joints().end()) return "no such joint";
+  if (joint->held) return joint->held->is_planar ? "a planar joint" : "a floating joint";
   if (std::ranges::count(robot.group(), joint - robot.joints().begin()) > 0) return "planned for";
   if (joint->mimic) return "follows another joint";
   return joint->type == JointType::fixed ? "a fixed joint" : "";

@@ -3,6 +3,7 @@
 #include "mneme/problem.h"
 
 #include "base/as_index.h"
+#include "robot/held_joints.h"
 #include "scene/scene_input.h"
 #include "input/input.h"
 
@@ -21,11 +22,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Joints outside the group with a fixed value other than 0.
+/// Joints outside the group with a fixed value other than 0, and poses of planar and floating ones.
 Json fixed_joints_json(const Robot& robot) {
   Json values = Json::object();
   for (int i = 0; i < static_cast<int>(robot.joints().size()); ++i) {
     const Joint& joint = robot.joints()[internal::as_index(i)];
+    if (joint.held && !(joint.held->pose == Transform())) {
+      values.update(internal::held_values(joint, joint.held->pose));
+    }
     const bool is_planned = std::ranges::count(robot.group(), i) > 0;
     if (!is_planned && !joint.mimic && joint.fixed_value != 0.0) {
       values[joint.name] = joint.fixed_value;

@@ -4,6 +4,7 @@
 
 #include "base/as_index.h"
 #include "base/fail.h"
+#include "robot/held_joints.h"
 #include "robot/kinematics.h"
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 namespace mneme::internal {
@@ -103,6 +105,10 @@ Result<int> find_free_joint(std::span<const Joint> joints, const std::string& na
   std::string fault;
   if (found == joints.end()) {
     fault = fmt::format("there is no joint '{}'", name);
+  } else if (found->held) {
+    fault = fmt::format("joint '{0}' is {1}: its fixed values are {2}", name,
+                        found->held->is_planar ? "planar" : "floating",
+                        fmt::join(std::views::keys(held_values(*found, {})), ", "));
   } else if (found->type == JointType::fixed) {
     fault = fmt::format("joint '{}' is fixed", name);
   } else if (found->mimic) {

@@ -4,6 +4,7 @@
 
 #include "base/as_index.h"
 #include "base/fail.h"
+#include "robot/held_joints.h"
 #include "robot/identity.h"
 #include "robot/kinematics.h"
 #include "robot/planning_group.h"
@@ -40,8 +41,9 @@ double within_limits(const Joint& joint, double value) {
 }
 
 Result<void> set_fixed_values(std::vector<Joint>& joints, std::span<const int> group,
-                              const std::map<std::string, double>& values,
+                              std::map<std::string, double> values,
                               std::vector<std::string>& warnings) {
+  MNEME_TRY(internal::hold_joints(joints, values));
   for (Joint& joint : joints) {
     joint.fixed_value = joint.type == JointType::fixed ? 0.0 : within_limits(joint, 0.0);
   }

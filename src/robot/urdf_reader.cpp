@@ -186,6 +186,7 @@ class UrdfReader {
   void read_link(const XmlElement& element);
   void read_joint(const XmlElement& element);
   JointType read_type(const XmlElement& element);
+  void read_held(const XmlElement& element, Joint& joint);
   void read_motion(const XmlElement& element, Joint& joint);
   std::optional<double> read_rate(const XmlElement& limit, const char* attribute);
   void read_limits(const XmlElement& element, Joint& joint);
@@ -272,9 +273,19 @@ JointType UrdfReader::read_type(const XmlElement& element) {
     xml_.fail(element, "type '{}' is unknown; {}", type, kExpected);
   }
   xml_.tolerate(
-      element, fmt::format("a {} joint cannot be planned for and stays at its origin", type),
+      element, fmt::format("a {} joint cannot be planned for and stays at its fixed values", type),
       fmt::format("type '{}' is not supported; {}", type, kExpected), ErrorCode::unsupported);
   return JointType::fixed;
+}
+
+/// Reads a planar or floating joint. MoveIt, too, moves a planar joint without <axis> across z.
+void UrdfReader::read_held(const XmlElement& element, Joint& joint) {
+  const std::string type = xml_.text(element, "type");
+  if (type != "planar" && type != "floating") return;
+  joint.held = HeldPose{type == "planar", {}};
+  joint.axis = Vec3::UnitZ();
+  const XmlElement* axis = element.FirstChildElement("axis");
+  if (axis != nullptr && type == "planar") joint.axis = xml_.vector(*axis, "xyz", joint.axis);
 }
 
 void UrdfReader::read_joint(const XmlElement& element) {
@@ -285,6 +296,7 @@ void UrdfReader::read_joint(const XmlElement& element) {
                       {"dynamics", "safety_controller", "calibration", "gazebo"});
   joint.type = read_type(element);
   joint.origin = read_origin(xml_, element);
+  read_held(element, joint);
   if (joint.type != JointType::fixed) {
     read_motion(element, joint);
     read_mimic(element, joint);

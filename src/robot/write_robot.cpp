@@ -122,7 +122,16 @@ std::string to_xml(const Link& link) {
   return fmt::format("  <link name=\"{}\">\n{}  </link>\n", name, shapes);
 }
 
+/// The type of a joint in URDF.
+std::string_view type_of(const Joint& joint) {
+  if (!joint.held) return to_string(joint.type);
+  return joint.held->is_planar ? "planar" : "floating";
+}
+
 std::string motion_to_xml(const Joint& joint, const Robot::Parts& parts) {
+  if (joint.held && joint.held->is_planar) {
+    return fmt::format("    <axis xyz=\"{}\"/>\n", xml_vector(joint.axis));
+  }
   if (joint.type == JointType::fixed) return "";
   std::string text = fmt::format("    <axis xyz=\"{}\"/>\n    <limit ", xml_vector(joint.axis));
   if (joint.type != JointType::continuous) {
@@ -144,11 +153,12 @@ std::string to_xml(const Joint& joint, const Robot::Parts& parts) {
   const auto link_name = [&](int link) {
     return xml_escaped(parts.links[internal::as_index(link)].name);
   };
-  const std::string origin = xml_origin(joint.origin);
+  const std::string origin =
+      xml_origin(joint.held ? joint.origin * joint.held->pose.inverse() : joint.origin);
   return fmt::format(
       "  <joint name=\"{}\" type=\"{}\">\n    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n"
       "{}{}  </joint>\n",
-      xml_escaped(joint.name), to_string(joint.type), link_name(joint.parent_link),
+      xml_escaped(joint.name), type_of(joint), link_name(joint.parent_link),
       link_name(joint.child_link), origin.empty() ? "" : "    " + origin + "\n",
       motion_to_xml(joint, parts));
 }

@@ -75,19 +75,20 @@ void read_positions(const Input& input, MoveitState& state) {
   }
 }
 
-void read_base(const Input& input, MoveitState& state) {
+void read_poses(const Input& input, MoveitState& state) {
   input.allow_keys({"header", "joint_names", "transforms", "twist", "wrench"});
   const std::vector<Input> names = input.items("joint_names");
   const std::vector<Input> transforms = input.items("transforms");
-  if (names.empty() && transforms.empty()) return;
-  if (names.size() != 1 || transforms.size() != 1) {
-    input.fail(names.size() == transforms.size() ? ErrorCode::unsupported : ErrorCode::parse,
-               "expected one virtual joint that carries the robot's root link, got {} "
-               "names and {} transforms",
+  if (names.size() != transforms.size()) {
+    input.fail(ErrorCode::parse, "expected one transform per joint, got {} names and {} transforms",
                names.size(), transforms.size());
   }
-  state.base = read_moveit_transform(transforms.front());
-  state.base_frame = read_frame_id(input);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Transform pose = read_moveit_transform(transforms[i]);
+    if (state.poses.emplace(names[i].text(), pose).second) continue;
+    names[i].fail(ErrorCode::parse, "expected each joint once, got {} again", names[i].text());
+  }
+  state.pose_frame = read_frame_id(input);
 }
 
 }  // namespace
@@ -300,7 +301,7 @@ MoveitState read_moveit_state(const Input& input) {
       {"joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff"});
   MoveitState state;
   if (const auto joints = input.find("joint_state")) read_positions(*joints, state);
-  if (const auto base = input.find("multi_dof_joint_state")) read_base(*base, state);
+  if (const auto poses = input.find("multi_dof_joint_state")) read_poses(*poses, state);
   for (const Input& attached : input.items("attached_collision_objects")) {
     state.attached.push_back(read_attached(attached));
     refuse_twice(state.attached);
@@ -310,10 +311,8 @@ MoveitState read_moveit_state(const Input& input) {
 
 MoveitState overlaid(MoveitState state, const MoveitState& difference) {
   for (const auto& [joint, position] : difference.positions) state.positions[joint] = position;
-  if (difference.base) {
-    state.base = difference.base;
-    state.base_frame = difference.base_frame;
-  }
+  for (const auto& [joint, pose] : difference.poses) state.poses[joint] = pose;
+  if (!difference.poses.empty()) state.pose_frame = difference.pose_frame;
   for (const MoveitAttached& attached : difference.attached) {
     std::erase_if(state.attached, [&](const MoveitAttached& other) {
       return other.object.obstacle.name == attached.object.obstacle.name;

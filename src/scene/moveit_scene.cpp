@@ -5,7 +5,9 @@
 #include "scene/scene_input.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <ranges>
 #include <span>
 
 namespace mneme::internal {
@@ -35,19 +37,27 @@ MoveitFrames::MoveitFrames(const Input& scene, const MoveitState& state) {
     planning_frame_ = target.text();
     X_PF_[read_frame_id(item)] = read_moveit_transform(item.at("transform"));
   }
+  const std::string& frame = state.pose_frame;
   if (planning_frame_.empty()) {
-    planning_frame_ = state.base ? state.base_frame : frame_of_state(scene);
+    planning_frame_ = state.poses.empty() ? frame_of_state(scene) : frame;
   }
-  if (!state.base) return;
-  const bool is_planning_frame = state.base_frame.empty() || state.base_frame == planning_frame_;
-  const auto known = X_PF_.find(state.base_frame);
+  if (state.poses.empty()) return;
+  if (state.poses.size() > 1) {
+    scene.fail(ErrorCode::unsupported,
+               "multi_dof_joint_state: expected one virtual joint that carries the robot's root "
+               "link, got {}",
+               fmt::join(std::views::keys(state.poses), ", "));
+  }
+  const bool is_planning_frame = frame.empty() || frame == planning_frame_;
+  const auto known = X_PF_.find(frame);
   if (!is_planning_frame && known == X_PF_.end()) {
     scene.fail(ErrorCode::invalid,
                "expected the robot's pose in the planning frame \"{}\", got one in "
                "\"{}\"",
-               planning_frame_, state.base_frame);
+               planning_frame_, frame);
   }
-  X_PR_ = is_planning_frame ? *state.base : known->second * *state.base;
+  const Transform& pose = state.poses.begin()->second;
+  X_PR_ = is_planning_frame ? pose : known->second * pose;
 }
 
 Transform MoveitFrames::pose_in_root(const std::string& frame, const Input& place,

@@ -45,9 +45,10 @@ struct MoveitAttached {
 
 struct MoveitState {
   std::map<std::string, double> positions;  ///< by joint
-  /// Pose of the robot's root link in `base_frame`, from a virtual joint.
-  std::optional<Transform> base;
-  std::string base_frame;
+  /// Poses of the robot's root link in `pose_frame`, by virtual joint, and of planar and floating
+  /// joints.
+  std::map<std::string, Transform> poses;
+  std::string pose_frame;
   std::vector<MoveitAttached> attached;
 };
 
@@ -71,7 +72,8 @@ using FindLink =
 
 class MoveitFrames {
  public:
-  /// Reads `fixed_frame_transforms` of `scene` and the robot's pose from `state`.
+  /// Reads `fixed_frame_transforms` of `scene` and the robot's pose from `state`, which has at most
+  /// one pose.
   MoveitFrames(const Input& scene, const MoveitState& state);
 
   /// The planning frame P, in which the robot's root link R has any pose; empty if not given.

@@ -97,6 +97,27 @@ TEST_SUITE("flow") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("joints outside the group stand where --fix says, planar ones too") {
+    const PlanarFiles files;
+    const std::string cart = files / "cart.urdf";
+    write_file(
+        cart,
+        "<robot name=\"cart\"><link name=\"ground\"/><link name=\"cart\"/><link name=\"arm\">"
+        "<collision><geometry><sphere radius=\"0.1\"/></geometry></collision></link>"
+        "<joint name=\"base\" type=\"planar\"><parent link=\"ground\"/>"
+        "<child link=\"cart\"/></joint>"
+        "<joint name=\"turn\" type=\"continuous\"><parent link=\"cart\"/>"
+        "<child link=\"arm\"/><axis xyz=\"0 0 1\"/></joint></robot>");
+    const ProgramRun run =
+        run_program({"robot", "check", cart, "--q", "0", "--fix", "base/x=1,base/y=-2"});
+    CHECK_MESSAGE(has_text(run.out, "tip arm at 1.000000, -2.000000, 0.000000"), run.out + run.err);
+    check_bad_inputs({
+        {{"robot", "check", cart, "--q", "0", "--fix", "base/x"}, 2, {"--fix", "JOINT=VALUE"}},
+        {{"robot", "check", cart, "--q", "0", "--fix", "base/x=one"}, 2, {"base/x=one"}},
+        {{"robot", "check", cart, "--q", "0", "--fix", "lift=1"}, 1, {"there is no joint 'lift'"}},
+    });
+  }
+
   TEST_CASE("wrong robots end with a message and an exit code") {
     const PlanarFiles files;
     write_file(files / "empty.urdf", "");

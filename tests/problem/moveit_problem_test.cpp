@@ -223,6 +223,26 @@ TEST_SUITE("unit") {
     CHECK(same->start == problem->start);
   }
 
+  TEST_CASE("planar and floating joints of the robot stand where the state says") {
+    MoveitFiles files(kMoveitScene +
+                      "  multi_dof_joint_state: {joint_names: [drive, virtual], header: {frame_id: "
+                      "odom}, transforms: [{translation: [1, 2, 0], rotation: [0, 0, 1, 0]}, "
+                      "{translation: [5, 0, 0], rotation: [0, 0, 0, 1]}]}\n");
+    const std::string drive =
+        "<link name=\"map\"/><joint name=\"drive\" type=\"planar\"><parent link=\"map\"/>"
+        "<child link=\"world\"/></joint></robot>";
+    write_file(files / "lifter.urdf", replaced(kLiftUrdf, "</robot>", drive));
+    const auto problem = files.load();
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    const Robot& robot = problem->robot;
+    const auto link = static_cast<std::size_t>(*robot.find_link("world"));
+    CHECK((robot.link_poses(problem->start)[link].translation - Vec3(1, 2, 0)).norm() < 1e-12);
+    CHECK(robot.link_poses(problem->start)[link].rotation(0, 0) == doctest::Approx(-1));
+    // The written problem has the joint's values, too.
+    const std::string yaml = to_yaml(*problem, files / "lifter.urdf");
+    CHECK(yaml.find("drive/x") != std::string::npos);
+  }
+
   TEST_CASE("a goal is the middle of what tolerances and limits allow") {
     const MoveitFiles files;
     const auto problem = files.load();

@@ -331,7 +331,8 @@ TEST_SUITE("unit") {
         {"</robot>",
          "<link name=\"cart\"/><joint name=\"drive\" type=\"planar\"><parent link=\"cart\"/>"
          "<child link=\"base\"/></joint></robot>",
-         "joint 'drive': <joint>: a planar joint cannot be planned for and stays at its origin"},
+         "joint 'drive': <joint>: a planar joint cannot be planned for and stays at its fixed "
+         "values"},
         {"<collision>", "<collision/><collision>", "link 'tool': <collision>: it has no shape"},
         {shape, shape + shape, "<geometry>: several shapes, which are all used"},
         {"<geometry>", "<geometry/><geometry>",

@@ -65,20 +65,20 @@ attached_collision_objects: []
                                         read_moveit_state)
                                   .value();
     CHECK(state.positions == std::map<std::string, double>{{"a", 1}, {"b", -2}});
-    REQUIRE(state.base);
-    CHECK(state.base->translation == Vec3(1, 2, 3));
-    CHECK(state.base_frame == "world");
+    REQUIRE(state.poses.contains("virtual_joint"));
+    CHECK(state.poses.at("virtual_joint").translation == Vec3(1, 2, 3));
+    CHECK(state.pose_frame == "world");
   }
 
   TEST_CASE("what a difference says stands for what was there") {
     MoveitState state;
     state.positions = {{"a", 1}, {"b", 2}};
-    state.base = Transform{};
+    state.poses = {{"v", Transform{}}};
     MoveitState difference;
     difference.positions = {{"b", 3}};
     const MoveitState both = internal::overlaid(state, difference);
     CHECK(both.positions == std::map<std::string, double>{{"a", 1}, {"b", 3}});
-    CHECK(both.base);
+    CHECK(both.poses.contains("v"));
   }
 
   TEST_CASE("attached objects have a link, shapes and links that may touch them") {
@@ -108,10 +108,9 @@ attached_collision_objects: []
           "f:1: key joint_state.name[1]: expected each joint once, got a again");
     CHECK(failure("joint_state: {name: [a], position: [.inf]}") ==
           "f:1: key joint_state.position[0]: expected a finite number, got .inf");
-    CHECK(
-        failure("multi_dof_joint_state: {joint_names: [a, b], transforms: [{}, {}]}") ==
-        "f:1: key multi_dof_joint_state: expected one virtual joint that carries the robot's root "
-        "link, got 2 names and 2 transforms");
+    CHECK(failure("multi_dof_joint_state: {joint_names: [a, b], transforms: [{}]}") ==
+          "f:1: key multi_dof_joint_state: expected one transform per joint, got 2 names and 1 "
+          "transforms");
     CHECK(failure("attached_collision_objects:\n  - {link_name: hand, object: {id: ''}}") ==
           "f:2: key attached_collision_objects[0].object.id: expected a name, got \"\"");
     CHECK(failure("attached_collision_objects:\n  - {link_name: a, object: {id: x}}\n"

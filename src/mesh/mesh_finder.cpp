@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mesh/mesh_finder.h"
+
 #include "base/fail.h"
 #include "base/files.h"
 #include "base/text.h"
-#include "robot/urdf_reader.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <tinyxml2.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -92,8 +94,8 @@ std::string package_name(const fs::path& directory) {
   const auto text = read_text_file((directory / "package.xml").string(), kMaxPackageText);
   if (!text || find_costly_xml(*text)) return {};
   if (document.Parse(text->data(), text->size()) != tinyxml2::XML_SUCCESS) return {};
-  const XmlElement* root = document.RootElement();
-  const XmlElement* name = root ? root->FirstChildElement("name") : nullptr;
+  const tinyxml2::XMLElement* root = document.RootElement();
+  const tinyxml2::XMLElement* name = root ? root->FirstChildElement("name") : nullptr;
   return name != nullptr && name->GetText() != nullptr ? name->GetText() : "";
 }
 
