@@ -8,8 +8,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 
 namespace mneme::internal {
@@ -188,9 +190,16 @@ double Input::positive_number() const {
 bool Input::boolean() const {
   if (const auto* value = std::get_if<bool>(&value_->content)) return *value;
   const auto* text = std::get_if<InputValue::Text>(&value_->content);
-  const bool is_plain = text != nullptr && !text->is_quoted;
-  if (is_plain && (text->text == "true" || text->text == "True")) return true;
-  if (is_plain && (text->text == "false" || text->text == "False")) return false;
+  if (text == nullptr || text->is_quoted) fail_expecting("true or false");
+  // As YAML 1.1, which rosparam and PyYAML read.
+  std::string lower = text->text;
+  std::ranges::transform(lower, lower.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto is_one_of = [&](std::initializer_list<std::string_view> words) {
+    return std::ranges::find(words, lower) != words.end();
+  };
+  if (is_one_of({"true", "yes", "on"})) return true;
+  if (is_one_of({"false", "no", "off"})) return false;
   fail_expecting("true or false");
 }
 

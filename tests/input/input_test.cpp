@@ -239,6 +239,22 @@ TEST_SUITE("unit") {
     CHECK(list[1].line == 4);
   }
 
+  TEST_CASE("truth is spelled as YAML 1.1 and ROS spell it") {
+    const auto read = [](const std::string& text) {
+      return internal::without_throwing([&] {
+        const InputValue value = internal::parse_yaml("a: " + text, "f");
+        const std::string source = "f";
+        return internal::Input(value, source).at("a").boolean();
+      });
+    };
+    for (const char* yes : {"true", "True", "TRUE", "yes", "Yes", "on"}) CHECK(read(yes) == true);
+    for (const char* no : {"false", "False", "no", "NO", "off"}) CHECK(read(no) == false);
+    for (const char* other : {"1", "y", "'yes'", "maybe", "[true]", ""}) {
+      CAPTURE(other);
+      CHECK_FALSE(read(other).has_value());
+    }
+  }
+
   TEST_CASE("a value that was left out is nothing, at the line of its key") {
     const InputValue value = internal::parse_yaml("a: 1\nb:\n", "f");
     const auto& entry = std::get<InputValue::Map>(value.content)[1];
