@@ -270,6 +270,29 @@ void bind_text(SceneClass& scene) {
                        }));
 }
 
+void bind_contacts(SceneClass& scene) {
+  scene.def(
+      "allow",
+      [](Scene& self, const std::string& link, const std::string& obstacle,
+         std::optional<double> at_ends) {
+        Obstacle* found = self.find(obstacle);
+        if (found == nullptr) {
+          raise_invalid(fmt::format("obstacle: there is no obstacle '{}'", obstacle));
+        }
+        if (!at_ends) {
+          found->may_touch.push_back(link);
+        } else if (*at_ends > 0 && *at_ends <= 1) {
+          self.end_contacts.push_back({link, obstacle, *at_ends});
+        } else {
+          raise_invalid(fmt::format("at_ends: expected metres in (0, 1], got {}", *at_ends));
+        }
+      },
+      py::arg("link"), py::arg("obstacle"), py::arg("at_ends") = std::nullopt,
+      "Allows contact of a link, or of an attached object, with an obstacle: the pair is not "
+      "checked.\n\nat_ends: allows contact only at the start and goal of a path, within this "
+      "distance of motion, metres.");
+}
+
 }  // namespace
 
 void bind_scene(py::module_& module) {
@@ -313,18 +336,7 @@ void bind_scene(py::module_& module) {
       "Parts of the input that were ignored, such as points that are not finite.");
   bind_shapes(scene);
   bind_edits(scene);
-  scene.def(
-      "allow",
-      [](Scene& self, const std::string& link, const std::string& obstacle) {
-        Obstacle* found = self.find(obstacle);
-        if (found == nullptr) {
-          raise_invalid(fmt::format("obstacle: there is no obstacle '{}'", obstacle));
-        }
-        found->may_touch.push_back(link);
-      },
-      py::arg("link"), py::arg("obstacle"),
-      "Allows contact of a link, or of an attached object, with an obstacle: the pair is not "
-      "checked.");
+  bind_contacts(scene);
   bind_text(scene);
   scene.def("__len__", [](const Scene& self) { return self.obstacles.size(); });
   scene.def("__repr__", [](const Scene& self) {

@@ -44,8 +44,9 @@ struct ExactContact {
                                 const std::vector<Configuration>& path, double resolution);
 
 /// Exceptions for the ends of a path. The start may exceed limits and be in contact. At the goal
-/// only an attached object may be in contact. All limits and distances must be kept where the first
-/// motion ends and where the last motion begins. A value of 0 allows no exception.
+/// only an attached object or a pair of Scene::end_contacts may be in contact. All limits and
+/// distances must be kept where the first motion ends and where the last motion begins. A value of
+/// 0 allows no exception.
 struct EndTolerances {
   double angle = 0.05;    ///< Radians that a start may be beyond limits of joints and cones.
   double length = 0.005;  ///< Metres that a start may be beyond limits of prismatic joints.

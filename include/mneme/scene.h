@@ -39,6 +39,16 @@ struct Obstacle {
   bool operator==(const Obstacle&) const = default;
 };
 
+/// Two bodies that may touch at the start and at the goal of a path: links, attached objects, or
+/// one of these and an obstacle. In between the pair is checked as any other.
+struct EndContact {
+  std::string first, second;  ///< names
+  /// Largest distance, metres, that a body of the pair may move while they touch.
+  double stretch = 0.005;
+
+  bool operator==(const EndContact&) const = default;
+};
+
 namespace internal {
 
 /// Cache of names for Scene::add(). A copy is empty, and all caches compare equal.
@@ -76,6 +86,8 @@ struct Scene {
   /// Pairs of links that are checked against each other by exact geometry; at least one of the two
   /// has a sphere approximation. Not written to files.
   std::vector<std::pair<std::string, std::string>> exact_pairs = {};
+  /// Pairs that may touch at the ends of a path, beyond those of EndTolerances.
+  std::vector<EndContact> end_contacts = {};
   internal::ObstacleNames names = {};  ///< For add() only.
 
   /// Returns the obstacle of this name, or null if there is none.

@@ -331,3 +331,14 @@ def test_what_files_would_refuse_is_refused():
     with pytest.raises(mneme.Error, match="obstacle 'far': expected a shape within 10000 m"):
         scene.add_sphere("far", [9999.5, 0, 0], 1)
     assert len(scene) == 0
+
+
+def test_a_pair_may_touch_at_the_ends_of_a_path():
+    scene = mneme.Scene()
+    scene.add_sphere("ball", [0, 0, 0], 0.1)
+    scene.allow("hand", "ball", at_ends=0.02)
+    text = scene.to_yaml()
+    assert "at_ends: 0.02" in text and "hand" in text
+    assert mneme.Scene.parse(text).to_yaml() == text
+    for wrong in (0, -1, 2, float("nan")):
+        assert "at_ends" in raised(scene.allow, "hand", "ball", at_ends=wrong)[1]

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace mneme {
 namespace internal {
@@ -58,7 +59,23 @@ EndMotions::EndMotions(const Robot& robot, const Scene& scene, double margin,
       tolerances_(tolerances),
       links_(robot),
       shapes_(obstacle_shapes(robot, scene)),
-      pairs_(link_pairs(robot, scene)) {}
+      pairs_(link_pairs(robot, scene)) {
+  for (const EndContact& contact : scene.end_contacts) add_named(contact, scene);
+}
+
+/// A name that a link and an obstacle share means the link.
+void EndMotions::add_named(const EndContact& contact, const Scene& scene) {
+  auto first = robot_.find_link(contact.first), second = robot_.find_link(contact.second);
+  if (first && second) {
+    named_.push_back({std::min(*first, *second), std::max(*first, *second), true, contact.stretch});
+    return;
+  }
+  const std::string& name = first ? contact.second : contact.first;
+  const auto obstacle = std::ranges::find(scene.obstacles, name, &Obstacle::name);
+  if ((!first && !second) || obstacle == scene.obstacles.end()) return;
+  const int index = static_cast<int>(obstacle - scene.obstacles.begin());
+  named_.push_back({first ? *first : *second, index, false, contact.stretch});
+}
 
 std::vector<Touch> EndMotions::touching(std::span<const double> q, double extra) const {
   const PosedLinks posed = links_.posed(robot_.link_poses(q));
@@ -103,6 +120,23 @@ bool EndMotions::is_held(const Touch& touch) const {
   return touch.link >= first_attached || (touch.is_self && touch.other >= first_attached);
 }
 
+std::optional<double> EndMotions::stretch_of(const Touch& touch) const {
+  std::pair<int, int> ends(touch.link, touch.other);
+  if (touch.is_self) ends = std::minmax(touch.link, touch.other);
+  for (const NamedPair& pair : named_) {
+    if (pair.is_self == touch.is_self && std::pair(pair.link, pair.other) == ends) {
+      return pair.stretch;
+    }
+  }
+  return is_held(touch) ? std::optional(tolerances_.stretch) : std::nullopt;
+}
+
+double EndMotions::longest_stretch() const {
+  double longest = tolerances_.stretch;
+  for (const NamedPair& pair : named_) longest = std::max(longest, pair.stretch);
+  return longest;
+}
+
 double EndMotions::deepest(const Touch& touch) const {
   double least = tolerances_.depth;
   for (const int link : {touch.link, touch.is_self ? touch.other : touch.link}) {
@@ -112,8 +146,7 @@ double EndMotions::deepest(const Touch& touch) const {
 }
 
 bool EndMotions::may_leave(const Touch& touch, bool is_start) const {
-  return (tolerances_.stretch > 0 && is_held(touch)) ||
-         (is_start && touch.distance > -deepest(touch));
+  return stretch_of(touch).value_or(0) > 0 || (is_start && touch.distance > -deepest(touch));
 }
 
 double EndMotions::travel(const PosedLinks& from, const PosedLinks& to, const Touch& touch) const {
@@ -148,7 +181,8 @@ bool EndMotions::is_left_by(const Configuration& end, const Configuration& insid
       const auto before =
           std::ranges::find_if(open, [&](const Touch& touch) { return touch.is_same_pair(now); });
       if (before == open.end() || now.distance < before->distance - kRounding) return false;
-      const bool is_far = is_held(now) && travel(at_end, posed, now) > tolerances_.stretch;
+      const auto stretch = stretch_of(now);
+      const bool is_far = stretch && travel(at_end, posed, now) > *stretch;
       if (now.distance < 0 && (is_far || i == steps)) return false;
       still_open.push_back(now);
     }

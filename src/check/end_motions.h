@@ -8,6 +8,7 @@
 
 #include "check/link_distances.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -52,17 +53,29 @@ class EndMotions {
   /// True if a path may begin (`is_start`) or end in this contact.
   [[nodiscard]] bool may_leave(const Touch& touch, bool is_start) const;
   /// True if the straight motion from `end`, the start or goal of a path, to `inside` only leaves
-  /// contact that may be left. The pairs in contact come no closer. Attached objects touch only
-  /// within EndTolerances::stretch metres of motion. All other pairs keep `extra` metres, and at
-  /// `inside` nothing touches. Checks at least `steps` states.
+  /// contact that may be left. The pairs in contact come no closer. Attached objects and the pairs
+  /// of Scene::end_contacts touch only within their stretch of motion. All other pairs keep `extra`
+  /// metres, and at `inside` nothing touches. Checks at least `steps` states.
   [[nodiscard]] bool is_left_by(const Configuration& end, const Configuration& inside,
                                 bool is_start, int steps, double extra) const;
+  /// Largest stretch of any pair, metres.
+  [[nodiscard]] double longest_stretch() const;
   /// The unit vector along which the link of the contact leaves the contact at `q`; 0 if there is
   /// no such direction.
   [[nodiscard]] Vec3 direction_out(std::span<const double> q, const Touch& touch) const;
 
  private:
+  /// A pair of Scene::end_contacts.
+  struct NamedPair {
+    int link = 0, other = 0;  ///< as in Touch
+    bool is_self = false;
+    double stretch = 0;
+  };
+  void add_named(const EndContact& contact, const Scene& scene);
   [[nodiscard]] bool is_held(const Touch& touch) const;
+  /// Largest motion in contact, metres: that of a named pair or of attached objects. Nothing for
+  /// other pairs, which have no limit.
+  [[nodiscard]] std::optional<double> stretch_of(const Touch& touch) const;
   /// Largest depth of the contact at the start, metres. The measured depth of a thin link never
   /// exceeds its radius, so the limit is at most half of that radius.
   [[nodiscard]] double deepest(const Touch& touch) const;
@@ -77,6 +90,7 @@ class EndMotions {
   LinkDistances links_;
   std::vector<ObstacleShape> shapes_;
   std::vector<LinkPair> pairs_;
+  std::vector<NamedPair> named_;
 };
 
 }  // namespace mneme::internal

@@ -68,6 +68,14 @@ Result<void> check_named_links(const Robot& robot, const Scene& scene) {
           fmt::format("obstacle '{}' is checked by the exact geometry of", obstacle.name)));
     }
   }
+  for (const EndContact& contact : scene.end_contacts) {
+    for (const std::string& name : {contact.first, contact.second}) {
+      if (scene.find(name) != nullptr) continue;
+      MNEME_TRY(check_link(
+          robot, name,
+          fmt::format("scene '{}' allows contact at the ends of a path of", scene.name)));
+    }
+  }
   for (const auto& [first, second] : scene.exact_pairs) {
     for (const std::string& name : {first, second}) {
       MNEME_TRY(check_link(

@@ -108,7 +108,8 @@ class EndMover {
   }
 
   [[nodiscard]] double stretch() const {
-    return tolerances_.stretch > 0 ? tolerances_.stretch : kDefaultStretch;
+    const double longest = motions_.longest_stretch();
+    return longest > 0 ? longest : kDefaultStretch;
   }
 
   /// True if `q` keeps all limits, cones and distances, and the straight motion from `given` to `q`

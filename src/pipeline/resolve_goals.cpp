@@ -30,7 +30,8 @@ Result<CellChecker> make_checker(const Query& query, const PlanQuery& ends) {
 /// Replaces ends that are barely outside by configurations nearby.
 Result<GivenEnds> move_inside(const Query& query, CellChecker& made, PlanQuery& ends) {
   const SolveSettings& settings = query.settings;
-  const bool has_tolerance = settings.start_tolerance > 0 || settings.allow_at_ends > 0;
+  const bool has_tolerance = settings.start_tolerance > 0 || settings.allow_at_ends > 0 ||
+                             !query.problem.scene.end_contacts.empty();
   if (made.checked.are_ends_clear || !has_tolerance) return GivenEnds{};
   // The exact geometry may show that start and goals are free.
   const CollisionChecker& checker = made.checked.checker;
@@ -89,10 +90,13 @@ Result<void> resolve_poses(const Query& query, CellChecker& made, PlanQuery& end
   return {};
 }
 
-/// Takes configurations for the poses in which an attached object touches what it is put on.
+/// Takes configurations for the poses in which an attached object touches what it is put on, or a
+/// pair of Scene::end_contacts touches.
 Result<void> enter_contact(const Query& query, CellChecker& made, PlanQuery& ends, GivenEnds& given,
                            std::vector<Configuration> blocked) {
-  if (query.settings.allow_at_ends == 0 || query.problem.robot.attached().empty()) return {};
+  const Problem& problem = query.problem;
+  const bool holds = query.settings.allow_at_ends > 0 && !problem.robot.attached().empty();
+  if (!holds && problem.scene.end_contacts.empty()) return {};
   PlanQuery tried{ends.start, std::move(blocked)};
   GivenEnds entered = move_ends_inside(query, made.checked.checker, tried);
   if (entered.goals.empty()) return {};

@@ -9,24 +9,30 @@
 
 namespace mneme::internal {
 
-std::optional<std::string> AllowedContacts::allow(const std::string& first,
-                                                  const std::string& second) {
+std::optional<std::string> AllowedContacts::find_fault(const std::string& first,
+                                                       const std::string& second) const {
   for (const std::string& name : {first, second}) {
     if (knows(name)) continue;
     return fmt::format("expected a link of robot {}, an attached object or an obstacle, got \"{}\"",
                        robot_.name(), name);
   }
+  if (!is_carried(first) && !is_carried(second)) {
+    return fmt::format(
+        "expected a link or an attached object to touch obstacle \"{}\", got obstacle \"{}\"",
+        first, second);
+  }
+  if (first == second) return fmt::format("expected two names, got \"{}\" twice", first);
+  return std::nullopt;
+}
+
+std::optional<std::string> AllowedContacts::allow(const std::string& first,
+                                                  const std::string& second) {
+  if (const auto fault = find_fault(first, second)) return fault;
   if (Obstacle* obstacle = scene_.find(second); obstacle && is_carried(first)) {
     scene_.allow(*obstacle, first);
   } else if (obstacle = is_carried(first) ? nullptr : scene_.find(first);
              obstacle && is_carried(second)) {
     scene_.allow(*obstacle, second);
-  } else if (obstacle != nullptr) {
-    return fmt::format(
-        "expected a link or an attached object to touch obstacle \"{}\", got obstacle \"{}\"",
-        first, second);
-  } else if (first == second) {
-    return fmt::format("expected two names, got \"{}\" twice", first);
   } else if (AttachedObject* object = find_attached(first)) {
     object->may_touch.push_back(second);
   } else if (AttachedObject* other = find_attached(second)) {
@@ -34,6 +40,13 @@ std::optional<std::string> AllowedContacts::allow(const std::string& first,
   } else {
     link_pairs_.emplace_back(first, second);
   }
+  return std::nullopt;
+}
+
+std::optional<std::string> AllowedContacts::allow(const AllowedPair& pair) {
+  if (!pair.at_ends) return allow(pair.first, pair.second);
+  if (const auto fault = find_fault(pair.first, pair.second)) return fault;
+  scene_.allow_at_ends(pair);
   return std::nullopt;
 }
 
@@ -54,8 +67,9 @@ void read_allowed(const Input& problem, AllowedContacts& contacts) {
   const auto list = problem.find("allow");
   if (!list) return;
   for (const Input& pair : list->items()) {
-    const auto [first, second] = read_name_pair(pair);
-    if (const auto wrong = contacts.allow(first, second)) pair.fail(ErrorCode::invalid, *wrong);
+    if (const auto wrong = contacts.allow(read_allowed_pair(pair))) {
+      pair.fail(ErrorCode::invalid, *wrong);
+    }
   }
 }
 
@@ -68,7 +82,13 @@ void read_allowed(const Input& problem, Scene& scene) {
   }
   ObstacleContacts contacts(scene);
   for (const Input& pair : list->items()) {
-    const auto [first, second] = read_name_pair(pair);
+    const AllowedPair allowed = read_allowed_pair(pair);
+    const auto& [first, second, at_ends] = allowed;
+    if (at_ends) {
+      // Names of links are not known here; a pair of none changes no check of a scene alone.
+      contacts.allow_at_ends(allowed);
+      continue;
+    }
     if (attached.contains(first) || attached.contains(second)) continue;
     if (Obstacle* obstacle = contacts.find(second)) {
       contacts.allow(*obstacle, first);

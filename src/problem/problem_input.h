@@ -160,6 +160,8 @@ class AllowedContacts {
   /// the link in first place and the obstacle in second.
   [[nodiscard]] std::optional<std::string> allow(const std::string& first,
                                                  const std::string& second);
+  /// Allows the pair, always or at the ends of a path. Returns its fault, or nothing.
+  [[nodiscard]] std::optional<std::string> allow(const AllowedPair& pair);
   /// Returns true for the name of a link, an attached object or an obstacle.
   [[nodiscard]] bool knows(const std::string& name) const;
   /// The allowed pairs of two links, for RobotOptions.
@@ -168,6 +170,8 @@ class AllowedContacts {
   }
 
  private:
+  [[nodiscard]] std::optional<std::string> find_fault(const std::string& first,
+                                                      const std::string& second) const;
   [[nodiscard]] bool is_carried(const std::string& name) const;
   [[nodiscard]] AttachedObject* find_attached(const std::string& name) const;
 

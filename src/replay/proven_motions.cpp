@@ -65,7 +65,8 @@ LatestOf<StaticCell>& cells() {
 
 /// Ignores the scene's name.
 bool are_same_obstacles(const Scene& a, const Scene& b) {
-  return a.obstacles == b.obstacles && a.exact_pairs == b.exact_pairs;
+  return a.obstacles == b.obstacles && a.exact_pairs == b.exact_pairs &&
+         a.end_contacts == b.end_contacts;
 }
 
 bool has_few_parts(const Scene& scene) {

@@ -154,6 +154,9 @@ Json allow_json(const Scene& scene) {
     if (has_compound(obstacle)) continue;
     for (const std::string& link : obstacle.may_touch) pairs.push_back({link, obstacle.name});
   }
+  for (const EndContact& contact : scene.end_contacts) {
+    pairs.push_back({{"pair", {contact.first, contact.second}}, {"at_ends", contact.stretch}});
+  }
   return pairs;
 }
 

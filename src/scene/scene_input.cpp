@@ -96,13 +96,29 @@ void read_circles(const Input& circles, SceneBuilder& scene) {
   }
 }
 
-std::pair<std::string, std::string> read_name_pair(const Input& pair) {
+/// Metres: a longer stretch of contact is not an end of a path.
+constexpr double kLongestEndContact = 1;
+
+AllowedPair read_allowed_pair(const Input& input) {
+  const Input pair = input.is_map() ? input.at("pair") : input;
   const std::vector<Input> names = pair.is_list() ? pair.items() : std::vector<Input>();
-  if (names.size() != 2) pair.fail_expecting("two names that may touch, as in [base_link, table]");
-  return {names[0].text(), names[1].text()};
+  if (names.size() != 2) {
+    pair.fail_expecting(
+        "two names that may touch, as in [base_link, table] or {pair: [cup, table], at_ends: "
+        "0.01}");
+  }
+  AllowedPair allowed{names[0].text(), names[1].text(), std::nullopt};
+  if (!input.is_map()) return allowed;
+  input.allow_keys({"pair", "at_ends"});
+  const Input at_ends = input.at("at_ends");
+  allowed.at_ends = at_ends.positive_number();
+  if (*allowed.at_ends > kLongestEndContact) {
+    at_ends.fail_expecting(fmt::format("metres, at most {}", kLongestEndContact));
+  }
+  return allowed;
 }
 
-ObstacleContacts::ObstacleContacts(Scene& scene) {
+ObstacleContacts::ObstacleContacts(Scene& scene) : scene_(scene) {
   for (Obstacle& obstacle : scene.obstacles) obstacles_.emplace(obstacle.name, &obstacle);
 }
 
@@ -118,13 +134,18 @@ void ObstacleContacts::allow(Obstacle& obstacle, const std::string& link) {
 void read_allowed_contacts(const Input& list, Scene& scene) {
   ObstacleContacts contacts(scene);
   for (const Input& pair : list.items()) {
-    const auto [link, name] = read_name_pair(pair);
-    Obstacle* obstacle = contacts.find(name);
+    const AllowedPair allowed = read_allowed_pair(pair);
+    Obstacle* obstacle = contacts.find(allowed.second);
     if (obstacle == nullptr) {
       pair.fail(ErrorCode::invalid,
-                "expected a link and an obstacle; the scene has no obstacle \"{}\"", name);
+                "expected a link and an obstacle; the scene has no obstacle \"{}\"",
+                allowed.second);
     }
-    contacts.allow(*obstacle, link);
+    if (allowed.at_ends) {
+      contacts.allow_at_ends(allowed);
+    } else {
+      contacts.allow(*obstacle, allowed.first);
+    }
   }
 }
 

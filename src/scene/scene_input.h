@@ -95,6 +95,14 @@ void read_obstacles(const Input& list, const ObstacleSpelling& spelling, SceneBu
 /// Adds circles [x, y, radius] of a list, or of a map from names.
 void read_circles(const Input& circles, SceneBuilder& scene);
 
+/// An entry of the key `allow`.
+struct AllowedPair {
+  std::string first, second;
+  std::optional<double> at_ends;  ///< metres of EndContact; nothing: contact is always allowed
+};
+/// Reads two names, or a map of the keys `pair` and `at_ends`.
+[[nodiscard]] AllowedPair read_allowed_pair(const Input& input);
+
 /// Finds obstacles by name, and allows contacts. Valid until obstacles are added, removed or
 /// renamed.
 class ObstacleContacts {
@@ -104,17 +112,19 @@ class ObstacleContacts {
   [[nodiscard]] Obstacle* find(const std::string& name) const;
   /// Adds a link to Obstacle::may_touch, unless this object has added it before.
   void allow(Obstacle& obstacle, const std::string& link);
+  /// Adds a pair to Scene::end_contacts.
+  void allow_at_ends(const AllowedPair& pair) {
+    scene_.end_contacts.push_back({pair.first, pair.second, *pair.at_ends});
+  }
 
  private:
+  Scene& scene_;
   std::unordered_map<std::string_view, Obstacle*> obstacles_;
   std::set<std::pair<const Obstacle*, std::string>> allowed_;
 };
 
-/// Adds pairs [LINK, OBSTACLE] of a list to Obstacle::may_touch.
+/// Adds pairs of a link and an obstacle to Obstacle::may_touch or Scene::end_contacts.
 void read_allowed_contacts(const Input& list, Scene& scene);
-
-/// Returns the two names of a pair.
-[[nodiscard]] std::pair<std::string, std::string> read_name_pair(const Input& pair);
 
 /// Reads a scene file. `default_name` is the name of a scene without one.
 [[nodiscard]] Scene read_scene(const Input& input, const std::string& default_name);

@@ -388,6 +388,9 @@ Json allowed_json(const Scene& scene) {
   for (const Obstacle& obstacle : scene.obstacles) {
     for (const std::string& link : obstacle.may_touch) pairs.push_back({link, obstacle.name});
   }
+  for (const EndContact& contact : scene.end_contacts) {
+    pairs.push_back({{"pair", {contact.first, contact.second}}, {"at_ends", contact.stretch}});
+  }
   return pairs;
 }
 

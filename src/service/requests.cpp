@@ -125,6 +125,7 @@ Scene read_scene_of_request(const Input& input, const std::string& name,
         "root link");
   }
   Scene kept = id ? find_scene(*id, context) : Scene(shown->scene);
+  scene.end_contacts = std::move(kept.end_contacts);
   for (Obstacle& obstacle : kept.obstacles) {
     const bool is_replaced =
         std::ranges::find(scene.obstacles, obstacle.name, &Obstacle::name) != scene.obstacles.end();

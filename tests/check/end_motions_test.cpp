@@ -92,6 +92,42 @@ TEST_SUITE("unit") {
     CHECK_FALSE(Beside(0.007).is_free({touching, away}));
   }
 
+  TEST_CASE("a pair that may touch at the ends leaves and enters contact within its own stretch") {
+    const Configuration touching = {0, 0, 0}, away = {-0.05, 0, 0}, deeper = {0.0001, 0, 0};
+    for (const bool has_ball : {false, true}) {
+      CAPTURE(has_ball);
+      Beside world(0.007, has_ball);
+      const std::string name = world.robot.links().back().name;
+      CHECK_FALSE(world.is_free({away, touching}));
+      world.scene.end_contacts = {{name, "circle_1", 0.02}};
+      CHECK(world.is_free({touching, away}));
+      CHECK(world.is_free({away, touching}));
+      CHECK(world.is_free({touching, away, {-0.05, 0.01, 0}, away, touching}, {0, 0, 0, 0}));
+      CHECK_FALSE(world.is_free({touching, deeper, away}));
+      CHECK_FALSE(world.is_free({away, touching, away}));
+      world.scene.end_contacts = {{name, "circle_1", 0.006}};
+      CHECK_FALSE(world.is_free({touching, away}));
+      world.scene.end_contacts = {{name, "another", 0.02}};
+      CHECK_FALSE(world.is_free({touching, away}));
+    }
+  }
+
+  TEST_CASE("two links that may touch at the ends are named in any order") {
+    // The third link is folded over the begin of the first.
+    const Robot robot = thick_arm({1, 1, 1});
+    const Configuration touching = {0, 2.9, 1.7}, away = {0, 2.9, 1.4};
+    Scene scene;
+    const std::string first = robot.links()[1].name, last = robot.links().back().name;
+    REQUIRE_FALSE(is_path_free(robot, scene, {touching}, kFine));
+    REQUIRE(is_path_free(robot, scene, {away}, kFine));
+    for (const bool is_swapped : {false, true}) {
+      scene.end_contacts = {{is_swapped ? last : first, is_swapped ? first : last, 1.0}};
+      CHECK(is_path_free(robot, scene, {touching, away}, kFine, EndTolerances()));
+    }
+    scene.end_contacts = {{robot.links()[2].name, last, 1.0}};
+    CHECK_FALSE(is_path_free(robot, scene, {touching, away}, kFine, EndTolerances()));
+  }
+
   TEST_CASE("what else is in the way of a held object counts along its first motion") {
     Beside world(0.002);
     world.scene.obstacles.push_back({"peg", {Sphere{{3, -0.1, 0}, 0.03}}});

@@ -145,6 +145,29 @@ TEST_SUITE("flow") {
     CHECK(status_of(problem, {}) == PlanStatus::invalid_start);
   }
 
+  TEST_CASE("a link that may touch an obstacle at the ends does so there alone") {
+    const double radius = thick_arm({1, 1, 0.5}).links().back().capsules.front().radius;
+    Problem problem = planar_world({0, 0, 0}, {-1, 0.3, 0.2}, {{2.25, 0.3 + radius - 8e-3, 0.3}});
+    CHECK(status_of(problem, {}) == PlanStatus::invalid_start);
+    const std::string link = problem.robot.links().back().name;
+    problem.scene.end_contacts = {{link, problem.scene.obstacles[0].name, 0.03}};
+    SolveSettings no_others;
+    no_others.allow_at_ends = no_others.start_tolerance = 0;
+    for (const SolveSettings& settings : {SolveSettings(), no_others}) {
+      CHECK(status_of(problem, settings) == PlanStatus::solved);
+    }
+    const SolveResult left = require_solved(problem);
+    CHECK(has_note(left, "the first motion leaves this contact"));
+    CHECK(is_path_free(problem.robot, problem.scene,
+                       {left.plan.path.begin() + 1, left.plan.path.end()}, 0.002));
+    std::swap(problem.start, problem.goals[0]);
+    CHECK(has_note(require_solved(problem), "the last motion enters this contact"));
+    problem.scene.end_contacts[0].first = "hand";
+    const auto refused = solve(problem, nullptr, {});
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().message.find("at the ends of a path of 'hand'") != std::string::npos);
+  }
+
   TEST_CASE("a start that leans a little beyond its cone is led inside") {
     Problem problem = planar_world({0.34, 0, 0}, {-0.2, 0.3, -0.1}, {});
     const std::string tip = problem.robot.links().back().name;

@@ -265,7 +265,11 @@ allow: [[arm, table], [cup, box], [table, base]]
           "p.yaml:9: key allow[0]: expected two names, got \"arm\" twice");
     CHECK(files.refusal("allow: [[arm]]\n")
               .starts_with("p.yaml:9: key allow[0]: expected two names that may touch, as in "
-                           "[base_link, table], got a list"));
+                           "[base_link, table] or "));
+    CHECK(files.refusal("allow: [{pair: [hand, table], at_ends: 0.01}]\n") ==
+          "p.yaml:9: key allow[0]: expected a link of robot lifter, an attached object or an "
+          "obstacle, got \"hand\"");
+    CHECK(files.refusal("allow: [{pair: [arm, table]}]\n").find("at_ends") != std::string::npos);
     CHECK(files.refusal("allow: {arm: table}\n").find("key allow: expected a list") !=
           std::string::npos);
   }

@@ -212,6 +212,24 @@ TEST_SUITE("unit") {
           "f:3: key obstacles[0]: expected a unique name, got \"a\" a second time");
   }
 
+  TEST_CASE("pairs may touch at the ends of a path, and are written as they were read") {
+    const std::string circle = "circles: {a: [0, 0, 1]}\n";
+    const auto scene =
+        read_scene_text(circle + "allow: [[hand, a], {pair: [cup, a], at_ends: 0.01}]");
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    CHECK(scene->obstacles[0].may_touch == std::vector<std::string>{"hand"});
+    CHECK(scene->end_contacts == std::vector<EndContact>{{"cup", "a", 0.01}});
+    CHECK(parse_scene(to_yaml(*scene), "f").value().end_contacts == scene->end_contacts);
+    CHECK(read_scene_text(circle + "allow: [{pair: [cup, a], at_ends: 0}]").error().message ==
+          "f:2: key allow[0].at_ends: expected a number above 0, got 0");
+    CHECK(read_scene_text(circle + "allow: [{pair: [cup, a], at_ends: 2}]").error().message ==
+          "f:2: key allow[0].at_ends: expected metres, at most 1, got 2");
+    CHECK(read_scene_text(circle + "allow: [{pair: [cup, b], at_ends: 0.1}]")
+              .error()
+              .message.find("the scene has no obstacle \"b\"") != std::string::npos);
+    CHECK_FALSE(read_scene_text(circle + "allow: [{pair: [cup, a]}]").has_value());
+  }
+
   TEST_CASE("a scene that gives no name has the default one") {
     CHECK(read_scene_text("circles: []").value().name == "default");
     CHECK(read_scene_text("name: x").value().name == "x");
