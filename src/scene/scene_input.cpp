@@ -99,15 +99,19 @@ void read_circles(const Input& circles, SceneBuilder& scene) {
 /// Metres: a longer stretch of contact is not an end of a path.
 constexpr double kLongestEndContact = 1;
 
-AllowedPair read_allowed_pair(const Input& input) {
-  const Input pair = input.is_map() ? input.at("pair") : input;
+std::pair<std::string, std::string> read_name_pair(const Input& pair) {
   const std::vector<Input> names = pair.is_list() ? pair.items() : std::vector<Input>();
   if (names.size() != 2) {
     pair.fail_expecting(
         "two names that may touch, as in [base_link, table] or {pair: [cup, table], at_ends: "
         "0.01}");
   }
-  AllowedPair allowed{names[0].text(), names[1].text(), std::nullopt};
+  return {names[0].text(), names[1].text()};
+}
+
+AllowedPair read_allowed_pair(const Input& input) {
+  const auto [first, second] = read_name_pair(input.is_map() ? input.at("pair") : input);
+  AllowedPair allowed{first, second, std::nullopt};
   if (!input.is_map()) return allowed;
   input.allow_keys({"pair", "at_ends"});
   const Input at_ends = input.at("at_ends");

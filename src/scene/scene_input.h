@@ -95,6 +95,9 @@ void read_obstacles(const Input& list, const ObstacleSpelling& spelling, SceneBu
 /// Adds circles [x, y, radius] of a list, or of a map from names.
 void read_circles(const Input& circles, SceneBuilder& scene);
 
+/// Returns the two names of a pair.
+[[nodiscard]] std::pair<std::string, std::string> read_name_pair(const Input& pair);
+
 /// An entry of the key `allow`.
 struct AllowedPair {
   std::string first, second;
