@@ -2,198 +2,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "check/link_distances.h"
 #include "base/as_index.h"
-#include "geometry/swept_solids.h"
-#include "robot/kinematics.h"
-
-#include <Eigen/Geometry>
+#include "check/free_cells.h"
+#include "check/solid_pair.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 
 namespace mneme::internal {
 
-/// The joints between a link and another one, or the root frame.
-class LinkChain {
- public:
-  /// A driven joint about, or along, the z axis of `mount`.
-  struct Step {
-    Transform mount;  ///< in the frame in which the previous step ends
-    bool is_prismatic = false;
-    int joint = 0;  ///< index into the group
-    double rate = 1, offset = 0;
-  };
-
-  /// From link `a` to link `b`; without `b` to the root frame.
-  LinkChain(const Robot& robot, int a, std::optional<int> b) {
-    std::vector<int> up = joints_to(robot, a);
-    std::vector<int> down = b ? joints_to(robot, *b) : std::vector<int>();
-    while (!up.empty() && !down.empty() && up.back() == down.back()) {
-      up.pop_back();
-      down.pop_back();
-    }
-    for (const int joint : up) {
-      add_motion(robot, joint, -1);
-      last_ = last_ * robot.joints()[as_index(joint)].origin.inverse();
-    }
-    std::ranges::reverse(down);
-    for (const int joint : down) {
-      last_ = last_ * robot.joints()[as_index(joint)].origin;
-      add_motion(robot, joint, 1);
-    }
-  }
-
-  [[nodiscard]] std::span<const Step> steps() const { return steps_; }
-  /// Pose of the end in the frame of the last step.
-  [[nodiscard]] const Transform& last() const { return last_; }
-
- private:
-  void add_motion(const Robot& robot, int index, double sign) {
-    const Joint& joint = robot.joints()[as_index(index)];
-    const auto drive = find_drive(robot, index);
-    if (!drive) {
-      const Transform still = joint_motion(joint, joint.fixed_value);
-      last_ = last_ * (sign > 0 ? still : still.inverse());
-      return;
-    }
-    const Transform to_axis{
-        Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), joint.axis).toRotationMatrix(),
-        Vec3::Zero()};
-    steps_.push_back({last_ * to_axis, joint.type == JointType::prismatic, drive->joint,
-                      sign * drive->rate, sign * drive->offset});
-    last_ = to_axis.inverse();
-  }
-
-  std::vector<Step> steps_;
-  Transform last_;
-};
-
-/// The motion of a chain's end seen from its begin, while joints move from `from` by `delta`.
-class ChainMotion final : public BodyMotion {
- public:
-  /// The motion is a single state if `delta` is empty or moves no joint of the chain.
-  ChainMotion(const LinkChain& chain, std::span<const float> from, std::span<const float> delta)
-      : chain_(chain), from_(from), delta_(delta) {
-    if (!delta.empty()) set_bounds();
-    const bool moves = of_b.speed > 0 || of_b.speed_by_reach > 0;
-    const double half = moves ? 0.5 : 0;
-    add_interval(half, half);
-  }
-
- private:
-  using Step = LinkChain::Step;
-
-  [[nodiscard]] double rate_of(const Step& step) const {
-    return delta_.empty() ? 0 : step.rate * delta_[as_index(step.joint)];
-  }
-  [[nodiscard]] double value_of(const Step& step, double share) const {
-    return step.rate * from_[as_index(step.joint)] + step.offset + share * rate_of(step);
-  }
-
-  [[nodiscard]] MovingPose at(double share) const override {
-    MovingPose result;
-    Transform& X = result.X_AB;
-    for (const Step& step : chain_.steps()) {
-      X = X * step.mount;
-      const Vec3 axis = X.rotation.col(2);
-      const double value = value_of(step, share), rate = rate_of(step);
-      if (step.is_prismatic) {
-        X.translation += value * axis;
-        result.speed += rate * axis;
-        continue;
-      }
-      const double c = std::cos(value), s = std::sin(value);
-      const Vec3 x = X.rotation.col(0), y = X.rotation.col(1);
-      X.rotation.col(0) = c * x + s * y;
-      X.rotation.col(1) = c * y - s * x;
-      result.turn += rate * axis;
-      result.speed -= rate * axis.cross(X.translation);
-    }
-    X = X * chain_.last();
-    result.speed += result.turn.cross(X.translation);
-    return result;
-  }
-
-  /// A point's distance from a joint is at most its reach and the length of the chain in between.
-  /// Its acceleration is the sum of |q_i' q_j'| |z_i x (z_j x r_j)| over pairs of joints, j nearer
-  /// to it.
-  void set_bounds() {
-    const std::span<const Step> steps = chain_.steps();
-    double all_turns = 0;
-    for (const Step& step : steps) all_turns += step.is_prismatic ? 0 : std::abs(rate_of(step));
-    double length = chain_.last().translation.norm(), turns = all_turns;
-    for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
-      add(*step, length, turns, of_b);
-      length += step->mount.translation.norm();
-    }
-    length = 0;
-    turns = all_turns;
-    for (const Step& step : steps) {
-      length += step.mount.translation.norm();
-      add(step, length, turns, of_a);
-    }
-  }
-
-  /// Adds a joint, beyond which the chain has `length` metres towards the point. `turns` are those
-  /// of this joint and of the others towards the observer.
-  void add(const Step& step, double& length, double& turns, MotionBound& bound) const {
-    const double rate = std::abs(rate_of(step));
-    if (step.is_prismatic) {
-      bound.speed += rate;
-      bound.bend += 2 * turns * rate;
-      length += std::max(std::abs(value_of(step, 0)), std::abs(value_of(step, 1)));
-      return;
-    }
-    const double bend = rate * (2 * turns - rate);
-    turns -= rate;
-    bound.speed += rate * length;
-    bound.speed_by_reach += rate;
-    bound.bend += bend * length;
-    bound.bend_by_reach += bend;
-  }
-
-  const LinkChain& chain_;
-  std::span<const float> from_, delta_;
-};
-
-namespace {
-
-std::vector<SweptSolid> solids_of(const ExactLink& link) {
-  std::vector<SweptSolid> solids;
-  if (!link.shapes().empty()) solids.emplace_back(link.shapes());
-  for (const Mesh& surface : link.surfaces()) solids.emplace_back(surface);
-  return solids;
-}
-
-}  // namespace
-
-/// A link and another one, or a link and the obstacles that are checked by its exact geometry.
 struct ExactPairs::Pair {
-  LinkChain chain;
-  const ExactLink* link = nullptr;
-  const ExactLink* other = nullptr;  ///< null for obstacles
-  std::vector<SweptSolid> solids = {}, others = {};
-  std::vector<Shape> obstacles = {};  ///< in the root frame
-  double margin = 0;
+  SolidPair solids;
+  FreeCellsOfPairs::Cells cells = {};  ///< tried before the solids
 
-  /// True unless it is proven that nothing is inside a surface of the pair.
-  [[nodiscard]] bool may_be_inside(const Transform& X_AB) const {
-    if (other != nullptr) {
-      return link->may_enclose(*other, X_AB) || other->may_enclose(*link, X_AB.inverse());
+  [[nodiscard]] bool stays_apart(std::span<const float> from, std::span<const float> delta,
+                                 double extra) const {
+    // Cells must not call apart what the solids may call in contact.
+    constexpr double kUncertain = 5e-5;
+    MotionShare share;
+    for (const auto& proofs : cells) {
+      if (extra + kUncertain > kCellSpare) break;
+      const auto rest = proofs->unproven(from, delta, share);
+      if (!rest) return true;
+      share = *rest;
     }
-    return std::ranges::any_of(
-        obstacles, [&](const Shape& shape) { return link->may_enclose(transformed(X_AB, shape)); });
-  }
-
-  [[nodiscard]] bool stays_apart(ChainMotion& motion, double extra) const {
-    for (const SweptSolid& solid : solids) {
-      for (const SweptSolid& theirs : others) {
-        if (!internal::stay_apart(solid, theirs, motion, margin + extra)) return false;
-      }
+    if (share.first == 0 && share.last == 1) {
+      ChainMotion motion(solids.chain, from, delta);
+      return solids.stays_apart(motion, extra);
     }
-    // Surfaces that never meet enclose the same on the whole motion.
-    return !may_be_inside(motion.interval(0).pose.X_AB);
+    std::vector<float> begin(from.begin(), from.end()), change(delta.begin(), delta.end());
+    for (std::size_t i = 0; i < change.size(); ++i) {
+      begin[i] += static_cast<float>(share.first * change[i]);
+      change[i] *= static_cast<float>(share.last - share.first);
+    }
+    ChainMotion motion(solids.chain, begin, change);
+    return solids.stays_apart(motion, extra);
   }
 };
 
@@ -208,40 +51,26 @@ ExactPairs::ExactPairs(const Robot& robot, const LinkDistances& links, const Sce
     }
   }
   for (auto& [link, shapes] : obstacles) {
-    const ExactLink& exact = links.exact(link);
-    Pair& pair = pairs.emplace_back(
-        Pair{.chain = {robot, link, std::nullopt}, .link = &exact, .margin = margin});
-    pair.solids = solids_of(exact);
-    for (const Shape& shape : shapes) pair.others.emplace_back(shape);
-    pair.obstacles = std::move(shapes);
+    pairs.push_back(
+        {SolidPair({robot, link, std::nullopt}, links.exact(link), std::move(shapes), margin)});
   }
   for (const LinkPair& pair : link_pairs(robot, scene)) {
     if (!pair.is_exact) continue;
-    const ExactLink &first = links.exact(pair.first), &second = links.exact(pair.second);
-    pairs.push_back({.chain = {robot, pair.first, pair.second},
-                     .link = &first,
-                     .other = &second,
-                     .solids = solids_of(first),
-                     .others = solids_of(second)});
+    pairs.push_back({SolidPair({robot, pair.first, pair.second}, links.exact(pair.first),
+                               links.exact(pair.second)),
+                     links.free_cells(robot, pair.first, pair.second)});
   }
   pairs_ = std::make_shared<const std::vector<Pair>>(std::move(pairs));
 }
 
 bool ExactPairs::empty() const { return pairs_->empty(); }
 
-bool ExactPairs::are_apart(std::span<const float> q) const {
-  return std::ranges::all_of(*pairs_, [&](const Pair& pair) {
-    ChainMotion state(pair.chain, q, {});
-    return pair.stays_apart(state, 0);
-  });
-}
+bool ExactPairs::are_apart(std::span<const float> q) const { return stay_apart(q, {}, 0); }
 
 bool ExactPairs::stay_apart(std::span<const float> from, std::span<const float> delta,
                             double extra) const {
-  return std::ranges::all_of(*pairs_, [&](const Pair& pair) {
-    ChainMotion motion(pair.chain, from, delta);
-    return pair.stays_apart(motion, extra);
-  });
+  return std::ranges::all_of(
+      *pairs_, [&](const Pair& pair) { return pair.stays_apart(from, delta, extra); });
 }
 
 }  // namespace mneme::internal

@@ -3,6 +3,7 @@
 #include "check/link_distances.h"
 
 #include "base/as_index.h"
+#include "check/free_cells.h"
 #include "robot/kinematics.h"
 
 #include <fmt/format.h>
@@ -124,10 +125,23 @@ std::vector<ObstacleShape> obstacle_shapes(const Robot& robot, const Scene& scen
   return shapes;
 }
 
-LinkDistances::LinkDistances(const Robot& robot) { add_links(robot); }
-
-LinkDistances::LinkDistances(const Robot& robot, const LinkDistances& bare) : links_(bare.links_) {
+LinkDistances::LinkDistances(const Robot& robot) : cells_(std::make_shared<FreeCellsOfPairs>()) {
   add_links(robot);
+}
+
+LinkDistances::LinkDistances(const Robot& robot, const LinkDistances& bare)
+    : links_(bare.links_),
+      bare_count_(bare.link_count()),
+      bare_cells_(bare.cells_),
+      cells_(std::make_shared<FreeCellsOfPairs>()) {
+  add_links(robot);
+}
+
+const std::vector<std::shared_ptr<const FreeCells>>& LinkDistances::free_cells(const Robot& robot,
+                                                                               int first,
+                                                                               int second) const {
+  const bool is_bare = std::max(first, second) < bare_count_;
+  return (is_bare ? bare_cells_ : cells_)->of(robot, *this, first, second);
 }
 
 /// Adds the links that are new, such as attached objects.

@@ -49,6 +49,9 @@ struct NamedLinks {
 /// Error: an obstacle or Scene::exact_pairs names a link that the robot lacks.
 [[nodiscard]] Result<void> check_named_links(const Robot& robot, const Scene& scene);
 
+class FreeCells;
+class FreeCellsOfPairs;
+
 /// The poses of links at one configuration.
 struct PosedLinks {
   std::vector<Transform> poses;
@@ -99,6 +102,11 @@ class LinkDistances {
   [[nodiscard]] bool is_moving(int link) const { return at(link).is_moving; }
 
   [[nodiscard]] const ExactLink& exact(int link) const { return at(link).exact; }
+  /// Proofs that two links stay apart, which copies share, and robots with other attached objects,
+  /// too. `robot` is that of the constructor.
+  [[nodiscard]] const std::vector<std::shared_ptr<const FreeCells>>& free_cells(const Robot& robot,
+                                                                                int first,
+                                                                                int second) const;
   /// Metres between the surfaces of a link and an obstacle. Exact up to `enough`, otherwise any
   /// larger value. Negative in contact, by at most the radius of the link's shape. Infinite for a
   /// link that may touch the obstacle. Uses exact geometry for the pairs that are checked by it.
@@ -135,6 +143,8 @@ class LinkDistances {
   [[nodiscard]] std::vector<PosedShape> near_shapes(const PosedLinks& posed, int link,
                                                     const Sphere& ball, double enough) const;
   std::vector<Body> links_;
+  int bare_count_ = 0;                                    ///< links before attached objects
+  std::shared_ptr<FreeCellsOfPairs> bare_cells_, cells_;  ///< between these, and of all others
 };
 
 /// True if no moving link touches an obstacle and no pair of links touches.
@@ -167,7 +177,7 @@ struct Clearance {
 /// Robot::exact_pairs), in double precision. Const and parallel-safe.
 class ExactPairs {
  public:
-  /// Keeps a reference to the robot's `links`. Obstacles are inflated by `margin` metres.
+  /// Obstacles are inflated by `margin` metres.
   ExactPairs(const Robot& robot, const LinkDistances& links, const Scene& scene, double margin);
 
   [[nodiscard]] bool empty() const;
