@@ -202,6 +202,7 @@ def start_all(function, arguments):
 
 
 def hostile_threads(port, seed, until, count):
+    os.nice(19)  # attackers have machines of their own
     threads = [threading.Thread(target=hostile, args=(port, seed * 1000 + i, until), daemon=True) for i in range(count)]
     for thread in threads:
         thread.start()
@@ -210,7 +211,7 @@ def hostile_threads(port, seed, until, count):
 
 
 def attack(port, clients, seed, until):
-    """Hostile clients in two processes, so that they do not starve the honest ones."""
+    """Hostile clients in two processes of low priority: they attack the service, not the machine."""
     return start_all(hostile_threads, [(port, seed + i, until, (clients + i) // 2) for i in range(2)])
 
 
