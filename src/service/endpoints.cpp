@@ -166,7 +166,7 @@ class Endpoints::Work {
         queue_(queue),
         scope_(
             [this, longest_s] { return call_.is_cancelled || stopwatch_.elapsed_s() > longest_s; }),
-        turn_(queue.wait_for_turn(call.is_cancelled)) {
+        turn_(queue.wait_for_turn(call.is_cancelled, {.bytes = call.body.size()})) {
     stopwatch_ = {};
   }
 
@@ -174,7 +174,8 @@ class Endpoints::Work {
   /// Gives the turn back and waits for one of `threads` threads.
   void wait_again(int threads, bool is_alone) {
     turn_.reset();
-    if (auto turn = queue_.wait_for_turn(call_.is_cancelled, threads, is_alone)) {
+    if (auto turn =
+            queue_.wait_for_turn(call_.is_cancelled, {threads, is_alone, call_.body.size()})) {
       turn_.emplace(*std::move(turn));
     }
     stopwatch_ = {};

@@ -220,7 +220,7 @@ class Service::State {
                  .idle_timeout_s = settings.idle_timeout_s,
                  .body_bytes = settings.body_bytes,
                  .connections = settings.connections,
-                 .busy_requests = settings_.threads + settings.queue}) {}
+                 .busy_requests = settings_.threads + 1 + settings.queue}) {}
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() { stop(); }

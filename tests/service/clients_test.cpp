@@ -43,6 +43,8 @@ TEST_SUITE("flow") {
     {
       const RawClient leaving(running.port());
       leaving.post("/v1/plan", endless_question());
+      const RawClient on_spare_thread(running.port());
+      on_spare_thread.post("/v1/plan", endless_question());
       const RawClient waiting(running.port());
       waiting.post("/v1/plan", endless_question());
       REQUIRE(comes_true([&] { return has(running, "mneme_waiting 1"); }));
@@ -138,6 +140,8 @@ TEST_SUITE("flow") {
     RunningService running(one_thread(4));
     const RawClient planning(running.port());
     planning.post("/v1/plan", endless_question());
+    const RawClient on_spare_thread(running.port());
+    on_spare_thread.post("/v1/plan", endless_question());
     const RawClient waiting(running.port());
     waiting.post("/v1/plan", endless_question());
     REQUIRE(comes_true([&] { return has(running, "mneme_waiting 1"); }));
