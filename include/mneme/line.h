@@ -51,6 +51,9 @@ struct LineSettings {
   int line_steps = 4000;
   int line_paths = 1;
   std::uint64_t seed = 1;
+  /// False leaves LineResult::reason empty, for callers that only try: saves most of the time of a
+  /// line that is not possible.
+  bool has_reason = true;
   const std::atomic<bool>* cancel = nullptr;  ///< May be null.
 };
 

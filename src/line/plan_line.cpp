@@ -216,7 +216,7 @@ class LinePlan {
       return;
     }
     result_.line = search.farthest();
-    if (result_.branches == 0) return;
+    if (result_.branches == 0 || !settings_.has_reason) return;
     result_.reason = fmt::format(
         "{} after {}: {}",
         result_.branches == 1 ? "branch ends"
