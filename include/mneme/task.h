@@ -116,10 +116,10 @@ void visit_settings(Settings& s, Visitor&& visit) {
 }
 
 /// Why alternatives were dropped.
-enum class DropReason { reach, kinematics, contact, line, attach, path };
-inline constexpr std::size_t kDropReasons = 6;
-/// Returns "out of reach", "no inverse kinematics", "contact", "no straight line", "not at the
-/// object" or "no path".
+enum class DropReason { reach, contact, place, kinematics, line, attach, path };
+inline constexpr std::size_t kDropReasons = 7;
+/// Returns "out of reach", "contact", "no place" (a grasp with which the object fits nowhere), "no
+/// inverse kinematics", "no straight line", "not at the object" or "no path".
 [[nodiscard]] std::string_view to_string(DropReason reason);
 
 /// Alternatives of a stage that were dropped for one reason.

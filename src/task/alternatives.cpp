@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "task/alternatives.h"
 
-#include "mneme/goal.h"
-
 #include "base/as_index.h"
 #include "planning/end_contacts.h"
 
@@ -20,6 +18,8 @@ namespace {
 constexpr double kObjectDepth = 0.02;
 /// Metres that count as much as a radian when poses are ordered.
 constexpr double kMetresPerTurn = 0.3;
+/// Seeds of inverse kinematics that all alternatives of a stage share at least.
+constexpr int kSharedSeeds = 512;
 
 double pose_distance(const Transform& a, const Transform& b) {
   const double cosine = 0.5 * ((a.rotation.transpose() * b.rotation).trace() - 1);
@@ -77,12 +77,17 @@ std::vector<Dropped> DropCounts::of_stage(int stage) const {
   return all;
 }
 
+bool DropCounts::wants_what(int stage, DropReason reason) const {
+  constexpr int kNamed = 4;
+  return stages_[as_index(stage)][static_cast<std::size_t>(reason)].count < kNamed;
+}
+
 bool DropCounts::has_any(int stage) const { return !of_stage(stage).empty(); }
 
-Alternatives::Alternatives(TaskRun& run, DropCounts& tally, const Group& group, const Group* next,
+Alternatives::Alternatives(TaskRun& run, DropCounts& drops, const Group& group, const Group* next,
                            CheckedWorldPtr world, Configuration near, const Ranker& rank)
     : run_(run),
-      drops_(tally),
+      drops_(drops),
       group_(group),
       next_group_(next),
       world_(std::move(world)),
@@ -95,8 +100,11 @@ Alternatives::Alternatives(TaskRun& run, DropCounts& tally, const Group& group, 
   list_alternatives();
   drop_unreachable();
   make_bodies();
-  look_ahead();
   sort(rank);
+}
+
+bool Alternatives::wants_reason(int line) const {
+  return drops_.wants_what(line, DropReason::contact) && drops_.wants_what(line, DropReason::line);
 }
 
 const Stage& Alternatives::stage(int i) const { return run_.task.stages[as_index(i)]; }
@@ -185,12 +193,14 @@ void Alternatives::make_bodies() {
   if (!choice.object.empty()) object_ = FloatingBody::of_object(world, choice.object, isa);
 }
 
-/// Tests the hand, and the object in it, at the next few targets in order.
+/// Tests the hand, and the object in it, at the next few targets in order: first at remembered
+/// ones.
 void Alternatives::filter_block() {
+  const std::size_t remembered = tested_ == 0 ? as_index(remembered_) : 0;
+  tested_ = std::min(order_.size(), tested_ + (remembered > 0 ? remembered : kBlock));
   if (targets_.empty()) return;
   std::vector<int> block;
-  const std::size_t end = std::min(order_.size(), position_ + kBlock);
-  for (std::size_t i = position_; i < end; ++i) {
+  for (std::size_t i = position_; i < tested_; ++i) {
     if (as_index(order_[i].first) >= first_target()) block.push_back(order_[i].first);
   }
   const World& world = touched_->world;
@@ -227,15 +237,30 @@ void Alternatives::drop_where(const FloatingBody& body, double depth,
     }
     is_left_[as_index(block[i])] = 0;
     // Naming bodies costs more than the test: one speaks for its block.
-    if (what.empty()) what = body.describe_contact(poses[i]);
+    if (what.empty() && drops_.wants_what(failing_stage(), DropReason::contact)) {
+      what = body.describe_contact(poses[i]);
+    }
     drops_.add(failing_stage(), {DropReason::contact, what});
   }
   block = std::move(left);
 }
 
+/// True if stages up to the next group's choice may change what the hand touches.
+bool Alternatives::changes_before_next() const {
+  const auto changes = [&](int i) {
+    const StageKind kind = stage(i).kind;
+    return kind == StageKind::allow || kind == StageKind::gripper || kind == StageKind::detach;
+  };
+  const auto& next = next_group_->local;
+  const auto end = std::ranges::find(next, *next_group_->anchor);
+  return std::ranges::any_of(group_.local, changes) || std::any_of(next.begin(), end, changes);
+}
+
 /// Prepares the test whether a grasp suits any pose at which the next group wants the object.
 void Alternatives::look_ahead() {
+  has_looked_ahead_ = true;
   if (next_group_ == nullptr || !next_group_->anchor || targets_.empty()) return;
+  if (changes_before_next()) return;
   const PoseChoice& choice = stage(*next_group_->anchor).poses;
   const World& world = touched_->world;
   const auto pose = world.poses.find(choice.object);
@@ -270,6 +295,7 @@ void Alternatives::look_ahead() {
 
 /// True unless the hand fits at no pose of the next group with this grasp.
 bool Alternatives::suits_next_group(int alternative) {
+  if (!has_looked_ahead_) look_ahead();
   if (!ahead_) return true;
   const Transform X_OL = ahead_->X_OW * targets_[as_index(alternative) - first_target()];
   const Reach reach(touched_->world.robot, link_);
@@ -278,17 +304,22 @@ bool Alternatives::suits_next_group(int alternative) {
     const Transform X_WL = place * X_OL;
     if (reach.contains(X_WL)) hands.push_back(X_WL);
   }
-  Failure failure{DropReason::reach, fmt::format("link '{}'", link_)};
+  std::string what = fmt::format("link '{}' does not reach", link_);
   if (ahead_->places.empty()) {
-    failure = {DropReason::contact, ahead_->what};
+    what = ahead_->what;
   } else if (!hands.empty()) {
     if (!ahead_->hand) return true;
     run_.states += hands.size();
     if (std::ranges::count(ahead_->hand->find_free(hands, 0), 1) > 0) return true;
-    failure = {DropReason::contact, ahead_->hand->describe_contact(hands.front())};
+    what.clear();
+    if (drops_.wants_what(failing_stage(), DropReason::place)) {
+      what = ahead_->hand->describe_contact(hands.front());
+    }
   }
-  failure.what += fmt::format(" at each pose of '{}'", stage_name(run_.task, *next_group_->anchor));
-  drops_.add(failing_stage(), failure);
+  if (!what.empty()) {
+    what += fmt::format(" at each pose of '{}'", stage_name(run_.task, *next_group_->anchor));
+  }
+  drops_.add(failing_stage(), {DropReason::place, what});
   return false;
 }
 
@@ -301,6 +332,7 @@ void Alternatives::sort(const Ranker& rank) {
     if (std::exchange(is_listed[as_index(alternative)], 1)) continue;
     order_.emplace_back(alternative, q);
   }
+  remembered_ = static_cast<int>(order_.size());
   std::vector<std::pair<double, int>> rest;
   Transform from;
   if (!targets_.empty()) {
@@ -317,12 +349,20 @@ void Alternatives::sort(const Ranker& rank) {
 }
 
 std::optional<Candidate> Alternatives::next() {
-  while (found_.empty() && position_ < order_.size() && !run_.is_over()) {
-    if (position_ % kBlock == 0) filter_block();
-    const int alternative = order_[position_++].first;
+  while (found_.empty() && !run_.is_over()) {
+    if (!pending_.empty()) {
+      const auto [known, q] = std::move(pending_.front());
+      pending_.pop_front();
+      try_configuration(known, q);
+      continue;
+    }
+    if (position_ == order_.size()) break;
+    if (position_ == tested_) filter_block();
+    const auto& [alternative, hint] = order_[position_++];
     if (!is_left_[as_index(alternative)]) continue;
-    if (as_index(alternative) >= first_target() && !suits_next_group(alternative)) continue;
-    try_alternative(alternative);
+    const bool is_unknown = as_index(alternative) >= first_target() && !hint;
+    if (is_unknown && !suits_next_group(alternative)) continue;
+    list_configurations(alternative);
   }
   if (found_.empty()) return std::nullopt;
   Candidate first = std::move(found_.front());
@@ -342,47 +382,60 @@ std::vector<Configuration> Alternatives::solve_kinematics(int alternative) {
     goal.pose = targets_[as_index(alternative) - first_pose];
   }
   const CollisionChecker& checker = touched_->checker;
-  const auto kinematics = InverseKinematics::make(checker.robot(), goal.link, checker.isa());
+  const auto kinematics = kinematics_of(goal.link);
   if (!kinematics) {
     drops_.add(failing_stage(), {DropReason::kinematics, kinematics.error().message});
     return {};
   }
   IkSettings settings = run_.settings.solve.ik;
   settings.seed = run_.settings.solve.plan.seed;
-  settings.seeds = std::min(settings.seeds, 48);
-  settings.solutions = run_.settings.branches;
+  settings.seeds = std::min(settings.seeds, std::max(run_.seeds(), kSharedSeeds / count_));
+  settings.solutions = run_.branches();
   settings.is_over = [this] { return run_.is_over(); };
+  run_.has_tried = true;
   const auto& hint = order_[position_ - 1].second;
   const Configuration& near = hint ? *hint : near_;
   // A held object may rest on something at the end of a line.
   const bool may_touch = group_.is_line_anchor && !touched_->world.held.empty();
   IkResult reached =
-      kinematics->solve(goal, near, settings, may_touch ? nullptr : &checker, kVerificationMargin);
+      (*kinematics)
+          ->solve(goal, near, settings, may_touch ? nullptr : &checker, kVerificationMargin);
   run_.states += reached.solutions.size() + reached.blocked.size();
-  if (reached.solutions.empty()) {
-    Failure failure{DropReason::kinematics, fmt::format("link '{}'", goal.link)};
-    if (!reached.blocked.empty()) {
-      failure = {DropReason::contact, describe_contact(checker, reached.blocked.front())};
-    }
-    drops_.add(failing_stage(), failure);
+  if (!reached.solutions.empty()) return std::move(reached.solutions);
+  if (reached.blocked.empty()) {
+    drops_.add(failing_stage(), {DropReason::kinematics, fmt::format("link '{}'", goal.link)});
+  } else {
+    drop_in_contact(failing_stage(), checker, reached.blocked.front());
   }
-  return std::move(reached.solutions);
+  return {};
 }
 
-void Alternatives::try_alternative(int alternative) {
-  if (!group_.anchor) {
-    try_configuration(alternative, run_.task.start);
-    return;
+Result<const InverseKinematics*> Alternatives::kinematics_of(const std::string& link) {
+  auto found = kinematics_.find(link);
+  if (found == kinematics_.end()) {
+    const CollisionChecker& checker = touched_->checker;
+    auto made = MNEME_TRY(InverseKinematics::make(checker.robot(), link, checker.isa()));
+    found = kinematics_.emplace(link, std::move(made)).first;
   }
+  return &found->second;
+}
+
+void Alternatives::drop_in_contact(int stage, const CollisionChecker& checker,
+                                   const Configuration& q) {
+  Failure failure{DropReason::contact, {}};
+  if (drops_.wants_what(stage, failure.reason)) failure.what = describe_contact(checker, q);
+  drops_.add(stage, failure);
+}
+
+/// Configurations that reach the alternative, to be tried one by one.
+void Alternatives::list_configurations(int alternative) {
+  const auto add = [&](Configuration q) { pending_.emplace_back(alternative, std::move(q)); };
+  if (!group_.anchor) return add(run_.task.start);
   const Stage& at = stage(*group_.anchor);
   if (as_index(alternative) < at.configurations.size()) {
-    try_configuration(alternative, at.configurations[as_index(alternative)]);
-    return;
+    return add(at.configurations[as_index(alternative)]);
   }
-  for (const Configuration& q : solve_kinematics(alternative)) {
-    if (run_.is_over()) return;
-    try_configuration(alternative, q);
-  }
+  for (Configuration& q : solve_kinematics(alternative)) add(std::move(q));
 }
 
 tl::expected<Alternatives::LocalState, Failure> Alternatives::begin_at_line(
@@ -390,8 +443,8 @@ tl::expected<Alternatives::LocalState, Failure> Alternatives::begin_at_line(
   const int line = *group_.anchor;
   const std::vector<Transform> poses = world_->world.robot.link_poses(anchor);
   const Transform X_end = poses[as_index(*world_->world.robot.find_link(link_))];
-  auto followed =
-      follow_line(run_, touched_, {link_, anchor, line_begin(line, X_end, poses), false});
+  auto followed = follow_line(
+      run_, touched_, {link_, anchor, line_begin(line, X_end, poses), false, wants_reason(line)});
   if (!followed) return tl::unexpected(followed.error());
   LocalState state{followed->world, anchor, {}};
   for (const auto& [i, world] : before_line_) {
@@ -409,10 +462,11 @@ void Alternatives::try_configuration(int alternative, const Configuration& ancho
   }
   if (!group_.is_line_anchor) {
     ++run_.states;
-    const bool is_start = !group_.anchor.has_value();
-    if (!is_start && !is_clear_by_exact_geometry(world_->checker, anchor)) {
-      return drop(failing_stage(),
-                  {DropReason::contact, describe_contact(world_->checker, anchor)});
+    // A held object may rest on something: the move then enters this contact last.
+    const bool may_rest = run_.settings.solve.allow_at_ends > 0 && !world_->world.held.empty();
+    const bool is_checked = group_.anchor.has_value() && !may_rest;
+    if (is_checked && !is_clear_by_exact_geometry(world_->checker, anchor)) {
+      return drop_in_contact(failing_stage(), world_->checker, anchor);
     }
     return run_from(0, {touched_, anchor, {}}, alternative, anchor, anchor);
   }
@@ -421,7 +475,7 @@ void Alternatives::try_configuration(int alternative, const Configuration& ancho
   const Configuration begin = state->stages.front().path.front();
   ++run_.states;
   if (world_ != touched_ && !is_clear(world_->checker, begin)) {
-    return drop(failing_stage(), {DropReason::contact, describe_contact(world_->checker, begin)});
+    return drop_in_contact(failing_stage(), world_->checker, begin);
   }
   const auto line = std::ranges::find(group_.local, *group_.anchor);
   run_from(as_index(static_cast<int>(line - group_.local.begin())) + 1, *std::move(state),
@@ -469,7 +523,8 @@ void Alternatives::run_line(std::size_t position, const LocalState& state, int a
     ends.push_back(end);
   }
   for (std::size_t choice = 0; choice < ends.size() && !run_.is_over(); ++choice) {
-    auto followed = follow_line(run_, state.world, {link, state.q, ends[choice], true});
+    auto followed =
+        follow_line(run_, state.world, {link, state.q, ends[choice], true, wants_reason(i)});
     if (!followed) {
       drops_.add(i, followed.error());
       continue;

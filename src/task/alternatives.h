@@ -4,6 +4,8 @@
 /// The alternatives of a group of stages, tested from cheap to expensive, one at a time.
 #pragma once
 
+#include "mneme/goal.h"
+
 #include "task/floating_body.h"
 #include "task/follow.h"
 #include "task/groups.h"
@@ -27,6 +29,8 @@ class DropCounts {
   void add(int stage, const Failure& failure, int count = 1);
   [[nodiscard]] std::vector<Dropped> of_stage(int stage) const;
   [[nodiscard]] bool has_any(int stage) const;
+  /// True for the first few of a stage and reason: naming bodies costs more than most tests.
+  [[nodiscard]] bool wants_what(int stage, DropReason reason) const;
 
  private:
   struct Entry {
@@ -68,7 +72,7 @@ class Alternatives {
  public:
   /// `next` is the group after this one, if any; an alternative is dropped at once if the object
   /// that it attaches fits no pose of the next group. All must outlive this object.
-  Alternatives(TaskRun& run, DropCounts& tally, const Group& group, const Group* next,
+  Alternatives(TaskRun& run, DropCounts& drops, const Group& group, const Group* next,
                CheckedWorldPtr world, Configuration near, const Ranker& rank);
 
   /// Returns the next candidate; nothing once none is left or the time is over.
@@ -93,6 +97,7 @@ class Alternatives {
   };
 
   [[nodiscard]] const Stage& stage(int i) const;
+  [[nodiscard]] bool wants_reason(int line) const;
   [[nodiscard]] int failing_stage() const { return group_.anchor.value_or(0); }
   [[nodiscard]] World with_touch(World world) const;
   [[nodiscard]] tl::expected<void, std::pair<int, Failure>> make_ready();
@@ -102,14 +107,17 @@ class Alternatives {
   void filter_block();
   void drop_where(const FloatingBody& body, double depth, const std::vector<Transform>& poses,
                   std::vector<int>& block);
+  [[nodiscard]] bool changes_before_next() const;
   void look_ahead();
   [[nodiscard]] bool suits_next_group(int alternative);
   [[nodiscard]] std::size_t first_target() const { return is_left_.size() - targets_.size(); }
   void sort(const Ranker& rank);
   [[nodiscard]] Transform line_begin(int line, const Transform& X_end,
                                      const std::vector<Transform>& link_poses) const;
-  void try_alternative(int alternative);
+  void list_configurations(int alternative);
   [[nodiscard]] std::vector<Configuration> solve_kinematics(int alternative);
+  [[nodiscard]] Result<const InverseKinematics*> kinematics_of(const std::string& link);
+  void drop_in_contact(int stage, const CollisionChecker& checker, const Configuration& q);
   void try_configuration(int alternative, const Configuration& anchor);
   [[nodiscard]] tl::expected<LocalState, Failure> begin_at_line(const Configuration& anchor);
   void run_from(std::size_t position, LocalState state, int alternative, const Configuration& begin,
@@ -133,9 +141,14 @@ class Alternatives {
   std::vector<Transform> targets_;     ///< per alternative that is a pose
   std::vector<std::uint8_t> is_left_;  ///< per alternative: 0 once dropped
   std::vector<std::pair<int, std::optional<Configuration>>> order_;
-  std::size_t position_ = 0;
+  std::size_t position_ = 0;  ///< next entry of `order_`
+  std::size_t tested_ = 0;    ///< entries of `order_` whose hand was tested
+  int remembered_ = 0;        ///< entries of `order_` that come from memory
+  bool has_looked_ahead_ = false;
   std::optional<FloatingBody> hand_, object_;
   std::optional<LookAhead> ahead_;
+  std::map<std::string, InverseKinematics> kinematics_;  ///< by link
+  std::deque<std::pair<int, Configuration>> pending_;    ///< of the last alternative, not tried yet
   std::deque<Candidate> found_;
 };
 

@@ -230,6 +230,8 @@ std::string_view to_string(DropReason reason) {
       return "no inverse kinematics";
     case DropReason::contact:
       return "contact";
+    case DropReason::place:
+      return "no place";
     case DropReason::line:
       return "no straight line";
     case DropReason::attach:

@@ -151,10 +151,15 @@ tl::expected<Path, Failure> plan_rest(TaskRun& run, const CollisionChecker& chec
   settings.timeout_s = std::max(1e-6, run.remaining_s());
   settings.cancel = run.settings.solve.plan.cancel;
   settings.seed = run.settings.solve.plan.seed;
+  settings.line_steps = run.line_steps();
+  settings.has_reason = line.has_reason;
   auto found = plan_line(checker, straight, from, settings);
   if (!found) return tl::unexpected(Failure{DropReason::line, found.error().message});
   run.states += found->checks.states;
-  if (!found->is_whole()) return tl::unexpected(Failure{DropReason::line, found->reason});
+  if (!found->is_whole()) {
+    run.has_tried = true;
+    return tl::unexpected(Failure{DropReason::line, found->reason});
+  }
   return std::move(found->line.path);
 }
 
@@ -177,7 +182,7 @@ tl::expected<FollowedLine, Failure> follow_out_of_contact(TaskRun& run,
       return FollowedLine{exact, *std::move(rest)};
     }
   }
-  failure.what = describe_contact(world->checker, line.q);
+  if (line.has_reason) failure.what = describe_contact(world->checker, line.q);
   return tl::unexpected(std::move(failure));
 }
 

@@ -5,9 +5,11 @@
 #pragma once
 
 #include "mneme/collision.h"
+#include "mneme/line.h"
 
 #include "task/world.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -30,6 +32,17 @@ struct TaskRun {
   std::vector<Transform> start_poses = {};  ///< of links at the task's start
   Stopwatch stopwatch = {};
   std::uint64_t states = 0;  ///< checked so far, without moves
+  int round = 0;             ///< of the search: later ones try harder
+  bool has_tried = false;    ///< a test that a later round would repeat harder
+
+  /// Seeds of inverse kinematics per alternative in this round.
+  [[nodiscard]] int seeds() const { return 16 << std::min(2 * round, 16); }
+  /// Steps along a line before it counts as impossible in this round.
+  [[nodiscard]] int line_steps() const { return round == 0 ? 100 : LineSettings().line_steps; }
+  /// Solutions to try per alternative in this round.
+  [[nodiscard]] int branches() const {
+    return round == 0 ? std::min(2, settings.branches) : settings.branches;
+  }
 
   [[nodiscard]] CheckerSettings checker_settings() const {
     return {settings.solve.resolution, settings.solve.margin, settings.solve.isa, {}};
@@ -51,8 +64,9 @@ struct Failure {
 struct LineTask {
   std::string link;
   Configuration q;
-  Transform X_WL;        ///< pose of the link at the other end
-  bool is_start = true;  ///< false: the path will be reversed, `q` is where it ends
+  Transform X_WL;          ///< pose of the link at the other end
+  bool is_start = true;    ///< false: the path will be reversed, `q` is where it ends
+  bool has_reason = true;  ///< the failure names bodies, which costs more than the test
 };
 
 struct FollowedLine {

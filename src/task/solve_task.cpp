@@ -339,14 +339,17 @@ Result<TaskResult> TaskSearch::solve() {
   first_world_ = MNEME_TRY(check_world(first_world(run_.task), run_));
   result.remembered_rows = memory_.rows();
   End end = End::over;
+  const std::uint64_t most = run_.settings.solve.plan.max_iterations.value_or(
+      std::numeric_limits<std::uint64_t>::max() / kIterationGrowth);
   for (iterations_ = run_.settings.first_iterations;; iterations_ *= kIterationGrowth) {
     drops_ = DropCounts(run_.task.stages.size());
     levels_.clear();
     has_failed_paths_ = false;
     end = MNEME_TRY(search());
-    const std::uint64_t most = run_.settings.solve.plan.max_iterations.value_or(
-        std::numeric_limits<std::uint64_t>::max() / kIterationGrowth);
-    if (end != End::no_paths || iterations_ >= most) break;
+    const bool may_try_harder =
+        end == End::no_paths ? iterations_ < most : end == End::exhausted && run_.round == 0;
+    if (!may_try_harder) break;
+    ++run_.round;
   }
   if (best_) {
     result.status = PlanStatus::solved;

@@ -32,13 +32,13 @@ TEST_SUITE("unit") {
           "expected a held object, got 'cup'; an attach stage must come first");
     fails("{gripper: {panda_finger_joint9: 0.01}}", "panda_finger_joint9");
     fails("{allow: [[table, cup]]}", "expected a pair of an obstacle and a link or held object");
-    fails("{move: [0, 0, 0]}", "expected 7 values");
+    fails("{move: [0, 0, 0]}", "there are 3 values, but robot 'panda' has 7 joints");
     fails("{speed: 2, move: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]}", "its speed is 2");
     fails("{move: next, line: {}}", "expected one kind of stage, got move and line");
     fails("{name: nothing}", "expected one of the keys move, line, attach");
     fails(
         "{name: a, move: next}, {name: b, attach: cup}, {line: {direction: [0, 0, 1], distance: "
-        "0.1, to: {frame: cup}}}",
+        "0.1, to: {frame: table}}}",
         "stage 'b': it stands between a move without a goal and the line");
   }
 

@@ -74,6 +74,7 @@ TEST_SUITE("flow") {
     const Task task = make_task(kCell + kPickAndPlace);
     TaskSettings settings;
     settings.improve = 1000;
+    settings.solve.plan.timeout_s = 3;
     settings.improve_plans = 3;
     const TaskResult result = solved(task, nullptr, settings);
     check_plan(task, result);

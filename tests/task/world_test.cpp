@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "task/world.h"
+#include "problem/small_robots.h"
+#include "task/floating_body.h"
+#include "task/small_tasks.h"
+
+#include <algorithm>
+
+namespace mneme::test {
+namespace {
+
+using internal::FloatingBody;
+using internal::World;
+
+TEST_SUITE("unit") {
+  TEST_CASE(
+      "a gripper stage sets joints outside of the group, also of a robot that holds something") {
+    const TemporaryDirectory directory;
+    write_file(directory / "lifter.urdf", kLiftUrdf);
+    write_file(directory / "task.yaml",
+               "robot: lifter.urdf\ngroup: \"world:arm\"\nstart: [0, 0]\n"
+               "attached: [{name: ball, link: finger, type: sphere, position: [0.2, 0, 0], radius: "
+               "0.05}]\nscene: {obstacles: []}\n"
+               "stages: [{gripper: {grip: 0.03}}, {move: [0.5, 1]}]\n");
+    const auto task = load_task(directory / "task.yaml");
+    REQUIRE_MESSAGE(task.has_value(), (task ? "" : task.error().message));
+    const TaskResult result = solved(*task);
+    check_plan(*task, result);
+    const Robot& robot = result.stages[1].world->robot;
+    const auto grip = std::ranges::find(robot.joints(), "grip", &Joint::name);
+    CHECK(grip->fixed_value == 0.03);
+    CHECK(robot.attached().size() == 1);
+    CHECK(robot.self_pairs().size() == task->robot.self_pairs().size());
+    const auto finger = static_cast<std::size_t>(*robot.find_link("finger"));
+    const Vec3 moved = robot.link_poses(task->start)[finger].translation -
+                       task->robot.link_poses(task->start)[finger].translation;
+    CHECK(moved.norm() == doctest::Approx(0.03));
+  }
+
+  TEST_CASE("an object goes with the hand and stays where it is detached") {
+    const Task task = make_task(kCell + kPickAndPlace);
+    World world = internal::first_world(task);
+    Configuration q = task.start;
+    const auto hand = static_cast<std::size_t>(*task.robot.find_link("panda_hand"));
+    const Transform X_WH = task.robot.link_poses(q)[hand];
+    // Between the fingers.
+    Transform shift;
+    shift.translation = X_WH * Vec3(0, 0, 0.115) - Vec3(0.5, -0.1, 0.2505);
+    REQUIRE(world.scene.move("cup", shift));
+    world.poses["cup"] = shift * world.poses["cup"];
+    const auto held = internal::after_stage(world, task.stages[2], q);
+    REQUIRE_MESSAGE(held.has_value(), (held ? "" : held.error().message));
+    CHECK(held->scene.find("cup") == nullptr);
+    q[0] += 0.3;
+    const auto left = internal::after_stage(*held, task.stages[6], q);
+    REQUIRE(left.has_value());
+    CHECK(left->robot.attached().empty());
+    const Transform turn{rotation_about(Vec3::UnitZ(), 0.3), Vec3::Zero()};
+    const Transform expected = turn * world.poses["cup"];
+    CHECK((left->poses.at("cup").translation - expected.translation).norm() < 1e-9);
+    const auto& cup = *std::get_if<Cylinder>(&left->scene.find("cup")->shapes.front());
+    CHECK((cup.pose.translation - expected.translation).norm() < 1e-9);
+  }
+}
+
+TEST_SUITE("law") {
+  TEST_CASE("a floating hand touches what the hand of the arm touches") {
+    const Task task = make_task(kCell + kPickAndPlace);
+    const World world = internal::first_world(task);
+    const auto body = FloatingBody::of_link(world, "panda_hand", Isa::automatic);
+    REQUIRE(body.has_value());
+    const auto checker = CollisionChecker::make(task.robot, task.scene);
+    REQUIRE(checker.has_value());
+    const auto hand = static_cast<std::size_t>(*task.robot.find_link("panda_hand"));
+    Rng rng(5);
+    int touching = 0;
+    for (int i = 0; i < rounds(400); ++i) {
+      const Configuration q = random_configuration(task.robot, rng);
+      const bool is_touching =
+          std::ranges::any_of(checker->contacts(q), [](const Contact& contact) {
+            const bool is_of_hand = contact.link == "panda_hand" || contact.link == "panda_link7" ||
+                                    contact.link.ends_with("finger");
+            return !contact.is_self && is_of_hand;
+          });
+      touching += is_touching ? 1 : 0;
+      const auto is_free = body->find_free({task.robot.link_poses(q)[hand]}, 0);
+      CHECK((is_free.front() == 0) == is_touching);
+    }
+    CHECK(touching > 10);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
