@@ -1,0 +1,160 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Random tasks with a known plan. Checks every stage of every plan by exact distances. Succeeds if
+/// all tasks are solved without a contact.
+#include "mneme/experience.h"
+#include "mneme/instances.h"
+#include "mneme/task.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mneme::soak {
+namespace {
+
+struct Options {
+  int tasks = 100, grasps = 500, placements = 50;
+  std::uint64_t seed = 1;
+  double resolution = 0.005;
+  double moved = 0.05;  ///< how far the cup is moved for the second time, metres
+  bool is_verbose = false;
+};
+
+double quantile(std::vector<double> values, double share) {
+  if (values.empty()) return 0;
+  std::ranges::sort(values);
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+struct Sums {
+  int tasks = 0, solved = 0, contacts = 0, stages = 0;
+  std::vector<double> times_ms, states;
+
+  void print(const std::string& name) const {
+    fmt::print("{:18} {:5}/{:<5} {:9.2f} {:9.2f} {:9.0f} {:9.0f} {:6} {:5}\n", name, solved, tasks,
+               quantile(times_ms, 0.5), quantile(times_ms, 0.95), quantile(states, 0.5),
+               quantile(states, 0.95), stages, contacts);
+  }
+};
+
+class Campaign {
+ public:
+  explicit Campaign(const Options& options) : options_(options) {}
+
+  Result<bool> run() {
+    const std::string urdf = MNEME_TRY(find_robot("panda"));
+    const Robot panda = MNEME_TRY(load_approximated_robot(urdf)).robot;
+    for (int i = 0; i < options_.tasks; ++i) {
+      const std::uint64_t seed = derive_seed(options_.seed, static_cast<std::uint64_t>(i));
+      TaskInstanceSettings settings;
+      settings.grasps = options_.grasps;
+      settings.placements = options_.placements;
+      const TaskInstance instance = MNEME_TRY(make_task_instance(panda, settings, seed));
+      MNEME_TRY(solve_and_check(instance.task, nullptr, without_));
+      MNEME_TRY(repeat_with_memory(instance.task, seed));
+      settings.is_blocked = true;
+      const TaskInstance blocked = MNEME_TRY(make_task_instance(panda, settings, seed));
+      MNEME_TRY(solve_and_check(blocked.task, nullptr, refused_));
+    }
+    fmt::print("{:18} {:>11} {:>9} {:>9} {:>9} {:>9} {:>6} {:>5}\n", "tasks", "solved", "p50 ms",
+               "p95 ms", "p50 st.", "p95 st.", "stages", "hits");
+    without_.print("first time");
+    first_.print("storing choices");
+    again_.print("cup moved");
+    again_without_.print("moved, no memory");
+    refused_.print("blocked");
+    const bool is_whole =
+        without_.solved == without_.tasks && again_.solved == again_without_.solved;
+    const int hits =
+        without_.contacts + first_.contacts + again_.contacts + again_without_.contacts;
+    return is_whole && hits == 0 && refused_.solved == 0;
+  }
+
+ private:
+  Result<TaskResult> solve_and_check(const Task& task, Database* database, Sums& sums) {
+    TaskSettings settings;
+    if (database != nullptr) {
+      settings.solve.remember_after = 0;
+      settings.solve.replay = 0.5;
+    }
+    TaskResult result = MNEME_TRY(solve_task(task, database, settings));
+    ++sums.tasks;
+    sums.times_ms.push_back(1e3 *
+                            (result.is_solved() ? result.first_plan_time_s : result.total_time_s));
+    sums.states.push_back(static_cast<double>(result.states_checked));
+    if (options_.is_verbose) {
+      fmt::print("  {} {:.2f} ms, {} states {}\n", to_string(result.status), sums.times_ms.back(),
+                 result.states_checked, result.message);
+    }
+    if (!result.is_solved()) return result;
+    ++sums.solved;
+    Configuration at = task.start;
+    for (const StageResult& stage : result.stages) {
+      ++sums.stages;
+      const Problem& world = *stage.world;
+      const bool follows = task.robot.distance(at, stage.path.front()) < 1e-6;
+      const bool is_free = stage.path.size() < 2 ||
+                           is_path_free(world.robot, world.scene, stage.path, options_.resolution,
+                                        end_tolerances(settings.solve));
+      if (!follows || !is_free) {
+        ++sums.contacts;
+        fmt::print("  {}: {}\n", stage.name, follows ? "in contact" : "does not follow");
+      }
+      at = stage.path.back();
+    }
+    return result;
+  }
+
+  /// Solves the task with an empty database, then with the cup moved.
+  Result<void> repeat_with_memory(const Task& task, std::uint64_t seed) {
+    const std::string file =
+        (std::filesystem::temp_directory_path() / fmt::format("mneme_tasks_{}.db", seed)).string();
+    std::filesystem::remove(file);
+    {
+      Database database =
+          MNEME_TRY(Database::open(file, make_signature(task.robot), OpenMode::create));
+      MNEME_TRY(solve_and_check(task, &database, first_));
+      Rng rng(derive_seed(seed, 77));
+      Task moved = task;
+      Transform shift;
+      const Vec3 way(rng.uniform(-1, 1), rng.uniform(-1, 1), 0);
+      shift.translation = rng.uniform(0, options_.moved) * way / std::max(1.0, way.norm());
+      MNEME_TRY(moved.scene.move("cup", shift));
+      MNEME_TRY(solve_and_check(moved, nullptr, again_without_));
+      MNEME_TRY(solve_and_check(moved, &database, again_));
+    }
+    std::filesystem::remove(file);
+    return {};
+  }
+
+  const Options& options_;
+  Sums without_, first_, again_, again_without_, refused_;
+};
+
+}  // namespace
+}  // namespace mneme::soak
+
+int main(int argc, char** argv) {
+  mneme::soak::Options options;
+  CLI::App app("Random tasks of pick and place, each with a known plan");
+  app.add_option("--tasks", options.tasks, "number of tasks");
+  app.add_option("--grasps", options.grasps, "grasps of each task");
+  app.add_option("--placements", options.placements, "placements of each task");
+  app.add_option("--seed", options.seed, "seed of the tasks");
+  app.add_option("--resolution", options.resolution, "largest step of the check, radians");
+  app.add_option("--moved", options.moved, "how far the cup is moved for the second time, metres");
+  app.add_flag("--verbose", options.is_verbose, "print each task");
+  CLI11_PARSE(app, argc, argv);
+  const auto passed = mneme::soak::Campaign(options).run();
+  if (!passed) fmt::print(stderr, "soak_tasks: {}\n", passed.error().message);
+  return passed && *passed ? 0 : 1;
+}
