@@ -9,7 +9,7 @@
 
 Metres and radians; configurations are arrays of shape (joint_count,), paths of shape
 (n, joint_count). Wrong input raises mneme.Error; a plan without a path has `is_solved` False.
-plan(), plan_many(), learn() and bench() let other threads run and end at Control-C.
+plan(), plan_many(), plan_task(), learn() and bench() let other threads run and end at Control-C.
 """
 from ._mneme import (
     BenchmarkRow,
@@ -28,6 +28,8 @@ from ._mneme import (
     Problem,
     Robot,
     Scene,
+    Task,
+    TaskPlan,
     Trajectory,
     __version__,
     available_isas,
@@ -42,6 +44,7 @@ from ._mneme import (
     list_problems,
     plan,
     plan_many,
+    plan_task,
     planner_names,
     sampler_names,
     similarity_error,
@@ -72,6 +75,8 @@ __all__ = [
     "RemotePlan",
     "Robot",
     "Scene",
+    "Task",
+    "TaskPlan",
     "Solutions",
     "Trajectory",
     "__version__",
@@ -88,6 +93,7 @@ __all__ = [
     "list_problems",
     "plan",
     "plan_many",
+    "plan_task",
     "planner_names",
     "sampler_names",
     "similarity_error",
