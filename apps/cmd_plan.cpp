@@ -353,7 +353,9 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
 
 void add_problem_flags(CLI::App& command, PlanOptions& options) {
   begin_rare_flags(command, "Problem");
-  command.add_option("PROBLEM", options.problem, "YAML file, or FILE.json#NAME")->required();
+  command
+      .add_option("PROBLEM", options.problem, "YAML file, also one with stages, or FILE.json#NAME")
+      ->required();
   add_other_robot(command, options.robot, options.robot_options);
   add_configuration(command, "--start", options.start, "start instead of the problem's");
   add_configuration(command, "--goal", options.goal, "goal instead of the problem's");
