@@ -43,6 +43,8 @@ def kind_of(value):
         return "suite" if "robot" not in keys else "compact"
     if "distance" in keys:
         return "grid"
+    if "stages" in keys:
+        return "task"
     if "robot" in keys:
         return "problem"
     obstacles = value.get("obstacles")
