@@ -3,6 +3,7 @@
 
 /// mneme settings: the declarations of all settings as JSON; tools/generate_settings.py reads it.
 #include "mneme/cell.h"
+#include "mneme/line.h"
 #include "mneme/pipeline.h"
 
 #include "commands.h"
@@ -74,6 +75,7 @@ void add_settings_list(CLI::App& program, Action& action) {
                 {{"group", "learn"}, {"settings", settings_of<LearnSettings>()}},
                 {{"group", "trajectory"}, {"settings", settings_of<TrajectorySettings>()}},
                 {{"group", "ik"}, {"settings", settings_of<IkSettings>()}},
+                {{"group", "line"}, {"settings", settings_of<LineSettings>()}},
                 {{"group", "cell"}, {"settings", settings_of<CellSettings>()}}});
     return ExitCode::done;
   };

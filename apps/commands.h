@@ -53,6 +53,7 @@ using Action = std::function<Result<ExitCode>()>;
 // Each adds its flags to the program; if it is the subcommand chosen, parsing sets `action`.
 void add_demo(CLI::App& program, Action& action);
 void add_plan(CLI::App& program, Action& action);
+void add_line(CLI::App& program, Action& action);
 void add_learn(CLI::App& program, Action& action);
 void add_db(CLI::App& program, Action& action);
 void add_robot(CLI::App& program, Action& action);

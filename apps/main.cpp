@@ -49,6 +49,7 @@ void set_up(CLI::App& program, Action& action) {
   program.footer(kExamples);
   add_demo(program, action);
   add_plan(program, action);
+  add_line(program, action);
   add_learn(program, action);
   add_db(program, action);
   add_robot(program, action);

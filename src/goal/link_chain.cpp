@@ -150,18 +150,19 @@ Transform LinkChain::place(const JointVector& q, Jacobian* jacobian) const {
 Response LinkChain::response(const JointVector& q) const {
   Jacobian jacobian;
   (void)place(q, &jacobian);
-  return response(q, jacobian, 0);
+  return response(q, jacobian, 0, 0);
 }
 
-Response LinkChain::response(const JointVector& q, const Jacobian& jacobian,
-                             std::uint32_t locked) const {
+Response LinkChain::response(const JointVector& q, const Jacobian& jacobian, std::uint32_t locked,
+                             double damping) const {
   Jacobian weighted = jacobian;
   for (int j = 0; j < joint_count(); ++j) {
     const double room = std::min(q[j] - lower_[j], upper_[j] - q[j]);
     const bool is_locked = (locked >> j & 1) != 0;
     weighted.col(j) *= is_locked ? 0 : std::clamp(room / kLimitRoom, kLeastWeight, 1.0);
   }
-  const Square gram = jacobian * weighted.transpose();
+  Square gram = jacobian * weighted.transpose();
+  gram.diagonal().array() += damping;
   return weighted.transpose() * gram.inverse();
 }
 

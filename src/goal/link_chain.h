@@ -51,8 +51,9 @@ class LinkChain {
   /// The response of least joint motion at `q`; joints near their limits move less.
   [[nodiscard]] Response response(const JointVector& q) const;
   /// The same from the Jacobian at `q`. The joints whose bits are set in `locked` do not move.
+  /// `damping` is added to the squares of twists: a planar arm, which has not all twists, needs it.
   [[nodiscard]] Response response(const JointVector& q, const Jacobian& jacobian,
-                                  std::uint32_t locked) const;
+                                  std::uint32_t locked, double damping) const;
   /// Moves `q` within q + span(response) until the link is at `pose`, to within 1e-7 m or `near`.
   /// False if that fails within `steps`.
   [[nodiscard]] bool reach(const Transform& pose, const Response& response, int steps, double near,

@@ -17,6 +17,7 @@ constexpr double kFirstStep = 0.01, kLeastStep = 5e-4;
 constexpr double kWaypointShare = 2e-3;
 /// Corrections of a step by Newton's method with a constant response.
 constexpr int kMostCorrections = 8;
+constexpr double kDamping = 1e-9;
 /// Share of the tolerance that steps aim at.
 constexpr double kAim = 0.8;
 /// Largest value of |t (t - 1/2) (t - 1)| / 6 for t in [0, 1]: the error of interpolation at 0, 1/2
@@ -34,12 +35,13 @@ double angle_of(double chord) { return chord < 2 ? 2 * std::asin(0.5 * chord) : 
 
 LineTracker::LineTracker(const LinkChain& chain, const LineSegment& segment,
                          const MotionVerifier& verifier, const LineTolerances& tolerances,
-                         std::size_t joints)
+                         const Robot& robot)
     : chain_(chain),
       segment_(segment),
       verifier_(verifier),
       tolerances_(tolerances),
-      joints_(joints) {}
+      joints_(as_index(robot.joint_count())),
+      redundancy_(chain.moving_count() - (robot.is_planar() ? 3 : 6)) {}
 
 LineState LineTracker::begin(double s, const JointVector& q) const {
   const Twist error = difference(chain_.place(q), segment_.at(s));
@@ -58,7 +60,7 @@ LineStop LineTracker::step(const LineState& from, double until, JointVector drif
   base.pose = chain_.place(from.q, &base.jacobian);
   std::uint32_t locked = 0;
   int lockable = redundancy();
-  base.response = chain_.response(from.q, base.jacobian, locked);
+  base.response = chain_.response(from.q, base.jacobian, locked, kDamping);
   double h = std::min(from.step, until - from.s);
   for (;;) {
     double excess = 0;
@@ -73,7 +75,7 @@ LineStop LineTracker::step(const LineState& from, double until, JointVector drif
       locked |= std::uint32_t{1} << stop.joint;
       --lockable;
       drift[stop.joint] = 0;
-      base.response = chain_.response(from.q, base.jacobian, locked);
+      base.response = chain_.response(from.q, base.jacobian, locked, kDamping);
       continue;
     }
     if (h * segment_.size() < kLeastStep) return stop;
@@ -161,10 +163,17 @@ JointVector LineTracker::drift_from_limits(const JointVector& q) const {
 }
 
 bool LineTracker::settle(double s, JointVector& q) const {
-  constexpr int kSteps = 10;
-  return chain_.reach(segment_.at(s), chain_.response(q), kSteps,
-                      kWaypointShare * std::min(tolerances_.position, tolerances_.rotation), q) &&
-         chain_.keeps_limits(q);
+  LineState state;
+  for (int i = 0; i < 2; ++i) {
+    state.s = s;
+    state.q = q;
+    Jacobian jacobian;
+    static_cast<void>(chain_.place(q, &jacobian));
+    const bool is_settled = correct(chain_.response(q, jacobian, 0, kDamping), state);
+    q = state.q;
+    if (is_settled) return chain_.keeps_limits(q);
+  }
+  return false;
 }
 
 }  // namespace mneme::internal

@@ -38,9 +38,9 @@ struct LineTolerances {
 /// Steps that keep the tolerances, the joint limits and the verification of motions.
 class LineTracker {
  public:
-  /// Refers to its arguments. `joints`: the number in the robot's group.
+  /// Refers to its arguments.
   LineTracker(const LinkChain& chain, const LineSegment& segment, const MotionVerifier& verifier,
-              const LineTolerances& tolerances, std::size_t joints);
+              const LineTolerances& tolerances, const Robot& robot);
 
   /// Returns the state at the start of the line, or of a part of it.
   [[nodiscard]] LineState begin(double s, const JointVector& q) const;
@@ -55,8 +55,8 @@ class LineTracker {
   [[nodiscard]] const LinkChain& chain() const { return chain_; }
   [[nodiscard]] const LineSegment& segment() const { return segment_; }
   [[nodiscard]] CheckCounters& checks() { return checks_; }
-  /// Number of joints beyond the six that a pose needs.
-  [[nodiscard]] int redundancy() const { return chain_.moving_count() - 6; }
+  /// Number of joints beyond those that a pose needs: six, or three in a plane.
+  [[nodiscard]] int redundancy() const { return redundancy_; }
   /// Brings `q` to the pose at `s`; false if Newton's method fails or limits are not kept.
   [[nodiscard]] bool settle(double s, JointVector& q) const;
 
@@ -82,6 +82,7 @@ class LineTracker {
   const MotionVerifier& verifier_;
   LineTolerances tolerances_;
   std::size_t joints_;  ///< of the robot's group
+  int redundancy_;
   CheckCounters checks_;
 };
 

@@ -59,8 +59,7 @@ class LinePlan {
     const internal::LineSegment segment(result_.begin, result_.end);
     const MotionVerifier verifier(checker_);
     internal::LineTracker tracker(chain, segment, verifier,
-                                  {line_.position_tolerance, line_.rotation_tolerance},
-                                  from_.size());
+                                  {line_.position_tolerance, line_.rotation_tolerance}, robot_);
     internal::LineSearch search(tracker, kinematics, checker_, start_region(), settings_);
     search.run(find_starts(search, tracker));
     finish(search, tracker);
