@@ -15,6 +15,7 @@ void bind_robot(pybind11::module_& module);
 void bind_attached(pybind11::class_<Robot>& robot);
 void bind_scene(pybind11::module_& module);
 void bind_goal(pybind11::module_& module);
+void bind_line(pybind11::module_& module);
 void bind_problem(pybind11::module_& module);
 void bind_collision(pybind11::module_& module);
 void bind_cell(pybind11::module_& module);

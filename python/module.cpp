@@ -20,6 +20,7 @@ PYBIND11_MODULE(_mneme, module) {
   mneme::python::bind_scene(module);
   mneme::python::bind_robot(module);
   mneme::python::bind_goal(module);
+  mneme::python::bind_line(module);
   mneme::python::bind_problem(module);
   mneme::python::bind_collision(module);
   mneme::python::bind_cell(module);

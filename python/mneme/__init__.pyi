@@ -236,6 +236,67 @@ def inverse_kinematics(
     # /settings
 ) -> Solutions: ...
 
+class Line:
+    def __init__(
+        self,
+        link: str = "",
+        *,
+        by: Optional[npt.ArrayLike] = None,
+        to: Optional[PoseGoal] = None,
+        from_: Optional[PoseGoal] = None,
+        frame: str = "",
+        free_axis: str = "",
+        position_tolerance: float = ...,
+        rotation_tolerance: float = ...,
+    ) -> None: ...
+    @property
+    def link(self) -> str: ...
+    @property
+    def frame(self) -> str: ...
+    @property
+    def position_tolerance(self) -> float: ...
+    @property
+    def rotation_tolerance(self) -> float: ...
+
+class LineResult:
+    @property
+    def is_whole(self) -> bool: ...
+    @property
+    def fraction(self) -> float: ...
+    @property
+    def path(self) -> Floats: ...
+    @property
+    def fractions(self) -> Floats: ...
+    @property
+    def others(self) -> list[Floats]: ...
+    @property
+    def position_deviation(self) -> float: ...
+    @property
+    def rotation_deviation(self) -> float: ...
+    @property
+    def reason(self) -> str: ...
+    @property
+    def branches(self) -> int: ...
+    @property
+    def steps(self) -> int: ...
+    @property
+    def is_timed_out(self) -> bool: ...
+
+def plan_line(
+    robot: Robot,
+    line: Line,
+    start: Optional[npt.ArrayLike] = None,
+    *,
+    scene: Scene = ...,
+    isa: str = "automatic",
+    # settings:line
+    timeout: float = 1.0,
+    line_steps: int = 4000,
+    line_paths: int = 1,
+    seed: int = 1,
+    # /settings
+) -> LineResult: ...
+
 class Problem:
     name: str
     def __init__(
