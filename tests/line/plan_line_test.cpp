@@ -8,8 +8,11 @@
 
 #include <doctest/doctest.h>
 
+#include <atomic>
+#include <limits>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace mneme::test {
 namespace {
@@ -32,6 +35,13 @@ Line random_line(const std::string& link, Rng& rng) {
   line.link = link;
   line.displacement =
       rng.uniform(0.1, 0.4) * Vec3(rng.normal(), rng.normal(), rng.normal()).normalized();
+  return line;
+}
+
+Line line_by(const std::string& link, const Vec3& displacement) {
+  Line line;
+  line.link = link;
+  line.displacement = displacement;
   return line;
 }
 
@@ -67,6 +77,276 @@ TEST_SUITE("law") {
         CHECK(is_path_free(robot, {}, result.line.path, 0.005));
       }
       CHECK(whole >= 8);
+    }
+  }
+
+  TEST_CASE("a line keeps the rotation, or turns to that of its target at even speed") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = require_checker(robot);
+    Line line;
+    line.link = kHand;
+    line.target = pose_at(robot, kHand, kReady).pose;
+    line.target->translation += Vec3(0.05, 0.1, -0.1);
+    line.target->rotation = line.target->rotation * rotation_about(Vec3::UnitZ(), 0.7);
+    const LineResult turning = require_line(checker, line, kReady);
+    CHECK_MESSAGE(turning.is_whole(), turning.reason);
+    check_deviation(robot, line, turning);
+    CHECK(angle_between(pose_at(robot, kHand, turning.line.path.back()).pose.rotation,
+                        line.target->rotation) < 1e-4);
+    line.keeps_rotation = true;
+    const LineResult kept = require_line(checker, line, kReady);
+    CHECK_MESSAGE(kept.is_whole(), kept.reason);
+    const Transform end = pose_at(robot, kHand, kept.line.path.back()).pose;
+    CHECK((end.translation - line.target->translation).norm() < 1e-5);
+    CHECK(angle_between(end.rotation, kept.begin.rotation) < 1e-4);
+  }
+
+  TEST_CASE("the same arguments give the same path") {
+    const Robot robot = shipped_robot("fetch");
+    const CollisionChecker checker = require_checker(robot);
+    Rng rng(8);
+    for (int i = 0; i < 5; ++i) {
+      const Configuration q = random_configuration(robot, rng);
+      const Line line = random_line("gripper_link", rng);
+      CHECK(require_line(checker, line, q).line.path == require_line(checker, line, q).line.path);
+    }
+  }
+
+  TEST_CASE("tighter tolerances give more waypoints and smaller bounds") {
+    const Robot robot = shipped_robot("ur5");
+    const CollisionChecker checker = require_checker(robot);
+    Line line = line_by("tool0", Vec3(0, 0.2, -0.1));
+    const Configuration q = {0.3, -1.5, 1.6, -1.6, -1.5, 0};
+    const LineResult usual = require_line(checker, line, q);
+    line.position_tolerance = 1e-6;
+    const LineResult tight = require_line(checker, line, q);
+    CHECK_MESSAGE(usual.is_whole(), usual.reason);
+    CHECK_MESSAGE(tight.is_whole(), tight.reason);
+    check_deviation(robot, line, tight);
+    CHECK(tight.line.path.size() > 5 * usual.line.path.size());
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("directions are in the named frame at the start") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = require_checker(robot);
+    const Transform begin = pose_at(robot, kHand, kReady).pose;
+    for (const std::string frame : {"", "world", "panda_link0", "panda_hand", "panda_link5"}) {
+      CAPTURE(frame);
+      Line line = line_by(kHand, Vec3(0.02, 0, 0.05));
+      line.frame = frame;
+      const LineResult result = require_line(checker, line, kReady);
+      REQUIRE_MESSAGE(result.is_whole(), result.reason);
+      const bool is_root = frame.empty() || frame == "world";
+      const Eigen::Matrix3d axes = is_root ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
+                                           : pose_at(robot, frame, kReady).pose.rotation;
+      const Vec3 end = begin.translation + axes * line.displacement;
+      CHECK((pose_at(robot, kHand, result.line.path.back()).pose.translation - end).norm() < 1e-5);
+    }
+  }
+
+  TEST_CASE("the only tip of the group is the default link") {
+    const Robot robot = shipped_robot("ur5");
+    const LineResult result = require_line(require_checker(robot), line_by("", Vec3(0, 0.05, 0)),
+                                           {0.3, -1.5, 1.6, -1.6, -1.5, 0});
+    CHECK((result.begin.translation -
+           pose_at(robot, find_tips(robot).front(), result.line.path.front()).pose.translation)
+              .norm() < 1e-9);
+  }
+
+  TEST_CASE("from a pose all branches of inverse kinematics are tried") {
+    const Robot robot = shipped_robot("ur5");
+    const CollisionChecker checker = require_checker(robot);
+    const Configuration near = {0.3, -1.5, 1.6, -1.6, -1.5, 0};
+    Line line = line_by("tool0", Vec3(0, 0, -0.05));
+    line.start = pose_at(robot, "tool0", near).pose;
+    LineSettings settings;
+    settings.line_paths = 3;
+    const LineResult result = require_line(checker, line, near, settings);
+    REQUIRE_MESSAGE(result.is_whole(), result.reason);
+    CHECK(result.branches >= 4);
+    REQUIRE(result.others.size() == 2);
+    CHECK(robot.distance(result.line.path.front(), near) < 1e-3);
+    for (const LinePath& other : result.others) {
+      CHECK(other.fraction() == 1);
+      CHECK(robot.distance(other.path.front(), result.line.path.front()) > 0.1);
+      CHECK((pose_at(robot, "tool0", other.path.back()).pose.translation - result.end.translation)
+                .norm() < 1e-5);
+    }
+  }
+
+  TEST_CASE("a free axis lets the link turn where the rotation stops it") {
+    const Robot robot = shipped_robot("ur5");
+    const CollisionChecker checker = require_checker(robot);
+    const Configuration q = {0.3, -1.5, 1.6, -1.6, -1.5, 6.28};
+    // Turning the tool by a right angle takes its last joint beyond the limit.
+    Line line;
+    line.link = "tool0";
+    line.target = pose_at(robot, "tool0", q).pose;
+    line.target->translation += Vec3(0, 0.05, 0);
+    line.target->rotation = line.target->rotation * rotation_about(Vec3::UnitZ(), kPi / 2);
+    const LineResult stopped = require_line(checker, line, q);
+    CHECK(!stopped.is_whole());
+    CHECK(stopped.reason.find("joint 'wrist_3_joint' at its upper limit of 6.283 rad") !=
+          std::string::npos);
+    line.free_axis = Axis::z;
+    const LineResult free = require_line(checker, line, q);
+    CHECK_MESSAGE(free.is_whole(), free.reason);
+    check_deviation(robot, line, free);
+  }
+
+  TEST_CASE("a planar arm follows lines in its plane") {
+    const Robot robot = planar8();
+    const CollisionChecker checker = require_checker(robot);
+    const Configuration q = {0.1, 0.4, 0.4, 0.4, -0.3, -0.4, -0.4, 0.2};
+    const std::string tip = find_tips(robot).front();
+    Line line = line_by(tip, Vec3(-0.2, 0.3, 0));
+    const LineResult result = require_line(checker, line, q);
+    CHECK_MESSAGE(result.is_whole(), result.reason);
+    check_deviation(robot, line, result);
+    const LineResult none = require_line(checker, line_by(tip, Vec3(0, 0, 0.1)), q);
+    CHECK(none.line.fraction() < 0.01);
+  }
+
+  TEST_CASE("a line that leaves the reach returns its longest part and says why") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = require_checker(robot);
+    const Line line = line_by(kHand, Vec3(2, 0, 0));
+    const LineResult result = require_line(checker, line, kReady);
+    CHECK(!result.is_whole());
+    CHECK(result.line.fraction() > 0.1);
+    CHECK(result.line.fraction() < 0.5);
+    CHECK_MESSAGE(result.reason.starts_with("branch ends after "), result.reason);
+    check_deviation(robot, line, result);
+  }
+
+  TEST_CASE("a line into an obstacle ends before it and names the contact") {
+    const Robot robot = shipped_robot("panda");
+    const Transform begin = pose_at(robot, kHand, kReady).pose;
+    Scene scene;
+    const Vec3 below = begin.translation - Vec3(0, 0, 0.3);
+    REQUIRE(scene.add({"shelf", {Box{{Eigen::Matrix3d::Identity(), below}, Vec3(1, 1, 0.05)}}}));
+    const CollisionChecker checker = require_checker(robot, scene);
+    const Line line = line_by(kHand, Vec3(0, 0, -0.25));
+    const LineResult result = require_line(checker, line, kReady);
+    CHECK(!result.is_whole());
+    CHECK(result.line.fraction() > 0.2);
+    CHECK_MESSAGE(result.reason.find("contact of link 'panda_") != std::string::npos,
+                  result.reason);
+    CHECK_MESSAGE(result.reason.find("with obstacle 'shelf'") != std::string::npos, result.reason);
+    CHECK(is_path_free(robot, scene, result.line.path, 0.005));
+  }
+
+  TEST_CASE("a start pose without a configuration is told") {
+    const Robot robot = shipped_robot("panda");
+    Line line = line_by(kHand, Vec3(0, 0, 0.1));
+    line.start = pose_at(robot, kHand, kReady).pose;
+    line.start->translation.x() += 3;
+    const LineResult result = require_line(require_checker(robot), line, kReady);
+    CHECK(result.line.path.empty());
+    CHECK(result.branches == 0);
+    CHECK_MESSAGE(result.reason.find("out of reach") != std::string::npos, result.reason);
+  }
+
+  TEST_CASE("limits and cancellation end the search") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = require_checker(robot);
+    const Line line = line_by(kHand, Vec3(0, 0.3, 0));
+    LineSettings settings;
+    settings.line_steps = 3;
+    const LineResult few = require_line(checker, line, kReady, settings);
+    CHECK(!few.is_whole());
+    CHECK(few.steps <= 4);
+    CHECK_MESSAGE(few.reason.find("the search was ended by its limits") != std::string::npos,
+                  few.reason);
+    const std::atomic<bool> cancel = true;
+    settings = {};
+    settings.cancel = &cancel;
+    CHECK(require_line(checker, line, kReady, settings).is_cancelled);
+  }
+
+  TEST_CASE("wrong lines are refused with a message") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = require_checker(robot);
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    const auto check = [&](auto change, const std::string& expected, Configuration q = kReady) {
+      Line line = line_by(kHand, Vec3(0, 0, 0.1));
+      LineSettings settings;
+      change(line, settings);
+      const auto result = plan_line(checker, line, q, settings);
+      REQUIRE_MESSAGE(!result.has_value(), expected);
+      CHECK_MESSAGE(result.error().message.find(expected) != std::string::npos,
+                    result.error().message);
+    };
+    check([](Line& line, auto&) { line.link = "panda_hnd"; },
+          "the line's link \"panda_hnd\" is no link of robot panda; did you mean 'panda_hand'?");
+    check([](Line& line, auto&) { line.frame = "table"; },
+          "the line's frame \"table\" is no link of robot panda");
+    check([](Line& line, auto&) { line.displacement.setZero(); }, "has no length");
+    check([&](Line& line, auto&) { line.target = pose_at(robot, kHand, kReady).pose; },
+          "has no length");
+    check([](Line& line, auto&) { line.displacement.x() = kNan; }, "as the line's displacement");
+    check(
+        [](Line& line, auto&) {
+          line.target = Transform{};
+          line.target->translation.y() = std::numeric_limits<double>::infinity();
+        },
+        "as the line's target");
+    check(
+        [](Line& line, auto&) {
+          line.start = Transform{};
+          line.start->rotation(0, 0) = 2;
+        },
+        "as the line's start");
+    check(
+        [&](Line& line, auto&) {
+          line.target = pose_at(robot, kHand, kReady).pose;
+          line.target->rotation = rotation_about(Vec3::UnitX(), kPi) * line.target->rotation;
+        },
+        "by half a turn");
+    check([](Line& line, auto&) { line.position_tolerance = 0; }, "position tolerance is 0 m");
+    check([](Line& line, auto&) { line.rotation_tolerance = kNan; }, "rotation tolerance is nan");
+    check([](Line&, LineSettings& settings) { settings.line_steps = 0; }, "setting 'line-steps'");
+    check([](Line&, auto&) {}, "start", {0, -0.785, 0, 3, 0, 1.571, 0.785});
+    check([](Line&, auto&) {}, "start", {0, 0});
+    check([](Line& line, auto&) { line.link = "panda_link3"; }, "need at least 6");
+  }
+
+  TEST_CASE("constraints are refused") {
+    const Robot robot = shipped_robot("panda");
+    CheckerSettings settings;
+    settings.constraints = {{kHand, Vec3(0, 0, -1), Vec3::UnitZ(), 0.5}};
+    const auto checker = CollisionChecker::make(robot, {}, settings);
+    REQUIRE(checker);
+    const auto result = plan_line(*checker, line_by(kHand, Vec3(0, 0, 0.1)), kReady);
+    REQUIRE(!result);
+    CHECK(result.error().message.find("without orientation constraints") != std::string::npos);
+  }
+}
+
+TEST_SUITE("oracle") {
+  TEST_CASE("lines that an exhaustive search over branches finds are found") {
+    for (const auto& [name, link] : {std::pair("panda", "panda_hand"), std::pair("ur5", "tool0")}) {
+      CAPTURE(std::string(name));
+      const Robot robot = shipped_robot(name);
+      Scene scene;
+      REQUIRE(scene.add(
+          {"box", {Box{{Eigen::Matrix3d::Identity(), Vec3(0.5, 0, 0.2)}, Vec3(0.1, 0.3, 0.2)}}}));
+      const CollisionChecker checker = require_checker(robot, scene);
+      const LineOracle oracle(checker, link, 0.01, 0.15);
+      Rng rng(11);
+      int possible = 0, whole = 0;
+      for (int i = 0; i < 30; ++i) {
+        const Configuration q = random_configuration(robot, rng);
+        if (!checker.is_valid(std::span<const double>(q))) continue;
+        const Line line = random_line(link, rng);
+        const LineResult result = require_line(checker, line, q);
+        whole += result.is_whole();
+        possible += result.is_whole() || oracle.is_possible(result, {q});
+      }
+      CHECK(possible >= 5);
+      CHECK(whole == possible);
     }
   }
 }
