@@ -27,24 +27,20 @@ double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi
 
 }  // namespace
 
-LineSearch::LineSearch(LineTracker& tracker, const InverseKinematics& kinematics,
-                       const CollisionChecker& checker, const PoseGoal& goal,
+LineSearch::LineSearch(LineTracker& tracker, const CollisionChecker& checker, const PoseGoal& start,
                        const LineSettings& settings)
     : tracker_(tracker),
-      kinematics_(kinematics),
       checker_(checker),
-      goal_(goal),
+      goal_(start),
       settings_(settings),
       rng_(settings.seed) {}
 
-void LineSearch::run(const std::vector<JointVector>& starts) {
-  std::vector<int> roots;
+void LineSearch::run(const std::vector<JointVector>& starts, bool may_add_starts) {
   for (const JointVector& q : starts) {
     if (is_over() || has_enough()) return;
-    roots.push_back(add(tracker_.begin(0, q), -1));
-    extend(roots.back(), 1, nullptr);
+    extend(add(tracker_.begin(0, q), -1), 1, nullptr);
   }
-  if (!roots.empty() && tracker_.redundancy() > 0) explore();
+  if (!starts.empty() && tracker_.redundancy() > 0) explore(may_add_starts);
 }
 
 bool LineSearch::has_enough() const { return std::ssize(whole_) >= settings_.line_paths; }
@@ -84,24 +80,36 @@ int LineSearch::extend(int node, double until, const JointVector* goal) {
   return node;
 }
 
-void LineSearch::explore() {
+void LineSearch::explore(bool may_add_starts) {
   const double ahead = kAhead / tracker_.segment().size();
   int barren = 0;
   for (int i = 0; !is_over() && !has_enough() && barren < kPatience; ++i) {
-    const double from = has_enough() ? 0 : at(farthest_).s;
-    const bool is_near = i % 2 == 0;
-    const double s = is_near ? std::min(1.0, from + ahead) : rng_.uniform(from, 1);
+    const double reached = at(farthest_).s;
+    const bool is_near = i % 2 == 0, is_start = may_add_starts && i % 4 == 3;
+    const double s = is_start  ? 0
+                     : is_near ? std::min(1.0, reached + ahead)
+                               : rng_.uniform(reached, 1);
     const std::vector<JointVector> goals = sample_states(s);
     if (is_near) barren = goals.empty() ? barren + 1 : 0;
     for (const JointVector& goal : goals) {
       if (is_over() || has_enough()) return;
-      const int last = extend(find_nearest(goal, s), s, &goal);
-      if (at(last).s >= s) extend(last, 1, nullptr);
+      grow_towards(goal, s);
     }
   }
 }
 
+void LineSearch::grow_towards(const JointVector& goal, double s) {
+  const int last =
+      s == 0 ? add(tracker_.begin(0, goal), -1) : extend(find_nearest(goal, s), s, &goal);
+  if (at(last).s >= s) extend(last, 1, nullptr);
+}
+
 std::vector<JointVector> LineSearch::sample_states(double s) {
+  if (!kinematics_) {
+    auto made = InverseKinematics::make(checker_.robot(), goal_.link, checker_.isa());
+    if (!made) return {};
+    kinematics_.emplace(*std::move(made));
+  }
   goal_.pose = tracker_.segment().at(s);
   IkSettings settings;
   settings.seeds = kSeeds;
@@ -113,7 +121,7 @@ std::vector<JointVector> LineSearch::sample_states(double s) {
   const Configuration near(last.data(), last.data() + joints);
   std::vector<JointVector> states;
   for (const Configuration& q :
-       kinematics_.solve(goal_, near, settings, &checker_, kVerificationMargin).solutions) {
+       kinematics_->solve(goal_, near, settings, &checker_, kVerificationMargin).solutions) {
     JointVector state = with_free_axis(q, s);
     if (tracker_.settle(s, state)) states.push_back(state);
   }

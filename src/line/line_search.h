@@ -18,12 +18,12 @@ namespace mneme::internal {
 /// and joints are redundant, branches grow towards configurations that reach farther.
 class LineSearch {
  public:
-  /// Refers to its arguments. `goal` is the region of the link's poses at the start of the line;
-  /// its pose is replaced.
-  LineSearch(LineTracker& tracker, const InverseKinematics& kinematics,
-             const CollisionChecker& checker, const PoseGoal& goal, const LineSettings& settings);
+  /// Refers to tracker and checker. `start` is the region of the link's poses at the line's start.
+  LineSearch(LineTracker& tracker, const CollisionChecker& checker, const PoseGoal& start,
+             const LineSettings& settings);
 
-  void run(const std::vector<JointVector>& starts);
+  /// With `may_add_starts`, further start configurations are sampled, too.
+  void run(const std::vector<JointVector>& starts, bool may_add_starts);
 
   /// The path to the farthest state, or nothing without a start.
   [[nodiscard]] LinePath farthest() const;
@@ -52,7 +52,8 @@ class LineSearch {
   /// Follows the line from a node, towards `goal` at the share `until` if it is not null. Returns
   /// the last node.
   int extend(int node, double until, const JointVector* goal);
-  void explore();
+  void explore(bool may_add_starts);
+  void grow_towards(const JointVector& goal, double s);
   /// Free configurations at the share `s`.
   [[nodiscard]] std::vector<JointVector> sample_states(double s);
   /// The node from which the least motion per share of the line leads to `goal` at `s`.
@@ -61,9 +62,9 @@ class LineSearch {
   [[nodiscard]] LinePath path_to(int node) const;
 
   LineTracker& tracker_;
-  const InverseKinematics& kinematics_;
   const CollisionChecker& checker_;
   PoseGoal goal_;
+  std::optional<InverseKinematics> kinematics_;  ///< made when it is needed
   LineSettings settings_;
   Stopwatch stopwatch_;
   Rng rng_;

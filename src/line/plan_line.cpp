@@ -54,14 +54,12 @@ class LinePlan {
     MNEME_TRY(find_ends());
     const auto chain =
         MNEME_TRY(internal::LinkChain::make(robot_, robot_.links()[link_].name, line_.free_axis));
-    const auto kinematics =
-        MNEME_TRY(InverseKinematics::make(robot_, robot_.links()[link_].name, checker_.isa()));
     const internal::LineSegment segment(result_.begin, result_.end);
     const MotionVerifier verifier(checker_);
     internal::LineTracker tracker(chain, segment, verifier,
                                   {line_.position_tolerance, line_.rotation_tolerance}, robot_);
-    internal::LineSearch search(tracker, kinematics, checker_, start_region(), settings_);
-    search.run(find_starts(search, tracker));
+    internal::LineSearch search(tracker, checker_, start_region(), settings_);
+    search.run(find_starts(search, tracker), line_.start.has_value());
     finish(search, tracker);
     return std::move(result_);
   }

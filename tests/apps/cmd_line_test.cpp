@@ -17,8 +17,8 @@ const std::string kPandaStart = "0,-0.785,0,-2.356,0,1.571,0.785";
 
 /// mneme line panda from a usual configuration.
 std::vector<std::string> line_of(std::vector<std::string> more) {
-  std::vector<std::string> words = {"line", "panda", "--start", kPandaStart, "--link",
-                                    "panda_hand"};
+  std::vector<std::string> words = {"line",      "panda",  "--start",
+                                    kPandaStart, "--link", "panda_hand"};
   words.insert(words.end(), more.begin(), more.end());
   return words;
 }
@@ -41,9 +41,8 @@ TEST_SUITE("flow") {
   }
 
   TEST_CASE("a line starts at a pose, and ends at a position") {
-    const ProgramRun run = run_program({"line", "panda", "--from",
-                                        "panda_hand:0.4,0.1,0.5,1,0,0,0", "--to",
-                                        "panda_hand:0.4,0.1,0.3", "--json"});
+    const ProgramRun run = run_program({"line", "panda", "--from", "panda_hand:0.4,0.1,0.5,1,0,0,0",
+                                        "--to", "panda_hand:0.4,0.1,0.3", "--json"});
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     CHECK(Json::parse(run.out)["branches"] > 0);
   }
