@@ -94,28 +94,7 @@ std::string describe_line(const LineResult& result) {
                            result.reason);
 }
 
-}  // namespace
-
-void bind_line(py::module_& module) {
-  py::class_<Line>(module, "Line", "A straight motion of a link.")
-      .def(py::init(&make_line), py::arg("link") = "", py::kw_only(), py::arg("by") = py::none(),
-           py::arg("to") = py::none(), py::arg("from_") = py::none(), py::arg("frame") = "",
-           py::arg("free_axis") = "", py::arg("position_tolerance") = Line().position_tolerance,
-           py::arg("rotation_tolerance") = Line().rotation_tolerance,
-           "link: default: the only tip of the planning group.\n"
-           "by: motion of the link, metres; the link keeps its rotation.\n"
-           "to: PoseGoal where the line ends, instead of `by`; without quat_xyzw the link keeps\n"
-           "its rotation.\n"
-           "from_: PoseGoal where the line starts, in the frame of the robot's root link: all\n"
-           "branches of inverse kinematics are tried. Default: the line starts at `start`.\n"
-           "frame: a link whose pose at the start is the frame of `by` and `to`; the moved link:\n"
-           "along its own axes. Default: the robot's root link.\n"
-           "free_axis: \"x\", \"y\" or \"z\": axis of the link about which it may turn freely.\n"
-           "position_tolerance, rotation_tolerance: largest deviation, metres and radians.")
-      .def_readonly("link", &Line::link)
-      .def_readonly("frame", &Line::frame)
-      .def_readonly("position_tolerance", &Line::position_tolerance, "Metres.")
-      .def_readonly("rotation_tolerance", &Line::rotation_tolerance, "Radians.");
+void bind_result(py::module_& module) {
   py::class_<LineResult>(module, "LineResult",
                          "A path along a line, or along the longest part that was found.")
       .def_property_readonly("is_whole", &LineResult::is_whole)
@@ -150,6 +129,31 @@ void bind_line(py::module_& module) {
       .def_readonly("steps", &LineResult::steps)
       .def_readonly("is_timed_out", &LineResult::is_timed_out)
       .def("__repr__", &describe_line);
+}
+
+}  // namespace
+
+void bind_line(py::module_& module) {
+  py::class_<Line>(module, "Line", "A straight motion of a link.")
+      .def(py::init(&make_line), py::arg("link") = "", py::kw_only(), py::arg("by") = py::none(),
+           py::arg("to") = py::none(), py::arg("from_") = py::none(), py::arg("frame") = "",
+           py::arg("free_axis") = "", py::arg("position_tolerance") = Line().position_tolerance,
+           py::arg("rotation_tolerance") = Line().rotation_tolerance,
+           "link: default: the only tip of the planning group.\n"
+           "by: motion of the link, metres; the link keeps its rotation.\n"
+           "to: PoseGoal where the line ends, instead of `by`; without quat_xyzw the link keeps\n"
+           "its rotation.\n"
+           "from_: PoseGoal where the line starts, in the frame of the robot's root link: all\n"
+           "branches of inverse kinematics are tried. Default: the line starts at `start`.\n"
+           "frame: a link whose pose at the start is the frame of `by` and `to`; the moved link:\n"
+           "along its own axes. Default: the robot's root link.\n"
+           "free_axis: \"x\", \"y\" or \"z\": axis of the link about which it may turn freely.\n"
+           "position_tolerance, rotation_tolerance: largest deviation, metres and radians.")
+      .def_readonly("link", &Line::link)
+      .def_readonly("frame", &Line::frame)
+      .def_readonly("position_tolerance", &Line::position_tolerance, "Metres.")
+      .def_readonly("rotation_tolerance", &Line::rotation_tolerance, "Radians.");
+  bind_result(module);
   module.def(
       "plan_line", &plan_on_line, py::arg("robot"), py::arg("line"), py::arg("start") = py::none(),
       py::kw_only(), py::arg("scene") = Scene(), py::arg("isa") = "automatic",
