@@ -20,6 +20,8 @@ constexpr int kSeeds = 32, kSolutions = 4;
 constexpr double kAhead = 0.01;
 /// Places ahead without a configuration after which the search ends.
 constexpr int kPatience = 4;
+/// Configurations that branches grow towards without getting any farther, after which it ends.
+constexpr int kMostFutile = 32;
 /// Largest motion of the joints per metre of the line, radians, towards a configuration.
 constexpr double kMostDrift = 40;
 
@@ -38,9 +40,11 @@ LineSearch::LineSearch(LineTracker& tracker, const CollisionChecker& checker, co
 void LineSearch::run(const std::vector<JointVector>& starts, bool may_add_starts) {
   for (const JointVector& q : starts) {
     if (is_over() || has_enough()) return;
-    extend(add(tracker_.begin(0, q), -1), 1, nullptr);
+    take_whole(extend(add(tracker_.begin(0, q), -1), 1, nullptr, LineCheck::proof));
   }
-  if (!starts.empty() && tracker_.redundancy() > 0) explore(may_add_starts);
+  if (starts.empty()) return;
+  if (tracker_.redundancy() > 0 && !has_enough()) explore(may_add_starts);
+  if (!has_enough()) farthest_ = prove(farthest_);
 }
 
 bool LineSearch::has_enough() const { return std::ssize(whole_) >= settings_.line_paths; }
@@ -55,11 +59,10 @@ int LineSearch::add(const LineState& state, int parent) {
   const int node = static_cast<int>(nodes_.size());
   nodes_.push_back({state, parent});
   if (farthest_ < 0 || state.s > at(farthest_).s) farthest_ = node;
-  if (state.s == 1) whole_.push_back(node);
   return node;
 }
 
-int LineSearch::extend(int node, double until, const JointVector* goal) {
+int LineSearch::extend(int node, double until, const JointVector* goal, LineCheck check) {
   while (at(node).s < until) {
     const LineState from = at(node);
     JointVector drift = tracker_.drift_from_limits(from.q);
@@ -69,7 +72,7 @@ int LineSearch::extend(int node, double until, const JointVector* goal) {
       if (drift.norm() > most) drift *= most / drift.norm();
     }
     LineState to;
-    LineStop stop = tracker_.step(from, until, drift, to, steps_);
+    LineStop stop = tracker_.step(from, until, drift, check, to, steps_);
     if (stop.kind == LineStop::Kind::none && is_over()) stop.kind = LineStop::Kind::budget;
     if (stop.kind != LineStop::Kind::none) {
       if (from.s >= at(farthest_).s) stop_ = stop;
@@ -80,10 +83,38 @@ int LineSearch::extend(int node, double until, const JointVector* goal) {
   return node;
 }
 
+int LineSearch::prove(int node) {
+  std::vector<int> unproven;
+  for (int i = node; i >= 0 && !at(i).is_proven; i = nodes_[as_index(i)].parent) {
+    unproven.push_back(i);
+  }
+  for (; !unproven.empty(); unproven.pop_back()) {
+    Node& next = nodes_[as_index(unproven.back())];
+    if (!tracker_.prove(at(next.parent), next.state)) {
+      stop_ = {LineStop::Kind::contact, -1, at(next.parent).q, next.state.q};
+      return next.parent;
+    }
+    next.state.is_proven = true;
+  }
+  return node;
+}
+
+void LineSearch::take_whole(int node) {
+  if (at(node).s < 1) return;
+  const int root = root_of(node);
+  const auto is_same = [&](int other) { return root_of(other) == root; };
+  if (std::ranges::none_of(whole_, is_same) && prove(node) == node) whole_.push_back(node);
+}
+
+int LineSearch::root_of(int node) const {
+  while (nodes_[as_index(node)].parent >= 0) node = nodes_[as_index(node)].parent;
+  return node;
+}
+
 void LineSearch::explore(bool may_add_starts) {
   const double ahead = kAhead / tracker_.segment().size();
-  int barren = 0;
-  for (int i = 0; !is_over() && !has_enough() && barren < kPatience; ++i) {
+  int barren = 0, futile = 0;
+  for (int i = 0; barren < kPatience && futile < kMostFutile; ++i) {
     const double reached = at(farthest_).s;
     const bool is_near = i % 2 == 0, is_start = may_add_starts && i % 4 == 3;
     const double s = is_start  ? 0
@@ -94,14 +125,16 @@ void LineSearch::explore(bool may_add_starts) {
     for (const JointVector& goal : goals) {
       if (is_over() || has_enough()) return;
       grow_towards(goal, s);
+      ++futile;
     }
+    if (at(farthest_).s > reached) futile = 0;
   }
 }
 
 void LineSearch::grow_towards(const JointVector& goal, double s) {
-  const int last =
-      s == 0 ? add(tracker_.begin(0, goal), -1) : extend(find_nearest(goal, s), s, &goal);
-  if (at(last).s >= s) extend(last, 1, nullptr);
+  const int last = s == 0 ? add(tracker_.begin(0, goal), -1)
+                          : extend(find_nearest(goal, s), s, &goal, LineCheck::states);
+  if (at(last).s >= s) take_whole(extend(last, 1, nullptr, LineCheck::states));
 }
 
 std::vector<JointVector> LineSearch::sample_states(double s) {

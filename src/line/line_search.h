@@ -51,7 +51,12 @@ class LineSearch {
   int add(const LineState& state, int parent);
   /// Follows the line from a node, towards `goal` at the share `until` if it is not null. Returns
   /// the last node.
-  int extend(int node, double until, const JointVector* goal);
+  int extend(int node, double until, const JointVector* goal, LineCheck check);
+  /// Proves the path to a node. Returns its last node that is proven.
+  int prove(int node);
+  /// Keeps the path to the end of the line if it is proven, and its start new.
+  void take_whole(int node);
+  [[nodiscard]] int root_of(int node) const;
   void explore(bool may_add_starts);
   void grow_towards(const JointVector& goal, double s);
   /// Free configurations at the share `s`.

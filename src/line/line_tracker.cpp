@@ -12,7 +12,7 @@ namespace mneme::internal {
 namespace {
 
 /// Metres along the line: the first step, and a step that is not halved any more.
-constexpr double kFirstStep = 0.01, kLeastStep = 5e-4;
+constexpr double kFirstStep = 0.01, kLeastStep = 5e-4, kLeastLazyStep = 4e-3;
 /// Errors of waypoints, as a share of the tolerance.
 constexpr double kWaypointShare = 2e-3;
 /// Corrections of a step by Newton's method with a constant response.
@@ -26,6 +26,16 @@ constexpr double kInterpolationError = 0.0080188;
 /// Radians per metre of the line by which joints at their limits drift away, at most.
 constexpr double kLimitDrift = 4;
 
+using Row = std::array<float, kMostChainJoints>;
+
+Row to_row(const JointVector& q) {
+  Row values = {};
+  for (Eigen::Index j = 0; j < q.size(); ++j) {
+    values[static_cast<std::size_t>(j)] = static_cast<float>(q[j]);
+  }
+  return values;
+}
+
 double chord(double angle) { return 2 * std::sin(0.5 * std::min(angle, 3.0)); }
 
 /// Largest angle with a chord.
@@ -34,14 +44,14 @@ double angle_of(double chord) { return chord < 2 ? 2 * std::asin(0.5 * chord) : 
 }  // namespace
 
 LineTracker::LineTracker(const LinkChain& chain, const LineSegment& segment,
-                         const MotionVerifier& verifier, const LineTolerances& tolerances,
-                         const Robot& robot)
+                         const CollisionChecker& checker, const LineTolerances& tolerances)
     : chain_(chain),
       segment_(segment),
-      verifier_(verifier),
+      checker_(checker),
+      verifier_(checker),
       tolerances_(tolerances),
-      joints_(as_index(robot.joint_count())),
-      redundancy_(chain.moving_count() - (robot.is_planar() ? 3 : 6)) {}
+      joints_(as_index(checker.robot().joint_count())),
+      redundancy_(chain.moving_count() - (checker.robot().is_planar() ? 3 : 6)) {}
 
 LineState LineTracker::begin(double s, const JointVector& q) const {
   const Twist error = difference(chain_.place(q), segment_.at(s));
@@ -54,18 +64,19 @@ LineState LineTracker::begin(double s, const JointVector& q) const {
   return state;
 }
 
-LineStop LineTracker::step(const LineState& from, double until, JointVector drift, LineState& to,
-                           int& attempts) {
+LineStop LineTracker::step(const LineState& from, double until, JointVector drift, LineCheck check,
+                           LineState& to, int& attempts) {
   Base base{from, {}, {}, {}};
   base.pose = chain_.place(from.q, &base.jacobian);
   std::uint32_t locked = 0;
   int lockable = redundancy();
   base.response = chain_.response(from.q, base.jacobian, locked, kDamping);
+  const double least = check == LineCheck::proof ? kLeastStep : kLeastLazyStep;
   double h = std::min(from.step, until - from.s);
   for (;;) {
     double excess = 0;
     ++attempts;
-    const LineStop stop = attempt(base, h, drift, to, excess);
+    const LineStop stop = attempt(base, h, drift, check, to, excess);
     if (stop.kind == LineStop::Kind::none) {
       to.step = h * std::clamp(kAim / std::sqrt(excess + 1e-9), 0.5, 2.0);
       return stop;
@@ -78,13 +89,13 @@ LineStop LineTracker::step(const LineState& from, double until, JointVector drif
       base.response = chain_.response(from.q, base.jacobian, locked, kDamping);
       continue;
     }
-    if (h * segment_.size() < kLeastStep) return stop;
+    if (h * segment_.size() < least) return stop;
     h *= excess > 1 ? std::clamp(kAim / std::sqrt(excess), 0.1, 0.8) : 0.5;
   }
 }
 
-LineStop LineTracker::attempt(const Base& base, double h, const JointVector& drift, LineState& to,
-                              double& excess) {
+LineStop LineTracker::attempt(const Base& base, double h, const JointVector& drift, LineCheck check,
+                              LineState& to, double& excess) {
   const LineState& from = base.from;
   // The last step of a line ends on it exactly.
   to.s = from.s + h > 1 - 1e-12 ? 1 : from.s + h;
@@ -99,7 +110,10 @@ LineStop LineTracker::attempt(const Base& base, double h, const JointVector& dri
   if (joint >= 0) return stopped(LineStop::Kind::limit, joint);
   excess = bound_deviation(from, to);
   if (!(excess <= 1)) return stopped(LineStop::Kind::kinematics);
-  if (!is_free(from, to)) return stopped(LineStop::Kind::contact);
+  to.is_proven = check == LineCheck::proof;
+  if (!(to.is_proven ? prove(from, to) : has_free_states(from, to))) {
+    return stopped(LineStop::Kind::contact);
+  }
   return {};
 }
 
@@ -132,14 +146,16 @@ double LineTracker::bound_deviation(const LineState& from, LineState& to) const 
   return std::max(to.off_line / tolerances_.position, to.off_rotation / tolerances_.rotation);
 }
 
-bool LineTracker::is_free(const LineState& from, const LineState& to) {
-  std::array<float, kMostChainJoints> a, b;
-  for (std::size_t j = 0; j < joints_; ++j) {
-    a[j] = static_cast<float>(from.q[static_cast<Eigen::Index>(j)]);
-    b[j] = static_cast<float>(to.q[static_cast<Eigen::Index>(j)]);
-  }
+bool LineTracker::prove(const LineState& from, const LineState& to) {
+  const Row a = to_row(from.q), b = to_row(to.q);
   return verifier_.is_free({a.data(), joints_}, {b.data(), joints_}, {from.s == 0, to.s == 1},
                            checks_);
+}
+
+bool LineTracker::has_free_states(const LineState& from, const LineState& to) {
+  const Row a = to_row(from.q), b = to_row(to.q);
+  return checker_.is_motion_valid({a.data(), joints_}, {b.data(), joints_}, checks_,
+                                  {1, kVerificationMargin});
 }
 
 int LineTracker::find_violated_limit(const JointVector& q) const {

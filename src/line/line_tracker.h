@@ -21,6 +21,7 @@ struct LineState {
   double position = 0, rotation = 0;      ///< error of the link's pose at `q`, metres and radians
   double step = 0;                        ///< share of the line that the next step tries
   double off_line = 0, off_rotation = 0;  ///< bounds on the deviation since the last waypoint
+  bool is_proven = true;                  ///< the motion to it is proven free
 };
 
 /// Why a branch ends.
@@ -31,6 +32,12 @@ struct LineStop {
   JointVector from, to;  ///< the motion that is not possible
 };
 
+/// How thoroughly a step is checked.
+enum class LineCheck {
+  proof,   ///< The motion is proven free; steps are halved down to half a millimetre.
+  states,  ///< Only states of the motion are checked; steps are given up early.
+};
+
 struct LineTolerances {
   double position = 0, rotation = 0;
 };
@@ -39,16 +46,18 @@ struct LineTolerances {
 class LineTracker {
  public:
   /// Refers to its arguments.
-  LineTracker(const LinkChain& chain, const LineSegment& segment, const MotionVerifier& verifier,
-              const LineTolerances& tolerances, const Robot& robot);
+  LineTracker(const LinkChain& chain, const LineSegment& segment, const CollisionChecker& checker,
+              const LineTolerances& tolerances);
 
   /// Returns the state at the start of the line, or of a part of it.
   [[nodiscard]] LineState begin(double s, const JointVector& q) const;
   /// Takes one step towards the share `until` of the line. `drift` is a motion of the joints per
   /// share of the line, of which the part is used that does not move the link. Writes `to` unless
   /// the step fails. Adds the number of attempts to `attempts`.
-  [[nodiscard]] LineStop step(const LineState& from, double until, JointVector drift, LineState& to,
-                              int& attempts);
+  [[nodiscard]] LineStop step(const LineState& from, double until, JointVector drift,
+                              LineCheck check, LineState& to, int& attempts);
+  /// True if the motion between two states of the line is proven free.
+  [[nodiscard]] bool prove(const LineState& from, const LineState& to);
   /// The drift that leads away from limits.
   [[nodiscard]] JointVector drift_from_limits(const JointVector& q) const;
 
@@ -69,17 +78,18 @@ class LineTracker {
     Response response;
   };
   [[nodiscard]] LineStop attempt(const Base& base, double h, const JointVector& drift,
-                                 LineState& to, double& excess);
+                                 LineCheck check, LineState& to, double& excess);
   /// Moves to.q to the pose at to.s.
   [[nodiscard]] bool correct(const Response& response, LineState& to) const;
   /// Bounds the deviation between both states. Returns it as a multiple of the tolerance.
   [[nodiscard]] double bound_deviation(const LineState& from, LineState& to) const;
-  [[nodiscard]] bool is_free(const LineState& from, const LineState& to);
+  [[nodiscard]] bool has_free_states(const LineState& from, const LineState& to);
   [[nodiscard]] int find_violated_limit(const JointVector& q) const;
 
   const LinkChain& chain_;
   const LineSegment& segment_;
-  const MotionVerifier& verifier_;
+  const CollisionChecker& checker_;
+  MotionVerifier verifier_;
   LineTolerances tolerances_;
   std::size_t joints_;  ///< of the robot's group
   int redundancy_;

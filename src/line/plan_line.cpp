@@ -55,9 +55,8 @@ class LinePlan {
     const auto chain =
         MNEME_TRY(internal::LinkChain::make(robot_, robot_.links()[link_].name, line_.free_axis));
     const internal::LineSegment segment(result_.begin, result_.end);
-    const MotionVerifier verifier(checker_);
-    internal::LineTracker tracker(chain, segment, verifier,
-                                  {line_.position_tolerance, line_.rotation_tolerance}, robot_);
+    internal::LineTracker tracker(chain, segment, checker_,
+                                  {line_.position_tolerance, line_.rotation_tolerance});
     internal::LineSearch search(tracker, checker_, start_region(), settings_);
     search.run(find_starts(search, tracker), line_.start.has_value());
     finish(search, tracker);
@@ -180,6 +179,11 @@ class LinePlan {
                                        const internal::LineTracker& tracker) {
     std::vector<JointVector> starts;
     if (!line_.start) {
+      if (!checker_.is_valid(std::span<const double>(from_))) {
+        const JointVector q = internal::to_vector(from_);
+        result_.reason = "the line cannot start: " + describe_contact(q, q);
+        return starts;
+      }
       starts = {search.with_free_axis(from_, 0)};
       result_.branches = 1;
       return starts;
@@ -226,7 +230,7 @@ class LinePlan {
       case LineStop::Kind::limit:
         return describe_limit(stop);
       case LineStop::Kind::contact:
-        return describe_contact(stop);
+        return describe_contact(stop.from, stop.to);
       case LineStop::Kind::kinematics:
         return describe_kinematics();
       case LineStop::Kind::budget:
@@ -244,11 +248,11 @@ class LinePlan {
                        joint.type == JointType::prismatic ? "m" : "rad");
   }
 
-  [[nodiscard]] std::string describe_contact(const LineStop& stop) const {
+  [[nodiscard]] std::string describe_contact(const JointVector& from, const JointVector& to) const {
     constexpr double kNear = 1e-3;
     const internal::LinkDistances links(robot_);
     for (const double share : {1.0, 0.5}) {
-      const JointVector state = stop.from + share * (stop.to - stop.from);
+      const JointVector state = from + share * (to - from);
       const Configuration q(state.data(), state.data() + robot_.joint_count());
       const auto contacts =
           internal::find_contacts(robot_, links, checker_.scene(), q, checker_.margin() + kNear);

@@ -70,6 +70,7 @@ TEST_SUITE("law") {
         const Line line = random_line(link, rng);
         const LineResult result = require_line(checker, line, q);
         CHECK(result.is_whole() == result.reason.empty());
+        CHECK(result.line.path.empty() == !checker.is_valid(std::span<const double>(q)));
         check_deviation(robot, line, result);
         if (!result.is_whole()) continue;
         ++whole;
@@ -247,6 +248,19 @@ TEST_SUITE("unit") {
     CHECK(result.line.path.empty());
     CHECK(result.branches == 0);
     CHECK_MESSAGE(result.reason.find("out of reach") != std::string::npos, result.reason);
+  }
+
+  TEST_CASE("a start in contact is told") {
+    const Robot robot = shipped_robot("panda");
+    Scene scene;
+    const Vec3 hand = pose_at(robot, kHand, kReady).pose.translation;
+    REQUIRE(scene.add({"ball", {Sphere{hand, 0.05}}}));
+    const LineResult result =
+        require_line(require_checker(robot, scene), line_by(kHand, Vec3(0, 0, 0.1)), kReady);
+    CHECK(result.line.path.empty());
+    CHECK(result.steps == 0);
+    CHECK_MESSAGE(result.reason.find("the line cannot start: contact of link") == 0, result.reason);
+    CHECK_MESSAGE(result.reason.find("'ball'") != std::string::npos, result.reason);
   }
 
   TEST_CASE("limits and cancellation end the search") {
