@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,9 +28,21 @@ using Path = std::vector<Configuration>;
 /// Returns the sum of L2 joint distances, radians; a metre of a prismatic joint counts as a radian.
 [[nodiscard]] double path_length(const Robot& robot, const Path& path);
 
-/// Returns about the seconds that `path` takes at the velocity limits of the URDF without stopping:
-/// the sum of MotionCost with these.
-[[nodiscard]] double path_time(const Robot& robot, const Path& path);
+/// Rate limits of the joints of a planning group, in the order of a configuration. All are above 0;
+/// velocity and acceleration are finite.
+struct RateLimits {
+  std::vector<double> velocity;      ///< rad/s, or m/s for prismatic joints
+  std::vector<double> acceleration;  ///< rad/s^2 or m/s^2
+  std::vector<double> jerk = {};     ///< rad/s^3 or m/s^3; infinite: no limit; empty: none has one
+  std::vector<std::string> warnings = {};  ///< Keys and joints of the file that were ignored.
+};
+
+/// Returns about the seconds that `path` takes without stopping at waypoints: the sum of
+/// MotionCost. A straight motion of one joint takes exactly as long. A joint weighs by how far it
+/// could go from rest to rest in the time of the straight motion between both ends of the path.
+/// Null `limits`: the velocity limits of the URDF, and no others.
+[[nodiscard]] double path_time(const Robot& robot, const Path& path,
+                               const RateLimits* limits = nullptr);
 
 /// The proof that the motions of a path must pass before it is returned.
 enum class Verification {
@@ -69,6 +82,7 @@ class MotionVerifier {
   [[nodiscard]] bool is_curve_free(std::span<const float> states, std::span<const float> bow,
                                    CheckCounters& counters) const;
 
+  [[nodiscard]] const CollisionChecker& checker() const { return checker_; }
   /// Returns the index of the first motion of `path` that does not pass, or -1.
   [[nodiscard]] int find_invalid_motion(const Path& path, CheckCounters& counters) const;
 
@@ -94,6 +108,7 @@ struct ShortenEffort {
   double refinement = 1;       ///< MotionDetail::refinement of new motions
   double margin = 1e-3;        ///< metres that new motions keep from contact, if the path's ends do
   bool minimize_time = false;  ///< of path_time(), instead of path_length()
+  const RateLimits* limits = nullptr;  ///< for path_time()
 };
 
 /// Shortens `path`, or its time: drops waypoints, then relaxes them and straightens random joints,
@@ -112,9 +127,10 @@ struct FinishSettings {
   std::uint64_t seed = 1;
   double timeout_s = 10;  ///< from construction on; shortening takes at most half of the remaining
                           ///< time
-  const std::atomic<bool>* cancel = nullptr;  ///< may be null
-  int patience = 40;                          ///< ShortenEffort::patience
-  bool minimize_time = false;                 ///< ShortenEffort::minimize_time
+  const std::atomic<bool>* cancel = nullptr;           ///< may be null
+  int patience = 40;                                   ///< ShortenEffort::patience
+  bool minimize_time = false;                          ///< ShortenEffort::minimize_time
+  std::shared_ptr<const RateLimits> limits = nullptr;  ///< ShortenEffort::limits
 };
 
 /// Shortens and verifies paths that a planner offers. The planner continues if a path is refused. A

@@ -155,6 +155,7 @@ Path PathFinisher::shorten(Path path, int patience, const MotionVerifier* verifi
   ShortenEffort effort;
   effort.patience = patience;
   effort.minimize_time = settings_.minimize_time;
+  effort.limits = settings_.limits.get();
   if (is_coarse_) {
     effort.refinement = kCoarseRefinement;
     effort.margin = kCoarseMargin;

@@ -34,7 +34,9 @@ class Shortener {
             const std::function<bool()>& must_stop)
       : checker_(checker),
         path_(path),
-        waypoints_(checker.robot(), effort.minimize_time),
+        waypoints_(checker.robot(), effort.minimize_time
+                                        ? internal::paces_of(checker.robot(), path, effort.limits)
+                                        : std::vector<float>()),
         joints_(waypoints_.joint_count()),
         all_joints_(joints_ < 64 ? (std::uint64_t{1} << joints_) - 1 : ~std::uint64_t{0}),
         rng_(seed),
@@ -296,9 +298,9 @@ double path_length(const Robot& robot, const Path& path) {
   return length;
 }
 
-double path_time(const Robot& robot, const Path& path) {
+double path_time(const Robot& robot, const Path& path, const RateLimits* limits) {
   if (path.empty()) return 0;
-  internal::Waypoints waypoints(robot, true);
+  internal::Waypoints waypoints(robot, internal::paces_of(robot, path, limits));
   waypoints.assign(internal::to_rows(path));
   return waypoints.length();
 }

@@ -36,16 +36,6 @@ std::vector<float> to_floats(std::span<const double> q) {
   return result;
 }
 
-/// Seconds per radian or metre of each joint, by the velocity limits of the URDF.
-std::vector<double> pace_of(const Robot& robot) {
-  constexpr double kSlowest = 1e-3;  // a limit of 0 means that a joint does not move by itself
-  std::vector<double> pace;
-  for (int i = 0; i < robot.joint_count(); ++i) {
-    pace.push_back(1 / std::max(robot.group_joint(i).velocity, kSlowest));
-  }
-  return pace;
-}
-
 std::vector<float> to_rows(const Path& path) {
   std::vector<float> rows;
   for (const Configuration& q : path) rows.insert(rows.end(), q.begin(), q.end());
@@ -61,9 +51,8 @@ Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path) {
   return result;
 }
 
-Waypoints::Waypoints(const Robot& robot, bool has_pace) : space_(robot) {
-  if (has_pace) pace_ = to_floats(pace_of(robot));
-}
+Waypoints::Waypoints(const Robot& robot, std::vector<float> pace)
+    : space_(robot), pace_(std::move(pace)) {}
 
 void Waypoints::assign(std::vector<float> rows) {
   const auto joints = as_index(joint_count());

@@ -20,6 +20,10 @@ namespace mneme::internal {
 /// them.
 [[nodiscard]] Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path);
 
+/// Returns MotionCost::pace of path_time().
+[[nodiscard]] std::vector<float> paces_of(const Robot& robot, const Path& path,
+                                          const RateLimits* limits);
+
 /// A point of a path: the share `fraction` of motion number `motion`.
 struct PathPoint {
   int motion = 0;
@@ -30,8 +34,8 @@ struct PathPoint {
 /// motion between neighbours. Radians, metres for prismatic joints.
 class Waypoints {
  public:
-  /// Arc lengths are L2 joint distances or, with `has_pace`, estimates of time: see MotionCost.
-  explicit Waypoints(const Robot& robot, bool has_pace = false);
+  /// Arc lengths are L2 joint distances or, with a `pace`, estimates of time: see MotionCost.
+  explicit Waypoints(const Robot& robot, std::vector<float> pace = {});
 
   void assign(std::vector<float> rows);
   /// Replaces the waypoints after `first` and before `last` by `rows`.

@@ -82,6 +82,31 @@ TEST_SUITE("unit") {
     CHECK(both < std::sqrt(2) / speed);
   }
 
+  TEST_CASE("the time of a straight motion of one joint is that of up to seven segments") {
+    const Robot robot = gantry();
+    const auto time = [&](double length, const RateLimits& limits) {
+      return path_time(robot, {{-1, 0, 1}, {-1 + length, 0, 1}}, &limits);
+    };
+    const RateLimits limits{{2, 2, 2}, {4, 4, 4}, {40, 40, 40}};
+    // 0.1 s to the greatest acceleration and as long back, at least 0.4 s of it to 2 m/s.
+    CHECK(time(2, limits) == doctest::Approx(2 / 2.0 + 0.6).epsilon(1e-5));
+    CHECK(time(0.5, limits) == doctest::Approx(0.1 + std::sqrt(0.01 + 4 * 0.5 / 4)).epsilon(1e-5));
+    CHECK(time(0.01, limits) == doctest::Approx(4 * std::cbrt(0.01 / 80)).epsilon(1e-5));
+    const RateLimits no_jerk{{2, 2, 2}, {4, 4, 4}};
+    CHECK(time(0.5, no_jerk) == doctest::Approx(2 * std::sqrt(0.5 / 4)).epsilon(1e-5));
+    CHECK(time(2, no_jerk) == doctest::Approx(2 / 2.0 + 0.5).epsilon(1e-5));
+  }
+
+  TEST_CASE("where accelerations decide, velocity limits do not weigh joints") {
+    const Robot robot = gantry();
+    const RateLimits limits{{100, 50, 100}, {1, 1, 1}};
+    const double along_x = path_time(robot, {{-1, 0, 1}, {0, 0, 1}, {1, 0, 1}}, &limits);
+    CHECK(along_x == doctest::Approx(2 * std::sqrt(2)).epsilon(1e-5));
+    const double l = path_time(robot, {{0, 0, 1}, {1, 0, 1}, {1, 1, 1}}, &limits);
+    const double mirrored = path_time(robot, {{0, 0, 1}, {0, 1, 1}, {1, 1, 1}}, &limits);
+    CHECK(l == doctest::Approx(mirrored).epsilon(1e-5));
+  }
+
   TEST_CASE("detours without an obstacle become one straight motion") {
     const World world{"", planar8(), {}, {}};
     const CollisionChecker checker = make_checker(world);
