@@ -12,6 +12,7 @@
 #include <concepts>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -53,6 +54,8 @@ struct PlanSettings {
   bool simplify = true;
   int patience = 40;
   std::optional<bool> minimize_time;
+  /// Limits of the trajectory that the path is for; null if none is wanted.
+  std::shared_ptr<const RateLimits> limits = nullptr;
   double improve = 0;
   std::optional<std::uint64_t> improve_rounds;
   bool verify = true;
@@ -75,9 +78,9 @@ struct PlanSettings {
     if (!verify) return Verification::none;
     return continuous ? Verification::motions : Verification::states;
   }
+  [[nodiscard]] bool minimizes_time() const { return minimize_time.value_or(limits != nullptr); }
   [[nodiscard]] FinishSettings finish() const {
-    return {
-        simplify, verification(), seed, timeout_s, cancel, patience, minimize_time.value_or(false)};
+    return {simplify, verification(), seed, timeout_s, cancel, patience, minimizes_time(), limits};
   }
 };
 
@@ -108,8 +111,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Shortening ends after this many checks of 16 states without a gain. More takes longer for "
         "a shorter path; 0 only drops waypoints.");
   visit("minimize-time", s.minimize_time, false, true,
-        "Shorten, and improve, the time that a path takes at the velocity limits of the URDF "
-        "instead of its L2 joint distance. Default: off.");
+        "Shorten, and improve, the time of a path instead of its L2 joint distance, within the "
+        "limits of the trajectory or else of the URDF. Default: on if a trajectory is wanted.");
   visit("improve", s.improve, 0.0, 1e6,
         "Time to look for shorter paths after the first one, seconds. Plans from other seeds, "
         "several at once, and shortens the best one further.");
