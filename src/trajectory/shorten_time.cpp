@@ -3,10 +3,11 @@
 
 // Samples of a motion are control points of a spline that keeps the same limits, because its
 // derivatives are averages of those of the motion. Rounds make it faster, each within boxes around
-// the control points of the last one that passed. Where a piece does not pass, the boxes of its
-// control points shrink.
+// the control points of the last one. Where a piece does not pass, the boxes of its control points
+// shrink. Rounds look at states; the result is proven.
 #include "trajectory/shorten_time.h"
 
+#include "base/as_index.h"
 #include "trajectory/time_barrier.h"
 
 #include <algorithm>
@@ -30,45 +31,38 @@ constexpr double kGap = 0.1, kLeastGap = 0.01;
 constexpr double kGapFactor = 0.1;    ///< per round
 constexpr double kLeastGain = 0.001;  ///< relative
 constexpr int kIdleRounds = 3;        ///< without this gain end the search
-/// Deviation of verified chords from the motion, L2 joint distance.
-constexpr double kChordError = 1e-4;
+/// Deviation of verified chords from the motion, L2 joint distance: first the greater one, which
+/// needs fewer chords and more clearance.
+constexpr double kChordErrors[] = {1e-3, 1e-4};
+/// Clearance of states that need no proof during rounds, metres.
+constexpr double kGuideMargin = 2e-3;
+constexpr std::size_t kGuides = 2;  ///< such states per piece
+/// If the last spline is not proven, others between the first and the last are tried.
+constexpr int kProofs = 4;
 
-/// States on a piece of a spline, and how far it is from the chords between them.
-struct Chords {
-  std::vector<Configuration> states;
-  std::vector<float> bow;
-};
-
-Chords chords_of(const TimeSpline& spline, std::size_t piece) {
-  Chords chords;
-  std::vector<std::array<double, 4>> joints;
-  double bow = 0;  // of the whole piece
-  for (std::size_t j = 0; j < spline.joint_count(); ++j) {
-    joints.push_back(spline.piece(j, piece));
-    const double begin = 2 * joints[j][2], end = begin + 6 * joints[j][3] * spline.step_s;
-    const double most = std::max(std::abs(begin), std::abs(end)) * spline.step_s * spline.step_s;
-    chords.bow.push_back(static_cast<float>(most / 8));
-    bow = std::hypot(bow, most / 8);
-  }
-  const int count = std::max(1, static_cast<int>(std::ceil(std::sqrt(bow / kChordError))));
-  for (float& value : chords.bow) value /= static_cast<float>(count * count);
-  for (int k = 0; k <= count; ++k) {
-    const double t = spline.step_s * k / count;
-    Configuration& q = chords.states.emplace_back();
-    for (const auto& c : joints) q.push_back(c[0] + t * (c[1] + t * (c[2] + t * c[3])));
-  }
-  return chords;
-}
-
-bool is_near(const Leg& leg, const Configuration& q, double tolerance) {
+bool is_near(const Leg& leg, const float* q, double tolerance) {
   double along = 0, whole = 0;
-  for (std::size_t j = 0; j < q.size(); ++j) {
-    const double offset = q[j] - leg.begin[j];
+  for (std::size_t j = 0; j < leg.direction.size(); ++j) {
+    const double offset = double{q[j]} - leg.begin[j];
     along += offset * leg.direction[j];
     whole += offset * offset;
   }
   const double nearest = std::clamp(along, 0.0, leg.length);
   return whole + nearest * (nearest - 2 * along) <= tolerance * tolerance;
+}
+
+/// The spline at `share` of the way from `first` to `last`. A joint's difference of order k is then
+/// within the means of both limits, which are below the limit for the cubic mean of both steps.
+TimeSpline between(const TimeSpline& first, const TimeSpline& last, double share) {
+  TimeSpline spline = last;
+  spline.step_s =
+      std::cbrt((1 - share) * std::pow(first.step_s, 3) + share * std::pow(last.step_s, 3));
+  for (std::size_t i = 0; i < spline.count(); ++i) {
+    for (std::size_t j = 0; j < spline.joint_count(); ++j) {
+      spline.points[i][j] += (1 - share) * (first.points[i][j] - last.points[i][j]);
+    }
+  }
+  return spline;
 }
 
 class TimeShortener {
@@ -77,14 +71,28 @@ class TimeShortener {
                 const TrajectorySettings& settings, const MotionVerifier& verifier)
       : robot_(robot),
         legs_(legs),
-        tolerance_(settings.path_tolerance - kChordError),
+        joints_(legs.end.size()),
+        tolerance_(settings.path_tolerance - kChordErrors[0]),
         rounds_(settings.time_rounds),
         verifier_(verifier),
         barrier_(limits) {}
 
-  Trajectory shorten(Trajectory motion) {
+  std::optional<Trajectory> shorten(const Trajectory& motion) {
     sample(motion);
-    if (tolerance_ <= 0 || !barrier_.admits(spline_)) return motion;
+    if (tolerance_ <= 0 || !barrier_.admits(spline_)) return std::nullopt;
+    const TimeSpline first = spline_;
+    run_rounds();
+    for (int i = 0; i < kProofs; ++i) {
+      const double share = 1 - static_cast<double>(i) / kProofs;
+      const TimeSpline spline = share < 1 ? between(first, spline_, share) : spline_;
+      if (!(spline.duration_s() < motion.duration_s())) break;
+      if (barrier_.admits(spline) && is_proven(spline)) return to_trajectory(spline);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  void run_rounds() {
     double gap = kGap;
     int idle = 0;
     for (int round = 0; round < rounds_ && idle < kIdleRounds; ++round) {
@@ -100,90 +108,165 @@ class TimeShortener {
         radii_[i] = has_failed_[i] ? kShrink * radii_[i] : std::min(kGrow * radii_[i], kMostRadius);
       }
     }
-    const bool is_faster = spline_.duration_s() < motion.duration_s();
-    return is_faster && barrier_.admits(spline_) ? to_trajectory() : motion;
   }
 
- private:
   void sample(const Trajectory& motion) {
     const double duration_s = motion.duration_s();
     const double pieces =
         std::floor(std::clamp(duration_s / kPieceTime, kLeastPieces, kMostPieces));
     const double step_s = duration_s / pieces;
     // Before the first and after the last of them there are two that repeat them.
-    const auto count = static_cast<std::size_t>(pieces) + 2 * TimeSpline::kFixed - 1;
-    spline_ = {kSlower * step_s, std::vector(legs_.end.size(), std::vector<double>(count))};
+    const auto count = static_cast<std::size_t>(pieces) + 2 * kFixedPoints - 1;
+    spline_ = {kSlower * step_s, PointRows(count, joints_)};
     for (std::size_t i = 0; i < count; ++i) {
-      const bool is_end = i + TimeSpline::kFixed >= count;
+      const bool is_end = i + kFixedPoints >= count;
       const double time_s = is_end ? duration_s : step_s * (static_cast<double>(i) - 2);
-      const Configuration q = motion.at(time_s).position;
-      for (std::size_t j = 0; j < q.size(); ++j) spline_.points[j][i] = q[j];
+      std::ranges::copy(motion.at(time_s).position, spline_.points[i]);
     }
     radii_.assign(count, kRadius);
   }
 
   [[nodiscard]] Boxes boxes() const {
     Boxes boxes{spline_.points, spline_.points};
-    for (std::size_t j = 0; j < spline_.joint_count(); ++j) {
-      const Joint& joint = robot_.group_joint(static_cast<int>(j));
-      const bool wraps = joint.type == JointType::continuous;
-      for (std::size_t i = 0; i < radii_.size(); ++i) {
-        double &lower = boxes.lower[j][i], &upper = boxes.upper[j][i];
-        const double least = lower - kLeastRoom, most = upper + kLeastRoom;
-        lower -= radii_[i];
-        upper += radii_[i];
-        if (!wraps) lower = std::min(std::max(lower, joint.lower), least);
-        if (!wraps) upper = std::max(std::min(upper, joint.upper), most);
+    for (std::size_t i = 0; i < radii_.size(); ++i) {
+      double *lower = boxes.lower[i], *upper = boxes.upper[i];
+      for (std::size_t j = 0; j < boxes.lower.stride(); ++j) {
+        const double least = lower[j] - kLeastRoom, most = upper[j] + kLeastRoom;
+        lower[j] -= radii_[i];
+        upper[j] += radii_[i];
+        if (j >= joints_) continue;
+        const Joint& joint = robot_.group_joint(static_cast<int>(j));
+        if (joint.type == JointType::continuous) continue;
+        lower[j] = std::min(std::max(lower[j], joint.lower), least);
+        upper[j] = std::max(std::min(upper[j], joint.upper), most);
       }
     }
     return boxes;
   }
 
-  /// Notes control points of pieces that do not pass; false if there are none.
+  /// Notes control points of pieces that do not pass; false if there are none. Proves only pieces
+  /// with states near contact.
   bool find_failures(const TimeSpline& spline) {
     has_failed_.assign(spline.count(), false);
     bool has_any = false;
+    const std::vector<bool> is_doubtful = find_doubtful(spline);
     for (std::size_t i = 0; i < spline.piece_count(); ++i) {
-      if (passes(chords_of(spline, i))) continue;
+      if (is_doubtful[i] ? is_proven(spline, i) : is_near(spline, i)) continue;
       has_any = true;
-      for (std::size_t k = 0; k <= TimeSpline::kFixed; ++k) has_failed_[i + k] = true;
+      for (std::size_t k = 0; k <= kFixedPoints; ++k) has_failed_[i + k] = true;
     }
     return has_any;
   }
 
-  [[nodiscard]] bool passes(const Chords& chords) const {
-    std::vector<float> states;
-    for (const Configuration& q : chords.states) states.insert(states.end(), q.begin(), q.end());
-    for (std::size_t i = 1; i < chords.states.size(); ++i) {
-      if (!is_chord_near(chords.states[i - 1], chords.states[i])) return false;
+  /// True for pieces with a state that is near contact.
+  [[nodiscard]] std::vector<bool> find_doubtful(const TimeSpline& spline) {
+    states_.clear();
+    for (std::size_t i = 0; i < spline.piece_count(); ++i) add_states(spline, i, kGuides, 0);
+    std::vector<std::uint8_t> is_free(states_.size() / joints_);
+    verifier_.checker().check_states(states_, is_free, kGuideMargin);
+    std::vector<bool> is_doubtful(spline.piece_count());
+    for (std::size_t i = 0; i < is_free.size(); ++i) {
+      if (is_free[i] == 0) is_doubtful[i / kGuides] = true;
     }
-    CheckCounters counters;
-    return verifier_.is_curve_free(states, chords.bow, counters);
-  }
-  /// A chord whose ends are near one leg is near it.
-  [[nodiscard]] bool is_chord_near(const Configuration& from, const Configuration& to) const {
-    return std::ranges::any_of(legs_.legs, [&](const Leg& leg) {
-      return is_near(leg, from, tolerance_) && is_near(leg, to, tolerance_);
-    });
+    // The last state of a piece is the first one of the next.
+    for (std::size_t i = 0; i + 1 < is_doubtful.size(); ++i) {
+      if (is_free[(i + 1) * kGuides] == 0) is_doubtful[i] = true;
+    }
+    return is_doubtful;
   }
 
-  [[nodiscard]] Trajectory to_trajectory() const {
+  [[nodiscard]] bool is_proven(const TimeSpline& spline) {
+    for (std::size_t i = 0; i < spline.piece_count(); ++i) {
+      if (!is_proven(spline, i)) return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool is_proven(const TimeSpline& spline, std::size_t piece) {
+    const std::vector<float> whole = bow_of(spline, piece);
+    double norm = 0;
+    for (const float value : whole) norm = std::hypot(norm, double{value});
+    CheckCounters counters;
+    int last = 0;
+    for (const double error : kChordErrors) {
+      const int count = std::max(1, static_cast<int>(std::ceil(std::sqrt(norm / error))));
+      if (count == last) continue;
+      last = count;
+      states_.clear();
+      add_states(spline, piece, as_index(count), 1);
+      if (!is_near()) return false;
+      std::vector<float> bow = whole;
+      for (float& value : bow) value /= static_cast<float>(count * count);
+      if (verifier_.is_curve_free(states_, bow, counters)) return true;
+    }
+    return false;
+  }
+
+  /// Bounds on how far a piece is from the chord between its ends.
+  [[nodiscard]] std::vector<float> bow_of(const TimeSpline& spline, std::size_t piece) const {
+    std::vector<float> bow(joints_);
+    for (std::size_t j = 0; j < joints_; ++j) {
+      const auto c = spline.piece(j, piece);
+      const double begin = 2 * c[2], end = begin + 6 * c[3] * spline.step_s;
+      const double most = std::max(std::abs(begin), std::abs(end));
+      bow[j] = static_cast<float>(most * spline.step_s * spline.step_s / 8);
+    }
+    return bow;
+  }
+
+  /// Adds to states_ those at the begin of `count` equal parts of a piece, and `more` after them.
+  void add_states(const TimeSpline& spline, std::size_t piece, std::size_t count,
+                  std::size_t more) {
+    const std::size_t begin = states_.size();
+    states_.resize(begin + (count + more) * joints_);
+    for (std::size_t j = 0; j < joints_; ++j) {
+      const auto c = spline.piece(j, piece);
+      for (std::size_t k = 0; k < count + more; ++k) {
+        const double t = spline.step_s * static_cast<double>(k) / static_cast<double>(count);
+        states_[begin + k * joints_ + j] =
+            static_cast<float>(c[0] + t * (c[1] + t * (c[2] + t * c[3])));
+      }
+    }
+  }
+
+  [[nodiscard]] bool is_near(const TimeSpline& spline, std::size_t piece) {
+    states_.clear();
+    add_states(spline, piece, kGuides, 1);
+    return is_near();
+  }
+
+  /// True if chords between states_ are near the path. A chord whose ends are near one leg is.
+  [[nodiscard]] bool is_near() {
+    for (std::size_t i = joints_; i < states_.size(); i += joints_) {
+      const auto is_near_leg = [&](const Leg& leg) {
+        return internal::is_near(leg, &states_[i - joints_], tolerance_) &&
+               internal::is_near(leg, &states_[i], tolerance_);
+      };
+      if (is_near_leg(legs_.legs[leg_])) continue;
+      const auto found = std::ranges::find_if(legs_.legs, is_near_leg);
+      if (found == legs_.legs.end()) return false;
+      leg_ = static_cast<std::size_t>(found - legs_.legs.begin());
+    }
+    return true;
+  }
+
+  [[nodiscard]] Trajectory to_trajectory(const TimeSpline& spline) const {
     std::vector<Trajectory::Stretch> stretches;
-    const std::size_t joints = spline_.joint_count();
-    for (std::size_t i = 0; i < spline_.piece_count(); ++i) {
-      Trajectory::Stretch stretch{static_cast<double>(i) * spline_.step_s,
-                                  std::vector<double>(4 * joints)};
-      for (std::size_t j = 0; j < joints; ++j) {
-        const auto piece = spline_.piece(j, i);
-        for (std::size_t k = 0; k < 4; ++k) stretch.coefficients[k * joints + j] = piece[k];
+    for (std::size_t i = 0; i < spline.piece_count(); ++i) {
+      Trajectory::Stretch stretch{static_cast<double>(i) * spline.step_s,
+                                  std::vector<double>(4 * joints_)};
+      for (std::size_t j = 0; j < joints_; ++j) {
+        const auto piece = spline.piece(j, i);
+        for (std::size_t k = 0; k < 4; ++k) stretch.coefficients[k * joints_ + j] = piece[k];
       }
       stretches.push_back(std::move(stretch));
     }
-    return {std::move(stretches), legs_.end, spline_.duration_s()};
+    return {std::move(stretches), legs_.end, spline.duration_s()};
   }
 
   const Robot& robot_;
   const Legs& legs_;
+  std::size_t joints_;
   double tolerance_;
   int rounds_;
   const MotionVerifier& verifier_;
@@ -191,15 +274,18 @@ class TimeShortener {
   TimeSpline spline_;
   std::vector<double> radii_;  ///< per control point
   std::vector<bool> has_failed_;
+  std::vector<float> states_;
+  std::size_t leg_ = 0;  ///< the leg that was found last
 };
 
 }  // namespace
 
-Trajectory shorten_time(const Robot& robot, Trajectory motion, const Legs& legs,
-                        const RateLimits& limits, const TrajectorySettings& settings,
-                        const MotionVerifier& verifier) {
-  if (!(motion.duration_s() > 0) || settings.time_rounds == 0) return motion;
-  return TimeShortener(robot, legs, limits, settings, verifier).shorten(std::move(motion));
+std::optional<Trajectory> shorten_time(const Robot& robot, const Trajectory& motion,
+                                       const Legs& legs, const RateLimits& limits,
+                                       const TrajectorySettings& settings,
+                                       const MotionVerifier& verifier) {
+  if (!(motion.duration_s() > 0) || settings.time_rounds == 0) return std::nullopt;
+  return TimeShortener(robot, legs, limits, settings, verifier).shorten(motion);
 }
 
 }  // namespace mneme::internal
