@@ -53,15 +53,6 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "leaves the path at corners only.");
 }
 
-/// Rate limits of the joints of a planning group, in the order of a configuration. All are above 0;
-/// velocity and acceleration are finite.
-struct RateLimits {
-  std::vector<double> velocity;      ///< rad/s, or m/s for prismatic joints
-  std::vector<double> acceleration;  ///< rad/s^2 or m/s^2
-  std::vector<double> jerk = {};     ///< rad/s^3 or m/s^3; infinite: no limit; empty: none has one
-  std::vector<std::string> warnings = {};  ///< Keys and joints of the file that were ignored.
-};
-
 /// Returns the limits of `file` where it has them, otherwise those of the robot's URDF, otherwise
 /// those of the settings; velocity and acceleration are scaled. Joints that follow one of the group
 /// may lower its limits. `file`: YAML as MoveIt's joint_limits.yaml; empty: none. A deceleration
@@ -73,7 +64,7 @@ struct RateLimits {
                                                   const std::string& file = "",
                                                   bool strict = false);
 
-/// A motion from rest to rest. Velocity is continuous; so is acceleration if jerk is limited.
+/// A motion that ends at rest. Velocity is continuous; so is acceleration if jerk is limited.
 /// Limits hold at every time, not only at sampled points. Const and parallel-safe.
 class Trajectory {
  public:
@@ -118,21 +109,39 @@ struct MotionMeasures {
   double jerk_integral = 0;  ///< of the squared L2 norm over time, rad^2/s^5
   /// Greatest values of each joint, rad/s, rad/s^2 and rad/s^3 (metres for prismatic joints).
   std::vector<double> velocity, acceleration, jerk;
+  /// Shares of the limits, 0 to 1, that these are; 0 where a joint has no limit.
+  std::vector<double> velocity_use, acceleration_use, jerk_use;
 };
 /// Returns exact integrals, and greatest values at 9 times of each stretch.
-[[nodiscard]] MotionMeasures measure_motion(const Trajectory& motion);
+[[nodiscard]] MotionMeasures measure_motion(const Trajectory& motion, const RateLimits& limits);
+
+/// Returns about the duration that parameterize() reaches: that of the motion along `path` whose
+/// corners are as fast as `limits` allow, as if none of them was in contact. Cost: some 10 us.
+[[nodiscard]] double estimate_duration(const Robot& robot, const Path& path,
+                                       const RateLimits& limits);
+
+/// Returns where a robot comes to rest that stops from `velocity` at `start` (a value per joint)
+/// as fast as possible without leaving the straight line. Errors, naming the joint: a velocity
+/// above its limit; a joint that would leave its range.
+[[nodiscard]] Result<Configuration> stopping_point(const Robot& robot, const Configuration& start,
+                                                   const std::vector<double>& velocity,
+                                                   const RateLimits& limits);
 
 /// Returns a fast motion near `path`, within the path tolerance and `limits`, that passes
 /// `verifier`. At first it follows the path: exactly time-optimal from stop to stop, with rounded
 /// corners where that passes. Then `time_rounds` rounds of a barrier method let it leave the path.
 /// If `verifier` is null it stops at each waypoint. Uses only tolerance and rounds of `settings`:
-/// `limits` are scaled already. Deterministic. Errors: an empty path; a waypoint that is no
-/// configuration of the robot; `limits` or settings out of range. Without jerk limits the first
-/// motion is that of Pham and Pham, DOI 10.1109/TRO.2018.2819195.
+/// `limits` are scaled already. Deterministic. Without jerk limits the first motion is that of Pham
+/// and Pham, DOI 10.1109/TRO.2018.2819195. With a `start_velocity` (a value per joint, along the
+/// path's first motion; empty: at rest) it is the faster of two: the path followed from that
+/// velocity on, and a stop followed by the motion from there. Errors: an empty path; a waypoint
+/// that is no configuration of the robot; `limits` or settings out of range; a start velocity that
+/// stopping_point() refuses, or beyond which the first motion is too short to stop.
 [[nodiscard]] Result<Trajectory> parameterize(const Robot& robot, const Path& path,
                                               const RateLimits& limits,
                                               const TrajectorySettings& settings,
-                                              const MotionVerifier* verifier);
+                                              const MotionVerifier* verifier,
+                                              const std::vector<double>& start_velocity = {});
 
 /// Returns CSV: a header and a row per point with time, positions, velocities and accelerations.
 [[nodiscard]] std::string to_csv(const Robot& robot, std::span<const Trajectory::Point> points);

@@ -30,12 +30,19 @@ Rates rates_at(const std::vector<double>& coefficients, std::size_t joint, std::
 
 void raise(double& most, double value) { most = std::max(most, std::abs(value)); }
 
+/// The shares of `limits`, which may be infinite, or empty for none.
+std::vector<double> shares(const std::vector<double>& values, const std::vector<double>& limits) {
+  std::vector<double> shares(values.size());
+  for (std::size_t j = 0; j < limits.size(); ++j) shares[j] = values[j] / limits[j];
+  return shares;
+}
+
 }  // namespace
 
-MotionMeasures measure_motion(const Trajectory& motion) {
+MotionMeasures measure_motion(const Trajectory& motion, const RateLimits& limits) {
   const std::size_t joints = motion.at(0).position.size();
   const std::vector<double> none(joints);
-  MotionMeasures measures{motion.duration_s(), 0, none, none, none};
+  MotionMeasures measures{motion.duration_s(), 0, none, none, none, {}, {}, {}};
   const std::vector<Trajectory::Stretch>& stretches = motion.stretches();
   for (std::size_t i = 0; i < stretches.size(); ++i) {
     const bool is_last = i + 1 == stretches.size();
@@ -53,6 +60,9 @@ MotionMeasures measure_motion(const Trajectory& motion) {
       }
     }
   }
+  measures.velocity_use = shares(measures.velocity, limits.velocity);
+  measures.acceleration_use = shares(measures.acceleration, limits.acceleration);
+  measures.jerk_use = shares(measures.jerk, limits.jerk);
   return measures;
 }
 

@@ -88,10 +88,27 @@ void LimitsFile::ignore_other_keys(const Input& map, const std::vector<std::stri
   }
 }
 
+/// Motions that are too strong for the motors must not look as if they were checked.
+void refuse_torque(const Input& joint) {
+  for (const char* quantity : {"effort", "torque"}) {
+    const auto torque = joint.find(fmt::format("max_{}", quantity));
+    const auto has = joint.find(fmt::format("has_{}_limits", quantity));
+    const bool is_limited = has ? has->boolean() : torque.has_value();
+    if (!is_limited) continue;
+    (has ? *has : *torque)
+        .fail(ErrorCode::unsupported,
+              "limits of torque and force are not supported: lower max_acceleration to what the "
+              "motors can do, and set has_{}_limits to false",
+              quantity);
+  }
+}
+
 void LimitsFile::read_joint(const Input& joint, JointRates& rates) {
+  refuse_torque(joint);
   ignore_other_keys(
       joint, {"has_velocity_limits", "max_velocity", "has_acceleration_limits", "max_acceleration",
               "has_deceleration_limits", "max_deceleration", "has_jerk_limits", "max_jerk",
+              "has_effort_limits", "max_effort", "has_torque_limits", "max_torque",
               "has_position_limits", "min_position", "max_position"});
   const auto position = joint.find("has_position_limits");
   if (position && position->boolean()) {

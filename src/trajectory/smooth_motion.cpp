@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/smooth_motion.h"
 
+#include "base/as_index.h"
 #include "trajectory/speed_profile.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <span>
 #include <utility>
 
 namespace mneme::internal {
@@ -53,13 +56,14 @@ struct LegLimits {
   }
 };
 
-LegLimits limits_along(const Leg& leg, const RateLimits& limits) {
+LegLimits limits_along(const std::vector<double>& direction, const RateLimits& limits) {
   LegLimits along;
-  for (std::size_t j = 0; j < leg.direction.size(); ++j) {
-    const double share = std::abs(leg.direction[j]);
+  for (std::size_t j = 0; j < direction.size(); ++j) {
+    const double share = std::abs(direction[j]);
     if (share == 0) continue;
     along.speed = std::min(along.speed, kRoom * limits.velocity[j] / share);
     along.acceleration = std::min(along.acceleration, kRoom * limits.acceleration[j] / share);
+    if (limits.jerk.empty()) continue;
     along.jerk = std::min(along.jerk, kRoom * limits.jerk[j] / share);
   }
   return along;
@@ -86,6 +90,7 @@ class SmoothCorner {
     turn_ = plus(std::move(turn_), -speed_in_, in.direction);
     for (std::size_t j = 0; j < turn_.size(); ++j) {
       acceleration_s_ = std::max(acceleration_s_, std::abs(turn_[j]) / limits.acceleration[j]);
+      if (limits.jerk.empty()) continue;
       jerk_s2_ = std::max(jerk_s2_, std::abs(turn_[j]) / limits.jerk[j]);
     }
   }
@@ -162,8 +167,15 @@ class SmoothCorner {
   double acceleration_s_ = 0, jerk_s2_ = 0;
 };
 
+bool are_free(std::span<const float> states, const MotionVerifier& verifier) {
+  const auto joints = as_index(verifier.checker().robot().joint_count());
+  std::vector<std::uint8_t> is_free(states.size() / joints);
+  verifier.checker().check_states(states, is_free);
+  return std::ranges::find(is_free, 0) == is_free.end();
+}
+
 /// A chord of the corner deviates by at most acceleration dt^2 / 8.
-bool is_free(const SmoothCorner& corner, const MotionVerifier& verifier) {
+bool is_free(const SmoothCorner& corner, const MotionVerifier& verifier, bool is_guide) {
   std::vector<JerkPiece> pieces;
   corner.add_to(pieces);
   if (pieces.empty()) return true;
@@ -182,6 +194,7 @@ bool is_free(const SmoothCorner& corner, const MotionVerifier& verifier) {
     const Configuration q = motion.at(std::min(i * dt, duration_s * (1 - 1e-12))).position;
     states.insert(states.end(), q.begin(), q.end());
   }
+  if (is_guide) return are_free(states, verifier);
   for (const double acceleration : most) {
     bow.push_back(static_cast<float>(acceleration * dt * dt / 8));
   }
@@ -192,16 +205,20 @@ bool is_free(const SmoothCorner& corner, const MotionVerifier& verifier) {
 /// Legs and the corners between them.
 class SmoothMotion {
  public:
-  SmoothMotion(const Legs& legs, const RateLimits& limits, double tolerance, bool stops_first,
+  SmoothMotion(const Legs& legs, const RateLimits& limits, const FollowSettings& settings,
                const MotionVerifier* verifier)
-      : legs_(legs.legs), verifier_(verifier) {
-    for (const Leg& leg : legs_) along_.push_back(limits_along(leg, limits));
+      : legs_(legs.legs),
+        begin_speed_(settings.begin_speed),
+        is_guide_(settings.is_guide),
+        verifier_(verifier) {
+    for (const Leg& leg : legs_) along_.push_back(limits_along(leg.direction, limits));
     for (std::size_t i = 1; i < legs_.size(); ++i) {
       corners_.emplace_back(legs_[i - 1], along_[i - 1], legs_[i], along_[i], limits);
-      if (verifier == nullptr || (stops_first && i == 1)) {
+      const bool is_passed = verifier != nullptr || settings.is_estimate;
+      if (!is_passed || (settings.stops_first && i == 1)) {
         corners_.back().share = 0;
       } else {
-        corners_.back().keep_near(tolerance);
+        corners_.back().keep_near(settings.tolerance);
       }
     }
   }
@@ -211,7 +228,24 @@ class SmoothMotion {
     do {
       for (std::size_t i = 0; i < corners_.size(); ++i) slow_down_end(i);
       for (std::size_t i = corners_.size(); i-- > 0;) slow_down_begin(i + 1);
+      // A slower corner may be too slow to be reached from a given speed.
+      if (begin_speed_ > 0 && !corners_.empty() && !can_reach_end(0, corners_.front().share)) {
+        corners_.front().share = 0;
+      }
     } while (!verify());
+  }
+
+  [[nodiscard]] double duration_s() const {
+    double duration_s = 0;
+    for (std::size_t i = 0; i < legs_.size(); ++i) {
+      const auto [begin, peak, end, from, steady] = profile(i);
+      duration_s += along_[i].change(begin, peak).duration_s + (peak > 0 ? steady / peak : 0) +
+                    along_[i].change(peak, end).duration_s;
+    }
+    for (const SmoothCorner& corner : corners_) {
+      duration_s += corner.change_at(corner.share).duration_s;
+    }
+    return duration_s;
   }
 
   [[nodiscard]] std::vector<JerkPiece> pieces() const {
@@ -225,7 +259,7 @@ class SmoothMotion {
 
  private:
   [[nodiscard]] double begin_speed(std::size_t leg) const {
-    return leg == 0 ? 0 : corners_[leg - 1].speed_out(corners_[leg - 1].share);
+    return leg == 0 ? begin_speed_ : corners_[leg - 1].speed_out(corners_[leg - 1].share);
   }
   [[nodiscard]] double end_speed(std::size_t leg) const {
     return leg == corners_.size() ? 0 : corners_[leg].speed_in(corners_[leg].share);
@@ -237,13 +271,19 @@ class SmoothMotion {
     return leg == corners_.size() ? 0 : corners_[leg].reach_in(corners_[leg].share);
   }
 
+  /// True if the leg is long enough to change to the speed of its end at this share. The other
+  /// pass sees to it that slower ends can be reached, except from the speed at the start.
+  [[nodiscard]] bool can_reach_end(std::size_t leg, double share) const {
+    const SmoothCorner& corner = corners_[leg];
+    const double begin = begin_speed(leg), end = corner.speed_in(share);
+    const double length = legs_[leg].length - begin_reach(leg);
+    return (leg > 0 && end <= begin) ||
+           along_[leg].reach(begin, end) <= length - corner.reach_in(share);
+  }
   void slow_down_end(std::size_t leg) {
     SmoothCorner& corner = corners_[leg];
-    const double begin = begin_speed(leg), length = legs_[leg].length - begin_reach(leg);
-    corner.share = greatest(0, corner.share, [&](double share) {
-      const double end = corner.speed_in(share);
-      return end <= begin || along_[leg].reach(begin, end) <= length - corner.reach_in(share);
-    });
+    corner.share =
+        greatest(0, corner.share, [&](double share) { return can_reach_end(leg, share); });
   }
   void slow_down_begin(std::size_t leg) {
     SmoothCorner& corner = corners_[leg - 1];
@@ -256,10 +296,11 @@ class SmoothMotion {
 
   /// Slows down at corners that are not free. Returns true if all are.
   bool verify() {
+    if (verifier_ == nullptr) return true;
     bool has_passed = true;
     for (SmoothCorner& corner : corners_) {
       if (corner.share == corner.verified_share || corner.share == 0) continue;
-      if (is_free(corner, *verifier_)) {
+      if (is_free(corner, *verifier_, is_guide_)) {
         corner.verified_share = corner.share;
         continue;
       }
@@ -269,20 +310,31 @@ class SmoothMotion {
     return has_passed;
   }
 
+  /// Speeds along a leg: it changes from `begin` to `peak`, stays for `steady` metres or radians,
+  /// and changes to `end`, from `from` on.
+  struct LegProfile {
+    double begin = 0, peak = 0, end = 0, from = 0, steady = 0;
+  };
   /// Accelerates to the greatest speed that the leg allows, and decelerates.
-  void add_leg(std::size_t i, std::vector<JerkPiece>& pieces) const {
-    const Leg& leg = legs_[i];
+  [[nodiscard]] LegProfile profile(std::size_t i) const {
     const LegLimits& along = along_[i];
     const double begin = begin_speed(i), end = end_speed(i), from = begin_reach(i);
-    const double length = leg.length - from - end_reach(i);
+    const double length = legs_[i].length - from - end_reach(i);
     const double peak = greatest(std::max(begin, end), along.speed, [&](double speed) {
       return along.reach(begin, speed) + along.reach(speed, end) <= length;
     });
-    const double slower = along.reach(peak, end);
-    const double steady = std::max(0.0, length - along.reach(begin, peak) - slower);
+    const double steady = length - along.reach(begin, peak) - along.reach(peak, end);
+    return {begin, peak, end, from, std::max(0.0, steady)};
+  }
+
+  void add_leg(std::size_t i, std::vector<JerkPiece>& pieces) const {
+    const Leg& leg = legs_[i];
+    const LegLimits& along = along_[i];
+    const auto [begin, peak, end, from, steady] = profile(i);
+    const double slow_down_at = leg.length - end_reach(i) - along.reach(peak, end);
     add_change(leg, along, from, begin, peak, pieces);
-    add(leg, length + from - slower - steady, peak, 0, 0, peak > 0 ? steady / peak : 0, pieces);
-    add_change(leg, along, length + from - slower, peak, end, pieces);
+    add(leg, slow_down_at - steady, peak, 0, 0, peak > 0 ? steady / peak : 0, pieces);
+    add_change(leg, along, slow_down_at, peak, end, pieces);
   }
 
   static void add_change(const Leg& leg, const LegLimits& along, double from, double begin,
@@ -310,6 +362,8 @@ class SmoothMotion {
   }
 
   const std::vector<Leg>& legs_;
+  double begin_speed_;  ///< at the start
+  bool is_guide_;
   const MotionVerifier* verifier_;
   std::vector<LegLimits> along_;
   std::vector<SmoothCorner> corners_;
@@ -336,11 +390,21 @@ Trajectory to_trajectory(const std::vector<JerkPiece>& pieces, const Configurati
   return {std::move(stretches), end, time_s};
 }
 
-std::vector<JerkPiece> follow_legs(const Legs& legs, const RateLimits& limits, double tolerance,
-                                   bool stops_first, const MotionVerifier* verifier) {
-  SmoothMotion motion(legs, limits, tolerance, stops_first, verifier);
+std::vector<JerkPiece> follow_legs(const Legs& legs, const RateLimits& limits,
+                                   const FollowSettings& settings, const MotionVerifier* verifier) {
+  SmoothMotion motion(legs, limits, settings, verifier);
   motion.slow_down();
   return motion.pieces();
+}
+
+double duration_along(const Legs& legs, const RateLimits& limits, const FollowSettings& settings) {
+  SmoothMotion motion(legs, limits, settings, nullptr);
+  motion.slow_down();
+  return motion.duration_s();
+}
+
+double reach_to_stop(const std::vector<double>& direction, double speed, const RateLimits& limits) {
+  return limits_along(direction, limits).reach(speed, 0);
 }
 
 }  // namespace mneme::internal

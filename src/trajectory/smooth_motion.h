@@ -22,13 +22,29 @@ struct JerkPiece {
 [[nodiscard]] Trajectory to_trajectory(const std::vector<JerkPiece>& pieces,
                                        const Configuration& end);
 
-/// Returns a motion from rest to rest along `legs` within `limits`. It is time-optimal along each
+/// How a motion passes along legs.
+struct FollowSettings {
+  double tolerance = 0;      ///< largest distance from the legs at corners, L2 joint distance
+  bool stops_first = false;  ///< at the first corner
+  double begin_speed = 0;    ///< along the first leg; reach_to_stop() is at most the leg's length
+  bool is_estimate = false;  ///< takes all corners as free
+  bool is_guide = false;     ///< checks states of corners only, which proves nothing
+};
+
+/// Returns a motion along `legs` within `limits` that ends at rest. It is time-optimal along each
 /// leg. At a corner, velocities change at once for all joints, with trapezoidal accelerations: the
-/// corner is cut by at most `tolerance` (L2 joint distance), as fast as `verifier` passes. At
-/// corners that do not pass, or at all if `verifier` is null, the motion stops. `stops_first`: it
-/// stops at the first corner.
+/// corner is cut as fast as `verifier` passes. At corners that do not pass, or at all if `verifier`
+/// is null, the motion stops.
 [[nodiscard]] std::vector<JerkPiece> follow_legs(const Legs& legs, const RateLimits& limits,
-                                                 double tolerance, bool stops_first,
+                                                 const FollowSettings& settings,
                                                  const MotionVerifier* verifier);
+
+/// Returns the duration of that motion.
+[[nodiscard]] double duration_along(const Legs& legs, const RateLimits& limits,
+                                    const FollowSettings& settings);
+
+/// Returns the length that a stop from `speed` takes in `direction`, a unit vector.
+[[nodiscard]] double reach_to_stop(const std::vector<double>& direction, double speed,
+                                   const RateLimits& limits);
 
 }  // namespace mneme::internal

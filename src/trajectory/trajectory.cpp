@@ -5,9 +5,7 @@
 #include "base/check_ranges.h"
 #include "base/threads.h"
 #include "check/end_motions.h"
-#include "trajectory/rounded_path.h"
-#include "trajectory/shorten_time.h"
-#include "trajectory/smooth_motion.h"
+#include "trajectory/follow_path.h"
 #include "trajectory/speed_profile.h"
 
 #include <fmt/format.h>
@@ -54,15 +52,8 @@ Path without_turns(const Robot& robot, Path path, const Configuration& turns) {
   return unwrapped(robot, std::move(path), start);
 }
 
-/// Along the legs of `path`, with rounded corners.
-Trajectory follow(const Robot& robot, const Path& path, const internal::Legs& legs,
-                  const RateLimits& limits, double tolerance, const MotionVerifier* verifier) {
-  using namespace internal;
-  if (!has_jerk_limit(limits)) {
-    return follow_fastest(round_corners(robot, path, tolerance, verifier), limits);
-  }
-  return to_trajectory(follow_legs(legs, limits, tolerance, begins_outside(robot, path), verifier),
-                       legs.end);
+bool is_moving(const std::vector<double>& velocity) {
+  return std::ranges::any_of(velocity, [](double v) { return v != 0; });
 }
 
 }  // namespace
@@ -124,18 +115,17 @@ Result<std::vector<Trajectory::Point>> Trajectory::sample(double dt) const {
 }
 
 Result<Trajectory> parameterize(const Robot& robot, const Path& path, const RateLimits& limits,
-                                const TrajectorySettings& settings,
-                                const MotionVerifier* verifier) {
+                                const TrajectorySettings& settings, const MotionVerifier* verifier,
+                                const std::vector<double>& start_velocity) {
   MNEME_TRY(check_path(robot, path));
   MNEME_TRY(internal::check_rate_limits(robot, limits));
   MNEME_TRY(internal::check_ranges(settings));
   const Configuration turns = whole_turns(robot, path.front());
   const Path near = without_turns(robot, path, turns);
-  const internal::Legs legs = internal::find_legs(robot, near);
-  Trajectory motion = follow(robot, near, legs, limits, settings.path_tolerance, verifier);
-  if (verifier != nullptr && !internal::begins_outside(robot, near)) {
-    motion = internal::shorten_time(robot, std::move(motion), legs, limits, settings, *verifier);
-  }
+  internal::Timing timing{robot, limits, settings, verifier};
+  Trajectory motion = is_moving(start_velocity)
+                          ? MNEME_TRY(internal::follow_from_velocity(timing, near, start_velocity))
+                          : internal::follow_from_rest(timing, near);
   motion.shift(turns);
   return motion;
 }

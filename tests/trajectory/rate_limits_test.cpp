@@ -116,7 +116,11 @@ joint_limits:
              {"a: 1", "the key joint_limits"},
              {"default_velocity_scaling_factor: 1", "the key joint_limits"},
              {"joint_limits: {a: {has_jerk_limits: true}}", "the key max_jerk"},
-             {"joint_limits: {a: {max_jerk: 0}}", "expected a number above 0, got 0"}}) {
+             {"joint_limits: {a: {max_jerk: 0}}", "expected a number above 0, got 0"},
+             {"joint_limits: {a: {max_effort: 9}}",
+              "key joint_limits.a.max_effort: limits of torque", ErrorCode::unsupported},
+             {"joint_limits: {a: {has_torque_limits: true, max_torque: 9}}",
+              "key joint_limits.a.has_torque_limits: limits of torque", ErrorCode::unsupported}}) {
       const Error error = refusal(hand(), {}, c.yaml);
       CHECK_MESSAGE(contains(error.message, c.part), error.message);
       CHECK(contains(error.message, "limits.yaml"));
@@ -125,6 +129,13 @@ joint_limits:
     const auto missing = find_rate_limits(hand(), {}, "/nowhere/limits.yaml");
     REQUIRE_FALSE(missing.has_value());
     CHECK(missing.error().code == ErrorCode::io);
+  }
+
+  TEST_CASE("limits of torque that a file switches off are none") {
+    const std::string yaml =
+        "joint_limits: {a: {max_velocity: 1.5, has_effort_limits: false, max_effort: 9}}";
+    CHECK(require_limits(hand(), {}, yaml).velocity[0] == 1.5);
+    CHECK(require_limits(hand(), {}, yaml).warnings.empty());
   }
 
   TEST_CASE("other keys and joints of a file are ignored with one warning, or refused if strict") {
@@ -137,7 +148,7 @@ joint_limits:
     const std::string yaml = R"(
 robot_description_planning:
   joint_limits:
-    a: {has_jerk: false, max_velocity: 1.5, has_position_limits: true, max_effort: 9}
+    a: {has_jerk: false, max_velocity: 1.5, has_position_limits: true, max_power: 9}
     elbow: {max_velocity: 1}
 )";
     const auto limits = read(yaml);
@@ -146,7 +157,7 @@ robot_description_planning:
     const std::string key = "robot_description_planning.joint_limits.";
     CHECK(limits->warnings ==
           std::vector<std::string>{file + ": ignored 4 keys (an error if strict): " + key +
-                                   "a.has_jerk, " + key + "a.max_effort, " + key +
+                                   "a.has_jerk, " + key + "a.max_power, " + key +
                                    "a.has_position_limits (the URDF limits positions), " + key +
                                    "elbow (no such joint)"});
     CHECK(contains(read(yaml, true).error().message, "a.has_jerk: unknown key"));

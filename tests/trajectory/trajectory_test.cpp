@@ -149,15 +149,20 @@ TEST_SUITE("unit") {
     RateLimits limits = kOnes;
     limits.jerk = {4, 4, 4};
     const Trajectory motion = require_timed(empty, {{-1, 0, 1}, {1, 0, 1}}, limits);
-    const MotionMeasures measures = measure_motion(motion);
+    const MotionMeasures measures = measure_motion(motion, limits);
     CHECK(measures.duration_s == motion.duration_s());
     CHECK(measures.velocity[0] == doctest::Approx(1));
     CHECK(measures.acceleration[0] == doctest::Approx(1));
     CHECK(measures.jerk[0] == doctest::Approx(4));
     CHECK(measures.velocity[1] == 0);
+    CHECK(measures.velocity_use[0] == doctest::Approx(1));
+    CHECK(measures.jerk_use[0] == doctest::Approx(1));
+    limits.velocity[0] = 4;
+    CHECK(measure_motion(motion, limits).velocity_use[0] == doctest::Approx(0.25));
+    CHECK(measure_motion(motion, kOnes).jerk_use[0] == 0);
     // Four ramps of a quarter of a second.
     CHECK(measures.jerk_integral == doctest::Approx(4 * 0.25 * 16));
-    CHECK(measure_motion(require_timed(empty, {{1, 1, 1}}, limits)).jerk_integral == 0);
+    CHECK(measure_motion(require_timed(empty, {{1, 1, 1}}, limits), limits).jerk_integral == 0);
   }
 
   TEST_CASE("no rate between samples is greater than measured") {
@@ -167,7 +172,7 @@ TEST_SUITE("unit") {
       const RateLimits limits = random_jerk_limits(empty.robot(), rng);
       const Trajectory motion =
           require_timed(empty, random_path(empty.robot(), rng), limits, 0.1, rounds);
-      const MotionMeasures measures = measure_motion(motion);
+      const MotionMeasures measures = measure_motion(motion, limits);
       for (int i = 0; i <= 500; ++i) {
         const Trajectory::Point point = motion.at(motion.duration_s() * i / 500);
         CHECK(excess(point.velocity, measures.velocity) <= 0.02);

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trajectory/empty_scene.h"
+#include "trajectory/trajectory_flaws.h"
+
+namespace mneme::test {
+namespace {
+
+const RateLimits kTwos = {{2, 2, 2}, {4, 4, 4}, {40, 40, 40}};
+
+Result<Trajectory> timed_from(const EmptyScene& empty, const Path& path,
+                              const std::vector<double>& velocity, const RateLimits& limits,
+                              int rounds = 8) {
+  TrajectorySettings settings;
+  settings.time_rounds = rounds;
+  return parameterize(empty.robot(), path, limits, settings, &empty.verifier(), velocity);
+}
+
+std::string refusal(const Path& path, const std::vector<double>& velocity) {
+  const EmptyScene empty(gantry());
+  const auto motion = timed_from(empty, path, velocity, kTwos);
+  REQUIRE_FALSE(motion.has_value());
+  return motion.error().message;
+}
+
+/// Share `share` of the greatest velocity along a random direction.
+std::vector<double> random_velocity(const RateLimits& limits, double share, Rng& rng) {
+  std::vector<double> velocity;
+  for (const double most : limits.velocity) velocity.push_back(share * most * rng.uniform(-1, 1));
+  return velocity;
+}
+
+}  // namespace
+
+TEST_SUITE("law") {
+  TEST_CASE("a motion begins with the start velocity, keeps all limits and ends at rest") {
+    const EmptyScene empty(planar8());
+    Rng rng(3);
+    int count = 0;
+    for (int i = 0; i < 60; ++i) {
+      CAPTURE(i);
+      Path path = random_path(empty.robot(), rng);
+      RateLimits limits =
+          i % 2 == 0 ? random_limits(empty.robot(), rng) : random_jerk_limits(empty.robot(), rng);
+      const auto velocity = random_velocity(limits, std::pow(10, rng.uniform(-3, 0)), rng);
+      const auto stop = stopping_point(empty.robot(), path.front(), velocity, limits);
+      if (!stop) continue;  // beyond a joint's range
+      ++count;
+      path.insert(path.begin() + 1, empty.robot().normalized(*stop));
+      const auto motion = timed_from(empty, path, velocity, limits);
+      REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+      for (std::size_t j = 0; j < velocity.size(); ++j) {
+        CHECK(motion->at(0).velocity[j] ==
+              doctest::Approx(velocity[j]).epsilon(1e-5).scale(limits.velocity[j]));
+      }
+      CHECK(largest(motion->at(motion->duration_s()).velocity) == 0);
+      const auto flaw = trajectory_flaw(empty.robot(), path, limits, 1, *motion);
+      CHECK_MESSAGE(!flaw, flaw.value_or(""));
+    }
+    CHECK(count > 20);
+  }
+
+  TEST_CASE("a start velocity towards the goal makes the motion shorter") {
+    const EmptyScene empty(gantry());
+    const Path path = {{-1, 0, 1}, {1, 0, 1}};
+    double last = timed_from(empty, path, {}, kTwos)->duration_s();
+    for (const double speed : {0.5, 1.0, 2.0}) {
+      const double duration_s = timed_from(empty, path, {speed, 0, 0}, kTwos)->duration_s();
+      CHECK(duration_s < last);
+      last = duration_s;
+    }
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("the stopping point is the closed form of a stop with limited jerk") {
+    // From 2 m/s at 4 m/s^2 and 40 m/s^3: 2 / 4 + 4 / 40 seconds at half of the speed.
+    const auto stop = stopping_point(gantry(), {-1, 0, 1}, {2, 0, 0}, kTwos);
+    REQUIRE(stop.has_value());
+    CHECK((*stop)[0] == doctest::Approx(-1 + 0.6).epsilon(1e-6));
+    CHECK((*stop)[1] == 0);
+    CHECK(stopping_point(gantry(), {-1, 0, 1}, {0, 0, 0}, kTwos).value() ==
+          Configuration{-1, 0, 1});
+  }
+
+  TEST_CASE("a motion goes on past its stopping point at speed where it may") {
+    const EmptyScene empty(gantry());
+    const Path path = {{-1, 0, 1}, {-0.4, 0, 1}, {-0.4, 1, 1}};
+    const double duration_s = timed_from(empty, path, {2, 0, 0}, kTwos, 0)->duration_s();
+    const double stop_s = 0.6,
+                 rest_s = timed_from(empty, {path[1], path[2]}, {}, kTwos, 0)->duration_s();
+    CHECK(duration_s < 0.95 * (stop_s + rest_s));
+  }
+
+  TEST_CASE("start velocities that cannot be met are refused with the reason") {
+    const Path path = {{-1, 0, 1}, {1, 0, 1}};
+    CHECK(refusal(path, {3, 0, 0}) == "start velocity: joint '" + gantry().group_joint(0).name +
+                                          "' moves at 3, faster than its limit 2");
+    CHECK(refusal(path, {1}).starts_with("start velocity: got 1 values, expected 3"));
+    CHECK(refusal(path, {1, 1, 0})
+              .starts_with("start velocity: expected it along the path's first motion"));
+    CHECK(refusal(path, {-1, 0, 0})
+              .starts_with("start velocity: expected it along the path's first motion"));
+    CHECK(
+        refusal({{-1, 0, 1}, {-0.9, 0, 1}}, {2, 0, 0}) ==
+        "start velocity: a stop takes 0.6 (L2 joint distance), and the path's first motion is 0.1 "
+        "long");
+    CHECK(refusal({{-1, 0, 1}}, {1, 0, 0}).starts_with("start velocity: the path does not move"));
+    CHECK(refusal(path, {std::nan(""), 0, 0}).starts_with("start velocity: joint"));
+    const Joint& joint = gantry().group_joint(0);
+    const auto beyond = stopping_point(gantry(), {joint.upper - 0.1, 0, 1}, {2, 0, 0}, kTwos);
+    REQUIRE_FALSE(beyond.has_value());
+    CHECK(beyond.error().message.starts_with("start velocity: joint '" + joint.name +
+                                             "' would stop at "));
+  }
+}
+
+}  // namespace mneme::test
