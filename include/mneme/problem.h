@@ -80,6 +80,9 @@ struct Problem {
   /// Pairs of links that may touch, in addition to those of the SRDF. `robot` allows them already.
   std::vector<std::pair<std::string, std::string>> allowed_pairs = {};
   std::vector<OrientationConstraint> constraints = {};  ///< hold along the whole path
+  /// Velocity at the start, a value per joint (rad/s, m/s for prismatic joints). Empty: at rest.
+  /// Paths then begin with the motion in which the robot can stop.
+  std::vector<double> start_velocity = {};
   /// Files that were read, except meshes, clouds, octrees and an SRDF found beside the URDF.
   std::vector<std::string> files = {};
 };
@@ -100,6 +103,7 @@ struct ProblemOptions {
   RobotOptions robot;
   std::optional<GivenConfiguration> start;
   std::optional<GivenConfiguration> goal;
+  std::optional<std::vector<double>> start_velocity = std::nullopt;  ///< replaces the problem's
   /// If `goal` or this field is set, both together replace all goals of the problem. Poses are in
   /// the frame of the problem's scene unless PoseGoal::frame names another.
   std::vector<PoseGoal> pose_goals = {};

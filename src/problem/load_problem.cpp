@@ -58,8 +58,8 @@ Problem read_problem_file(const std::string& path, const ProblemOptions& options
   }
   refuse_scene(input);
   input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
-                    "start", "goal", "goals", "allow", "attached", "constraints", "self_filter",
-                    "region"});
+                    "start", "start_velocity", "goal", "goals", "allow", "attached", "constraints",
+                    "self_filter", "region"});
   const std::string name = input.text_or("name", std::filesystem::path(path).stem().string());
   FramedScene scene = internal::read_scene_of_problem(input, path);
   return internal::read_problem(

@@ -335,6 +335,9 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
                   {},
                   std::move(robot.warnings)};
   problem.allowed_pairs = std::move(allowing.allowed_pairs);
+  const auto velocity = input.problem.find("start_velocity");
+  if (velocity) problem.start_velocity = velocity->numbers();
+  if (options.start_velocity) problem.start_velocity = *options.start_velocity;
   problem.files = input.files;
   std::ranges::move(robot.files, std::back_inserter(problem.files));
   if (!take_goals(options, X_RF, problem)) {

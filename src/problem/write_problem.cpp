@@ -139,6 +139,9 @@ std::string to_yaml(const Problem& problem, const std::string& robot) {
   text += internal::yaml_list("constraints", constraints_json(problem));
   text += fmt::format("scene:\n{}start: {}\n", indented(to_yaml(problem.scene)),
                       yaml_flow(problem.start));
+  if (!problem.start_velocity.empty()) {
+    text += fmt::format("start_velocity: {}\n", yaml_flow(problem.start_velocity));
+  }
   const Json goals = goals_json(problem);
   if (goals.size() == 1) return text + fmt::format("goal: {}\n", yaml_flow(goals.front()));
   return text + internal::yaml_list("goals", goals);
@@ -182,6 +185,7 @@ std::string to_compact_json(const Problem& problem, const std::string& robot) {
   const Json attached = attached_json(problem.robot, internal::kCompactSpelling);
   if (!attached.empty()) json["attached"] = attached;
   json["start"] = problem.start;
+  if (!problem.start_velocity.empty()) json["start_velocity"] = problem.start_velocity;
   json["goals"] = goals_json(problem);
   const Json constraints = constraints_json(problem);
   if (!constraints.empty()) json["constraints"] = constraints;
