@@ -170,6 +170,13 @@ void StaticCell::add_clear(const PlanQuery& ends) {
   std::ranges::for_each(ends.goals, add);
 }
 
+Result<QueryChecker> query_checker_of(const Robot& robot, const Scene& scene,
+                                      const CheckerSettings& settings, const PlanQuery& ends) {
+  const auto known = StaticCell::find(robot, scene, settings);
+  return known != nullptr ? make_query_checker(known->checker(), settings, ends)
+                          : make_query_checker(robot, scene, settings, ends);
+}
+
 Result<CellChecker> find_or_make_checker(const Robot& robot, const Scene& scene,
                                          const CheckerSettings& settings, const PlanQuery& ends) {
   auto known = StaticCell::find(robot, scene, settings);

@@ -76,6 +76,11 @@ class StaticCell {
   KnownPlaces places_;
 };
 
+/// Returns what make_query_checker() does, from the checker of a kept cell if there is one.
+[[nodiscard]] Result<QueryChecker> query_checker_of(const Robot& robot, const Scene& scene,
+                                                    const CheckerSettings& settings,
+                                                    const PlanQuery& ends);
+
 /// A checker for the motions between `ends`, and its cell.
 struct CellChecker {
   QueryChecker checked;
