@@ -47,8 +47,10 @@ class Improvement {
  private:
   [[nodiscard]] double cost_of(const Path& path) const {
     const Robot& robot = query_.problem.robot;
-    return query_.settings.plan.minimize_time.value_or(false) ? path_time(robot, path)
-                                                              : path_length(robot, path);
+    const PlanSettings& plan = query_.settings.plan;
+    if (!plan.minimizes_time()) return path_length(robot, path);
+    return plan.limits != nullptr ? estimate_duration(robot, path, *plan.limits)
+                                  : path_time(robot, path);
   }
   void note(double time_s) {
     curve_.push_back({time_s, path_length(query_.problem.robot, best_.path)});
@@ -98,7 +100,8 @@ class Improvement {
     const PlanSettings settings = settings_of(round * kPlansPerRound);
     ShortenEffort effort;
     effort.patience = std::max(kPatience, settings.patience);
-    effort.minimize_time = settings.minimize_time.value_or(false);
+    effort.minimize_time = settings.minimizes_time();
+    effort.limits = settings.limits.get();
     CheckCounters counters;
     shorten(resolved_.checker, path, settings.seed, effort, nullptr, counters,
             [&] { return is_over(); });

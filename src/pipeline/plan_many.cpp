@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <memory>
 #include <thread>
 #include <utility>
 
@@ -14,11 +15,15 @@ namespace {
 
 Result<TimedSolution> plan_one(const Problem& problem, Database* database,
                                const ManySettings& settings) {
-  TimedSolution solution{MNEME_TRY(solve(problem, database, settings.solve)), {}};
+  SolveSettings solving = settings.solve;
+  if (settings.timing) {
+    solving.plan.limits = std::make_shared<const RateLimits>(
+        MNEME_TRY(find_rate_limits(problem.robot, *settings.timing)));
+  }
+  TimedSolution solution{MNEME_TRY(solve(problem, database, solving)), {}};
   if (!settings.timing || !solution.result.plan.is_solved()) return solution;
-  const RateLimits limits = MNEME_TRY(find_rate_limits(problem.robot, *settings.timing));
   const Trajectory trajectory = MNEME_TRY(make_trajectory(
-      problem, settings.solve, solution.result.plan.path, limits, *settings.timing));
+      problem, solving, solution.result.plan.path, *solving.plan.limits, *settings.timing));
   solution.trajectory = MNEME_TRY(trajectory.sample(settings.timing->dt));
   return solution;
 }

@@ -10,6 +10,7 @@
 #include "pipeline/improve.h"
 #include "pipeline/memory_sampler.h"
 #include "pipeline/memory_steps.h"
+#include "pipeline/moving_start.h"
 #include "pipeline/race.h"
 #include "pipeline/remember.h"
 #include "pipeline/resolve_goals.h"
@@ -172,6 +173,11 @@ Result<SolveResult> solve_as_given(const Problem& problem, Database* database,
 
 Result<SolveResult> solve(const Problem& problem, Database* database,
                           const SolveSettings& settings) {
+  if (!problem.start_velocity.empty()) {
+    return internal::solve_moving(problem, settings, [&](const Problem& resting) {
+      return solve(resting, database, settings);
+    });
+  }
   const auto stricter =
       settings.allow_at_ends > 0 ? without_allowed_contact(problem) : std::nullopt;
   if (!stricter) return solve_as_given(problem, database, settings);

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/pipeline.h"
+
+#include "planning/small_worlds.h"
+
+#include <memory>
+
+namespace mneme::test {
+namespace {
+
+Problem arm_beside(const std::vector<std::array<double, 3>>& circles,
+                   std::vector<double> start_velocity) {
+  Problem problem{.name = "",
+                  .robot = thick_arm({1, 1, 0.5}),
+                  .robot_path = "",
+                  .scene = make_circle_scene("world", circles),
+                  .start = {0, 0.1, 0.1},
+                  .goals = {{1.5, 0.2, 0.1}},
+                  .warnings = {}};
+  problem.start_velocity = std::move(start_velocity);
+  return problem;
+}
+
+/// A circle between start and goal.
+const std::vector<std::array<double, 3>> kBetween = {{1.4, 1.4, 0.3}};
+
+SolveSettings settings_within(const Robot& robot) {
+  TrajectorySettings timing;
+  timing.acceleration_limit = 2;
+  timing.jerk_limit = 20;
+  SolveSettings settings;
+  settings.sampler = "uniform";
+  settings.plan.limits =
+      std::make_shared<const RateLimits>(find_rate_limits(robot, timing).value());
+  return settings;
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("a robot that moves at the start is planned from where it can stop, and timed") {
+    for (const double speed : {-0.4, 0.4}) {
+      const Problem problem = arm_beside(kBetween, {speed, 0.2, 0});
+      const SolveSettings settings = settings_within(problem.robot);
+      const auto result = solve(problem, nullptr, settings);
+      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+      REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
+      const Path& path = result->plan.path;
+      const RateLimits& limits = *settings.plan.limits;
+      CHECK(path.front() == problem.start);
+      CHECK(path[1] ==
+            stopping_point(problem.robot, problem.start, problem.start_velocity, limits).value());
+      CHECK(is_path_free(problem.robot, problem.scene, path, 0.002));
+      const auto motion = make_trajectory(problem, settings, path, limits);
+      REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+      CHECK(motion->at(0).velocity[0] == doctest::Approx(speed));
+      CHECK(motion->at(0).velocity[1] == doctest::Approx(0.2));
+      const auto checker = CollisionChecker::make(problem.robot, problem.scene);
+      for (int i = 0; i <= 300; ++i) {
+        CHECK(checker->contacts(motion->at(motion->duration_s() * i / 300).position).empty());
+      }
+    }
+  }
+
+  TEST_CASE("a stop in contact is refused with what it touches, and one beyond limits") {
+    const Problem into = arm_beside({{2.3, 0.75, 0.3}}, {0.6, 0, 0});
+    const SolveSettings settings = settings_within(into.robot);
+    const auto blocked = solve(into, nullptr, settings);
+    REQUIRE_MESSAGE(blocked.has_value(), (blocked ? "" : blocked.error().message));
+    CHECK(blocked->plan.status == PlanStatus::invalid_start);
+    CHECK(blocked->plan.message.starts_with("start velocity: the robot cannot stop in time"));
+    CHECK(blocked->plan.message.find("touches '") != std::string::npos);
+    CHECK(blocked->plan.path.empty());
+
+    const auto fast = solve(arm_beside({}, {100, 0, 0}), nullptr, settings);
+    CHECK(fast->plan.status == PlanStatus::invalid_start);
+    CHECK(fast->plan.message.find("faster than its limit") != std::string::npos);
+    const auto wrong = solve(arm_beside({}, {0.1}), nullptr, settings);
+    CHECK(wrong->plan.message.find("got 1 values, expected 3") != std::string::npos);
+  }
+
+  TEST_CASE("a start velocity of zeros changes nothing") {
+    const Problem still = arm_beside(kBetween, {});
+    const SolveSettings settings = settings_within(still.robot);
+    CHECK(solve(arm_beside(kBetween, {0, 0, 0}), nullptr, settings)->plan.path ==
+          solve(still, nullptr, settings)->plan.path);
+  }
+}
+
+}  // namespace
+}  // namespace mneme::test
