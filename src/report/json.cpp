@@ -64,6 +64,9 @@ void add_motion(Json& json, const MotionMeasures& motion) {
   json["motion"] = {{"greatest_velocity", motion.velocity},
                     {"greatest_acceleration", motion.acceleration},
                     {"greatest_jerk", motion.jerk},
+                    {"velocity_use", motion.velocity_use},
+                    {"acceleration_use", motion.acceleration_use},
+                    {"jerk_use", motion.jerk_use},
                     {"jerk_integral", motion.jerk_integral}};
 }
 
