@@ -69,6 +69,16 @@ Json state_json(const CollisionChecker& checker, const Configuration& q) {
   return json;
 }
 
+/// Nothing if no trajectory is wanted, or there is no path.
+Result<TimedPath> time_path(const PlanRequest& request, const SolveResult& result) {
+  if (!request.timing || !result.plan.is_solved()) return TimedPath{};
+  const RateLimits& limits = *request.settings.plan.limits;
+  const Trajectory motion = MNEME_TRY(make_trajectory(request.problem, request.settings,
+                                                      result.plan.path, limits, *request.timing));
+  const auto points = MNEME_TRY(motion.sample(request.timing->dt));
+  return TimedPath{measure_motion(motion, limits), to_json(request.problem.robot, points)};
+}
+
 }  // namespace
 
 Answer refusal(int status, std::string_view code, std::string_view message) {
@@ -120,6 +130,7 @@ void Endpoints::refresh_memory() {
 std::optional<Endpoints::Outcome> Endpoints::ask_cells(const PlanRequest& request) {
   const SolveSettings& settings = request.settings;
   if (request.wants_trace || settings.plan.improve > 0) return std::nullopt;
+  if (!request.problem.start_velocity.empty()) return std::nullopt;
   const Stopwatch stopwatch;
   for (const std::shared_ptr<const Cell>& cell : settings_.cells) {
     if (settings.margin > cell->margin()) continue;
@@ -221,7 +232,7 @@ Answer Endpoints::plan(const Call& call) {
 }
 
 Answer Endpoints::plan_in_turn(const Call& call, Work& work) {
-  Result<PlanRequest> request = read_plan_request(call.body, context());
+  Result<PlanRequest> request = read_plan_request(call.body, call.query, context());
   if (!request) return refusal(request.error());
   const auto planner = find_planner(request->settings.planner);
   const bool is_alone = planner && (*planner)->is_exclusive;
@@ -232,10 +243,15 @@ Answer Endpoints::plan_in_turn(const Call& call, Work& work) {
 
   request->settings.plan.cancel = &call.is_cancelled;
   if (request->may_remember) request->settings.remember_after = settings_.remember_after;
+  if (request->timing) {
+    const auto limits = find_rate_limits(request->problem.robot, *request->timing);
+    if (!limits) return refusal(limits.error());
+    request->settings.plan.limits = std::make_shared<const RateLimits>(*limits);
+  }
   PlanRecorder recorder;
   if (request->wants_trace) request->settings.plan.observer = &recorder;
   work.go_on();
-  const Result<Outcome> outcome = solve_remembering(*request);
+  Result<Outcome> outcome = solve_remembering(*request);
   if (!outcome) return refusal(outcome.error());
   const SolveResult& result = outcome->result;
   work.go_on();
@@ -243,24 +259,35 @@ Answer Endpoints::plan_in_turn(const Call& call, Work& work) {
   if (request->wants_clearance)
     measures = measure_path(request->problem.robot, checked_scene(request->problem, result),
                             result.plan.path);
+  const Result<TimedPath> timed = time_path(*request, result);
+  if (!timed) return refusal(timed.error());
   work.end_turn();
+  return answer_plan(*std::move(request), *std::move(outcome), std::move(recorder),
+                     measures ? &*measures : nullptr, *timed);
+}
 
+Answer Endpoints::answer_plan(PlanRequest request, Outcome outcome, PlanRecorder recorder,
+                              const PathMeasures* measures, const TimedPath& timed) {
+  const SolveResult& result = outcome.result;
   const Remembered& remembered = result.remembered;
   metrics_.add_plan(to_string(result.plan.status), result.gl.retrieved_count(),
                     remembered.is_queued ? 0 : remembered.rows);
   if (remembered.rows > 0 || !remembered.failure.empty()) {
     set_failure(&Endpoints::write_failure_, remembered.failure);
   }
-  std::string text = to_json(request->problem, result, 0, measures ? &*measures : nullptr);
-  const bool is_plain = !request->wants_trace && outcome->memory_failure.empty() && !outcome->cell;
+  std::string text =
+      to_json(request.problem, result, 0, measures, timed.measures ? &*timed.measures : nullptr);
+  const bool is_plain =
+      !request.wants_trace && outcome.memory_failure.empty() && !outcome.cell && timed.json.empty();
   if (is_plain) return {200, std::move(text)};
   Json json = Json::parse(text);
-  if (outcome->cell) {
-    json["cell"] = {{"tier", to_string(outcome->cell->tier)}, {"box", outcome->cell->box}};
+  if (outcome.cell) {
+    json["cell"] = {{"tier", to_string(outcome.cell->tier)}, {"box", outcome.cell->box}};
   }
-  if (!outcome->memory_failure.empty()) json["memory_failure"] = outcome->memory_failure;
-  if (request->wants_trace) {
-    json["id"] = keep_trace({std::move(request->problem), result, std::move(recorder)});
+  if (!outcome.memory_failure.empty()) json["memory_failure"] = outcome.memory_failure;
+  if (!timed.json.empty()) json["trajectory"] = Json::parse(timed.json);
+  if (request.wants_trace) {
+    json["id"] = keep_trace({std::move(request.problem), result, std::move(recorder)});
   }
   return answer(json);
 }

@@ -39,7 +39,14 @@ struct Call {
   const std::string& body;
   const std::atomic<bool>& is_cancelled;  ///< set when the client disconnects or the service stops
   bool knows_token = true;
-  int connections = 0;  ///< open connections of the service
+  int connections = 0;          ///< open connections of the service
+  std::string_view query = {};  ///< of the URL, after the question mark
+};
+
+/// The trajectory of a path, if one was requested.
+struct TimedPath {
+  std::optional<MotionMeasures> measures;
+  std::string json;  ///< as of `mneme plan --trajectory FILE.json`; empty without
 };
 
 /// Thread-safe.
@@ -96,6 +103,8 @@ class Endpoints {
   /// Returns the answer of a cell, if the request is a task of one.
   [[nodiscard]] std::optional<Outcome> ask_cells(const PlanRequest& request);
   [[nodiscard]] Result<Outcome> solve_remembering(const PlanRequest& request);
+  [[nodiscard]] Answer answer_plan(PlanRequest request, Outcome outcome, PlanRecorder recorder,
+                                   const PathMeasures* measures, const TimedPath& timed);
   [[nodiscard]] std::string keep_trace(TracedPlan plan);
   void set_failure(std::string Endpoints::*failure, const std::string& message);
 

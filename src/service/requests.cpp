@@ -228,12 +228,54 @@ Problem read_problem_of_request(const Input& input, const ProblemOptions& option
       options);
 }
 
-PlanRequest read_plan(const Input& input, const RequestContext& context) {
-  input.allow_keys({"name",      "index", "robot",     "joints",      "links",       "joint_limits",
-                    "frame",     "scene", "obstacles", "circles",     "attached",    "allow",
-                    "start",     "goal",  "goals",     "constraints", "self_filter", "settings",
-                    "clearance", "trace", "remember"});
-  PlanRequest request{read_problem_of_request(input, {}, context), read_settings(input, context)};
+/// Reads the key `trajectory`: true, or settings of trajectories by name.
+std::optional<TrajectorySettings> read_timing(const Input& request) {
+  const auto input = request.find("trajectory");
+  if (!input) return std::nullopt;
+  TrajectorySettings timing;
+  if (!input->is_map()) return input->boolean() ? std::optional(timing) : std::nullopt;
+  std::vector<std::string_view> names;
+  visit_settings(timing, [&](const char* name, const auto&, auto, auto, std::string_view) {
+    names.push_back(name);
+  });
+  input->allow_keys(names);
+  visit_settings(timing, SettingsReader(*input));
+  return timing;
+}
+
+/// Returns the value of `key` in the query of a URL; empty if it is missing.
+std::string find_in_query(std::string_view query, std::string_view key) {
+  while (!query.empty()) {
+    const std::string_view pair = query.substr(0, query.find('&'));
+    query.remove_prefix(std::min(query.size(), pair.size() + 1));
+    const std::size_t equals = pair.find('=');
+    if (pair.substr(0, equals) != key) continue;
+    return std::string(equals == std::string_view::npos ? "" : pair.substr(equals + 1));
+  }
+  return {};
+}
+
+void read_query(std::string_view query, std::optional<TrajectorySettings>& timing) {
+  const std::string wanted = find_in_query(query, "trajectory"), dt = find_in_query(query, "dt");
+  if (wanted == "true" && !timing) timing = TrajectorySettings();
+  if (wanted == "false") timing.reset();
+  if (!dt.empty() && timing) {
+    const std::string source = "query";
+    const InputValue value = parse_json(fmt::format("{{\"dt\": {}}}", dt), source);
+    const Input input(value, source);
+    visit_settings(*timing, SettingsReader(input));
+  }
+}
+
+PlanRequest read_plan(const Input& input, std::string_view query, const RequestContext& context) {
+  input.allow_keys({"name",         "index", "robot",       "joints",         "links",
+                    "joint_limits", "frame", "scene",       "obstacles",      "circles",
+                    "attached",     "allow", "start",       "start_velocity", "trajectory",
+                    "goal",         "goals", "constraints", "self_filter",    "settings",
+                    "clearance",    "trace", "remember"});
+  PlanRequest request{read_problem_of_request(input, {}, context), read_settings(input, context),
+                      read_timing(input)};
+  read_query(query, request.timing);
   request.wants_clearance = read_switch(input, "clearance", false);
   request.wants_trace = read_switch(input, "trace", false);
   request.may_remember = read_switch(input, "remember", true);
@@ -317,8 +359,9 @@ void set_obstacle(Obstacle obstacle, Scene& scene) {
 
 }  // namespace
 
-Result<PlanRequest> read_plan_request(std::string_view body, const RequestContext& context) {
-  return read_body(body, [&](const Input& input) { return read_plan(input, context); });
+Result<PlanRequest> read_plan_request(std::string_view body, std::string_view query,
+                                      const RequestContext& context) {
+  return read_body(body, [&](const Input& input) { return read_plan(input, query, context); });
 }
 
 Result<IkRequest> read_ik_request(std::string_view body, const RequestContext& context) {

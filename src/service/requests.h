@@ -9,6 +9,7 @@
 
 #include "service/scene_store.h"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,13 +27,15 @@ struct RequestContext {
 struct PlanRequest {
   Problem problem;
   SolveSettings settings;
+  std::optional<TrajectorySettings> timing;  ///< of the trajectory, if one is wanted
   bool wants_clearance = false;
   bool wants_trace = false;
   bool may_remember = true;
 };
 /// Reads the body of a request to plan. Errors: as for problem files; robot or joints differ from
-/// the service's; an unknown scene or setting; a limit is exceeded.
-[[nodiscard]] Result<PlanRequest> read_plan_request(std::string_view body,
+/// the service's; an unknown scene or setting; a limit is exceeded. `query`: of the URL; its keys
+/// `trajectory` and `dt` stand for those of the body.
+[[nodiscard]] Result<PlanRequest> read_plan_request(std::string_view body, std::string_view query,
                                                     const RequestContext& context);
 
 struct CheckRequest {

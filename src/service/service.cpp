@@ -74,6 +74,11 @@ std::string_view path_of(const HttpRequest& request) {
   return target.substr(0, target.find('?'));
 }
 
+std::string_view query_of(const HttpRequest& request) {
+  const std::string_view target(request.target().data(), request.target().size());
+  return target.substr(std::min(target.size(), path_of(request).size() + 1));
+}
+
 /// Returns the part of `path` that matches {id}, or an empty string if `pattern` has none. Empty if
 /// they do not match.
 std::optional<std::string> match(std::string_view pattern, std::string_view path) {
@@ -260,9 +265,9 @@ class Service::State {
   Answer answer(const HttpRequest& request, const std::atomic<bool>& is_cancelled) {
     const Stopwatch stopwatch;
     const auto [route, id] = find_route(request);
-    Answer answer =
-        (endpoints_.*route->answer)({id, request.body(), is_cancelled,
-                                     knows(settings_.token, request), server_.connection_count()});
+    Answer answer = (endpoints_.*route->answer)({id, request.body(), is_cancelled,
+                                                 knows(settings_.token, request),
+                                                 server_.connection_count(), query_of(request)});
     endpoints_.metrics().add_request(route->path, answer.status, stopwatch.elapsed_s());
     return answer;
   }

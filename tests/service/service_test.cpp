@@ -40,6 +40,33 @@ TEST_SUITE("flow") {
     CHECK(reply.body.size() == keys.size());
   }
 
+  TEST_CASE("a plan with a trajectory is timed, from its start velocity on") {
+    const RunningService running;
+    const auto client = running.client();
+    Json body = question();
+    CHECK_FALSE(post(*client, "/v1/plan", body).body.contains("trajectory"));
+    const Json timed = post(*client, "/v1/plan?trajectory=true&dt=0.05", body).body;
+    REQUIRE_MESSAGE(timed.contains("trajectory"), timed.dump());
+    CHECK(timed["trajectory"]["times"][1].get<double>() == doctest::Approx(0.05));
+    CHECK(timed["trajectory"]["duration_s"] == timed["duration_s"]);
+    CHECK(timed["trajectory"]["positions"][0].size() == 8);
+    CHECK(timed["motion"]["velocity_use"].size() == 8);
+
+    body["trajectory"] = {{"dt", 0.05}, {"acceleration-limit", 4}};
+    const Json faster = post(*client, "/v1/plan", body).body;
+    CHECK(faster["duration_s"].get<double>() < timed["duration_s"].get<double>());
+    body["start_velocity"] = std::vector<double>{-0.1, 0, 0, 0, 0, 0, 0, 0};
+    const Json moving = post(*client, "/v1/plan", body).body;
+    REQUIRE_MESSAGE(moving.contains("trajectory"), moving.dump());
+    CHECK(moving["trajectory"]["velocities"][0][0].get<double>() == doctest::Approx(-0.1));
+
+    body["trajectory"] = {{"dt", 0}};
+    CHECK(post(*client, "/v1/plan", body).status == 400);
+    body["trajectory"] = false;
+    CHECK_FALSE(post(*client, "/v1/plan", body).body.contains("trajectory"));
+    CHECK(post(*client, "/v1/plan?trajectory=true&dt=x", body).status == 400);
+  }
+
   TEST_CASE("a scene that was uploaded is planned in, edited and removed") {
     const RunningService running;
     const auto client = running.client();
