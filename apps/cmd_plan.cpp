@@ -111,6 +111,7 @@ struct PlanOptions {
   RobotOptions robot_options;
   std::optional<GivenConfiguration> start;
   std::optional<GivenConfiguration> goal;
+  std::optional<std::vector<double>> start_velocity;
   std::vector<PoseGoal> goal_poses;
   std::vector<OrientationConstraint> upright;
   std::optional<double> self_filter;
@@ -125,7 +126,7 @@ struct PlanOptions {
 struct LoadedPlan {
   Problem problem;
   std::optional<Database> database;
-  RateLimits limits;  ///< of a trajectory, if one is wanted
+  std::shared_ptr<const RateLimits> limits;  ///< of a trajectory, if one is wanted
   double load_time_s = 0;
 };
 
@@ -160,21 +161,22 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   ProblemOptions overrides = MNEME_TRY(problem_options(options.robot, options.robot_options));
   overrides.start = options.start;
   overrides.goal = options.goal;
+  overrides.start_velocity = options.start_velocity;
   overrides.pose_goals = options.goal_poses;
   overrides.constraints = options.upright;
   overrides.self_filter = options.self_filter;
   Problem problem = MNEME_TRY(read_problem(options.problem, overrides));
   MNEME_TRY(check_files(options, problem));
-  Result<RateLimits> limits;
+  std::shared_ptr<const RateLimits> limits;
   if (options.trajectory.is_wanted()) {
-    limits = find_rate_limits(problem.robot, options.trajectory.settings, options.trajectory.limits,
-                              options.robot_options.strict);
+    limits = std::make_shared<const RateLimits>(
+        MNEME_TRY(find_rate_limits(problem.robot, options.trajectory.settings,
+                                   options.trajectory.limits, options.robot_options.strict)));
+    for (const std::string& warning : limits->warnings) print_warning(warning);
   }
-  if (!limits) return tl::unexpected(limits.error());
-  for (const std::string& warning : limits->warnings) print_warning(warning);
   std::optional<Database> database = MNEME_TRY(open_memory_if_any(options, problem));
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  return LoadedPlan{std::move(problem), std::move(database), *std::move(limits), elapsed.count()};
+  return LoadedPlan{std::move(problem), std::move(database), std::move(limits), elapsed.count()};
 }
 
 void print_memory(const Problem& problem, const SolveResult& result) {
@@ -265,7 +267,8 @@ Result<std::optional<Trajectory>> time_path(const PlanOptions& options, const Lo
     print_note(fmt::format("'{}' was not written: there is no path", options.trajectory.file));
     return std::nullopt;
   }
-  return make_trajectory(loaded.problem, settings, path, loaded.limits, options.trajectory.settings)
+  return make_trajectory(loaded.problem, settings, path, *loaded.limits,
+                         options.trajectory.settings)
       .map([](Trajectory timed) { return std::optional(std::move(timed)); });
 }
 
@@ -275,7 +278,7 @@ void print_answer(const PlanOptions& options, const LoadedPlan& loaded, const So
       measure_path(loaded.problem.robot, checked_scene(loaded.problem, result), result.plan.path);
   if (options.is_json) {
     std::optional<MotionMeasures> motion;
-    if (trajectory) motion = measure_motion(*trajectory);
+    if (trajectory) motion = measure_motion(*trajectory, *loaded.limits);
     fmt::print("{}\n", to_json(loaded.problem, result, loaded.load_time_s, &measures,
                                motion ? &*motion : nullptr));
   } else {
@@ -323,6 +326,7 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   if (!loaded) return tl::unexpected(loaded.error());
   SolveSettings settings = options.settings;
   settings.plan.cancel = interrupt_flag();
+  settings.plan.limits = loaded->limits;
   if (needs_memory(settings.sampler) && options.db.empty()) {
     print_note(fmt::format("without --db there is no memory: the sampler '{}' is uniform",
                            settings.sampler));
@@ -337,7 +341,7 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   print_answer(options, *loaded, result, timed ? *timed : std::nullopt);
   ShownPlan shown{loaded->problem, result, recorder, loaded->load_time_s};
   shown.settings.package_paths = options.robot_options.package_paths;
-  if (timed && *timed) shown.timed = {&**timed, &loaded->limits};
+  if (timed && *timed) shown.timed = {&**timed, loaded->limits.get()};
   std::string beside;
   if (!options.files.beside.empty()) {
     settings.sampler = options.files.beside;
@@ -359,6 +363,12 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
   add_other_robot(command, options.robot, options.robot_options);
   add_configuration(command, "--start", options.start, "start instead of the problem's");
   add_configuration(command, "--goal", options.goal, "goal instead of the problem's");
+  command
+      .add_option("--start-velocity", options.start_velocity,
+                  "velocity of each joint at the start, rad/s or m/s: the path begins with the "
+                  "motion in which the robot can stop (default: at rest)")
+      ->delimiter(',')
+      ->type_name("X,X,..");
   add_poses(
       command, "--goal-pose", options.goal_poses,
       "pose of a link instead of the problem's goals, in the frame of the problem's scene; any "

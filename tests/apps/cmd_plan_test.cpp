@@ -84,6 +84,13 @@ TEST_SUITE("flow") {
     const Json motion = Json::parse(read_file(files / "m.json"));
     CHECK(motion["duration_s"] == slow["duration_s"]);
     CHECK(motion["times"][1] == 0.1);
+    for (const char* key : {"velocity_use", "acceleration_use", "jerk_use"}) {
+      REQUIRE(slow["motion"][key].size() == 8);
+      for (const double share : slow["motion"][key]) CHECK(share <= 1 + 1e-6);
+    }
+    run_with("moving.json", {"--start-velocity", "-0.05,0,0,0,0,0,0,0"});
+    CHECK(Json::parse(read_file(files / "moving.json"))["velocities"][0][0].get<double>() ==
+          doctest::Approx(-0.05));
     const ProgramRun told = run_program({"plan", files.problem(), "--trajectory", files / "m.csv"});
     CHECK(has_text(told.out, "\nmotion      "));
     const ProgramRun none = run_program(
