@@ -32,11 +32,36 @@ struct Plan {
   SolveSettings settings;
   std::shared_ptr<PlanRecorder> recorder;  ///< null unless the search was recorded
   SolveResult result;
+  TrajectorySettings timing = {};  ///< of the trajectory that was announced, or defaults
 };
+
+RateLimits find_limits(const Robot& robot, const TrajectorySettings& timing,
+                       const py::object& limits) {
+  const std::string file =
+      limits.is_none() ? "" : py::module_::import("os").attr("fspath")(limits).cast<std::string>();
+  RateLimits rates = unwrap(find_rate_limits(robot, timing, file));
+  for (const std::string& warning : rates.warnings) {
+    const std::string text = to_text(warning);
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+  }
+  return rates;
+}
+
+/// Takes the keywords of Plan.trajectory() for the trajectory that will be made.
+void read_timing(const py::dict& keywords, Plan& plan) {
+  auto arguments = py::reinterpret_borrow<py::kwargs>(keywords.attr("copy")());
+  py::object limits = py::none();
+  if (arguments.contains("limits")) limits = arguments.attr("pop")("limits");
+  Keywords known("plan", arguments);
+  known.apply(plan.timing);
+  known.finish();
+  plan.settings.plan.limits =
+      std::make_shared<const RateLimits>(find_limits(plan.problem.robot, plan.timing, limits));
+}
 
 Plan plan(const SharedProblem& problem, const Memory* memory, const std::string& planner,
           const std::optional<std::string>& sampler, const std::string& isa, bool is_recorded,
-          const py::kwargs& arguments) {
+          const std::optional<py::dict>& trajectory, const py::kwargs& arguments) {
   const std::string source = sampler.value_or(memory == nullptr ? "uniform" : "gl");
   Plan made{problem,
             problem.get(),
@@ -45,6 +70,7 @@ Plan plan(const SharedProblem& problem, const Memory* memory, const std::string&
             is_recorded ? std::make_shared<PlanRecorder>() : nullptr,
             {}};
   if (made.database == nullptr) check_without_memory(made.settings);
+  if (trajectory) read_timing(*trajectory, made);
   std::atomic<bool> cancel = false;
   made.settings.plan.cancel = &cancel;
   made.settings.plan.observer = made.recorder.get();
@@ -103,7 +129,8 @@ struct TimedPlan {
 
 TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& limits,
                     const py::kwargs& arguments) {
-  TrajectorySettings timing;
+  const bool is_announced = limits.is_none() && arguments.empty() && plan.settings.plan.limits;
+  TrajectorySettings timing = is_announced ? plan.timing : TrajectorySettings();
   py::kwargs all(arguments);
   if (!dt.is_none()) all["dt"] = dt;
   Keywords keywords("trajectory", all);
@@ -112,14 +139,9 @@ TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& li
   if (!plan.result.plan.is_solved()) {
     raise_invalid("trajectory: there is no path: " + plan.result.plan.message);
   }
-  const std::string file =
-      limits.is_none() ? "" : py::module_::import("os").attr("fspath")(limits).cast<std::string>();
   const Robot& robot = plan.problem.robot;
-  const RateLimits rates = unwrap(find_rate_limits(robot, timing, file));
-  for (const std::string& warning : rates.warnings) {
-    const std::string text = to_text(warning);
-    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
-  }
+  const RateLimits rates =
+      is_announced ? *plan.settings.plan.limits : find_limits(robot, timing, limits);
   auto points = run_interruptible([&] {
     return make_trajectory(plan.problem, plan.settings, plan.result.plan.path, rates, timing)
         .and_then([&](const Trajectory& timed) { return timed.sample(timing.dt); });
@@ -287,6 +309,8 @@ std::string plan_help() {
          "sampler: one of sampler_names(). Default: 'gl' with a database, 'uniform' without.\n"
          "isa: instruction set of the kernels.\n"
          "memory: str = 'auto', or 'off', or 'paper': all settings as in the paper.\n"
+         "trajectory: a dict of keywords of Plan.trajectory(), which then needs none: the path is "
+         "the\n    fastest within these limits, not the shortest.\n"
          "record: keep samples and edges for view(). Costs a little time.\n\n" +
          describe_keywords<SolveSettings>() + describe_keywords<PlanSettings>() +
          describe_memory_keywords() + describe_keywords<LearnSettings>() +
@@ -330,7 +354,8 @@ void bind_pipeline(py::module_& module) {
       });
   module.def("plan", &plan, py::arg("problem"), py::arg("database") = py::none(), py::kw_only(),
              py::arg("planner") = "rrt_connect", py::arg("sampler") = py::none(),
-             py::arg("isa") = "automatic", py::arg("record") = false, plan_help().c_str());
+             py::arg("isa") = "automatic", py::arg("record") = false,
+             py::arg("trajectory") = py::none(), plan_help().c_str());
 }
 
 }  // namespace mneme::python

@@ -44,7 +44,8 @@ Constraints checked(const Robot& robot, Constraints constraints) {
 
 SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& scene,
                            const py::object& start, const py::object& goals, std::string name,
-                           std::vector<PoseGoal> pose_goals, Constraints constraints) {
+                           std::vector<PoseGoal> pose_goals, Constraints constraints,
+                           const py::object& start_velocity) {
   if (goals.is_none() && pose_goals.empty()) {
     raise_invalid("goals: expected at least one configuration, or pose_goals");
   }
@@ -56,6 +57,9 @@ SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& sce
   Problem problem{std::move(name), robot,           "", {},
                   std::move(from), std::move(rows), {}, std::move(pose_goals)};
   problem.constraints = checked(robot, std::move(constraints));
+  if (!start_velocity.is_none()) {
+    problem.start_velocity = to_vector(start_velocity, joints, "start_velocity");
+  }
   return {std::move(problem), scene};
 }
 
@@ -78,6 +82,7 @@ struct ProblemArguments {
   Constraints constraints;
   RobotOptions options;
   std::optional<double> self_filter;
+  py::object start_velocity;
 };
 
 SharedProblem load(const ProblemArguments& arguments) {
@@ -93,6 +98,9 @@ SharedProblem load(const ProblemArguments& arguments) {
   }
   if (!arguments.start.is_none()) options.start = to_vector(arguments.start, -1, "start");
   if (!arguments.goal.is_none()) options.goal = to_vector(arguments.goal, -1, "goal");
+  if (!arguments.start_velocity.is_none()) {
+    options.start_velocity = to_vector(arguments.start_velocity, -1, "start_velocity");
+  }
   options.pose_goals = arguments.pose_goals;
   options.constraints = arguments.constraints;
   options.self_filter = arguments.self_filter;
@@ -117,17 +125,18 @@ void bind_factories(py::class_<SharedProblem>& problem) {
   problem.def(py::init(&make_problem), py::arg("robot"), py::arg("scene").none(false),
               py::arg("start"), py::arg("goals") = py::none(), py::arg("name") = "problem",
               py::kw_only(), py::arg("pose_goals") = std::vector<PoseGoal>(),
-              py::arg("constraints") = Constraints(),
+              py::arg("constraints") = Constraints(), py::arg("start_velocity") = py::none(),
               "start: shape (joint_count,), radians. goals: one configuration, or rows of shape\n"
               "(k, joint_count). A path may end at any of the goals and pose_goals. The scene is\n"
-              "shared: later edits take effect. Pass scene.copy() to avoid that.");
+              "shared: later edits take effect. Pass scene.copy() to avoid that.\n"
+              "start_velocity: a value per joint, rad/s or m/s; default: at rest.");
   problem.def_static(
       "load",
       [](const std::filesystem::path& where, py::object robot, py::object start, py::object goal,
          std::vector<PoseGoal> pose_goals, Constraints constraints,
          const std::filesystem::path& srdf, std::string group,
          std::vector<std::string> package_paths, std::optional<double> self_filter, bool strict,
-         bool hard_limits) {
+         bool hard_limits, py::object start_velocity) {
         RobotOptions options;
         options.strict = strict;
         options.hard_limits = hard_limits;
@@ -135,14 +144,15 @@ void bind_factories(py::class_<SharedProblem>& problem) {
         options.group = std::move(group);
         options.package_paths = std::move(package_paths);
         return load({where.string(), std::move(robot), std::move(start), std::move(goal),
-                     std::move(pose_goals), std::move(constraints), std::move(options),
-                     self_filter});
+                     std::move(pose_goals), std::move(constraints), std::move(options), self_filter,
+                     std::move(start_velocity)});
       },
       py::arg("where"), py::kw_only(), py::arg("robot") = "", py::arg("start") = py::none(),
       py::arg("goal") = py::none(), py::arg("pose_goals") = std::vector<PoseGoal>(),
       py::arg("constraints") = Constraints(), py::arg("srdf") = "", py::arg("group") = "",
       py::arg("package_paths") = std::vector<std::string>(), py::arg("self_filter") = py::none(),
       py::arg("strict") = false, py::arg("hard_limits") = false,
+      py::arg("start_velocity") = py::none(),
       "Reads a problem: a YAML file, FILE.json#NAME for one of a compact file, or a motion plan\n"
       "request of MoveIt. Other arguments replace values of the file.\n\n"
       "robot: a name, the path of a URDF, or a Robot, which is then shared. A Robot also replaces\n"
@@ -155,11 +165,17 @@ void bind_variations(py::class_<SharedProblem>& problem) {
   const auto joints = [](const SharedProblem& self) { return self.rest().robot.joint_count(); };
   problem.def(
       "with_start",
-      [=](SharedProblem self, const py::object& start) {
+      [=](SharedProblem self, const py::object& start, const py::object& velocity) {
         self.rest().start = to_vector(start, joints(self), "start");
+        self.rest().start_velocity.clear();
+        if (!velocity.is_none()) {
+          self.rest().start_velocity = to_vector(velocity, joints(self), "start_velocity");
+        }
         return self;
       },
-      py::arg("start"), "Returns this problem with another start. Robot and scene are shared.");
+      py::arg("start"), py::arg("start_velocity") = py::none(),
+      "Returns this problem with another start, at rest unless there is a velocity. Robot and "
+      "scene\nare shared.");
   problem.def(
       "with_goal",
       [=](SharedProblem self, const py::object& goal) {
@@ -225,6 +241,10 @@ void bind_problem(py::module_& module) {
       .def_property_readonly(
           "start", [](const SharedProblem& self) { return read_only(to_array(self.rest().start)); },
           "Shape (joint_count,), radians; read-only: see with_start.")
+      .def_property_readonly(
+          "start_velocity",
+          [](const SharedProblem& self) { return read_only(to_array(self.rest().start_velocity)); },
+          "Shape (joint_count,), or (0,) at rest; read-only: see with_start.")
       .def_property_readonly(
           "goals",
           [](const SharedProblem& self) {

@@ -309,6 +309,7 @@ class Problem:
         *,
         pose_goals: Sequence[PoseGoal] = ...,
         constraints: Sequence[OrientationConstraint] = ...,
+        start_velocity: Optional[npt.ArrayLike] = None,
     ) -> None: ...
     @staticmethod
     def load(
@@ -316,6 +317,7 @@ class Problem:
         *,
         robot: Union[PathLike, Robot] = "",
         start: Optional[npt.ArrayLike] = None,
+        start_velocity: Optional[npt.ArrayLike] = None,
         goal: Optional[npt.ArrayLike] = None,
         pose_goals: Sequence[PoseGoal] = ...,
         constraints: Sequence[OrientationConstraint] = ...,
@@ -333,6 +335,8 @@ class Problem:
     @property
     def start(self) -> Floats: ...
     @property
+    def start_velocity(self) -> Floats: ...
+    @property
     def goals(self) -> Floats: ...
     @property
     def pose_goals(self) -> Sequence[PoseGoal]: ...
@@ -340,7 +344,9 @@ class Problem:
     def constraints(self) -> Sequence[OrientationConstraint]: ...
     @property
     def warnings(self) -> Sequence[str]: ...
-    def with_start(self, start: npt.ArrayLike) -> Problem: ...
+    def with_start(
+        self, start: npt.ArrayLike, start_velocity: Optional[npt.ArrayLike] = None
+    ) -> Problem: ...
     def with_goal(self, goal: npt.ArrayLike) -> Problem: ...
     def with_scene(self, scene: Scene) -> Problem: ...
     def with_constraints(self, constraints: Sequence[OrientationConstraint]) -> Problem: ...
@@ -619,6 +625,8 @@ class Client:
         goals: Union[npt.ArrayLike, PoseGoal, Sequence[Any], None] = None,
         attached: Optional[Sequence[dict[str, Any]]] = None,
         constraints: Optional[Sequence[OrientationConstraint]] = None,
+        start_velocity: Optional[npt.ArrayLike] = None,
+        trajectory: Optional[dict[str, Any]] = None,
         trace: bool = False,
         clearance: bool = False,
         remember: bool = True,
@@ -662,6 +670,7 @@ def plan(
     isa: str = "automatic",
     memory: str = "auto",
     record: bool = False,
+    trajectory: Optional[dict[str, Any]] = None,
     # settings:solve
     lambda_: Optional[float] = None,
     least_lambda: Optional[float] = None,

@@ -142,11 +142,12 @@ class Client:
         self.close()
 
     def plan(self, problem=None, *, scene=None, start=None, goals=None, attached=None, constraints=None,
-             trace=False, clearance=False, remember=True, **settings):
+             start_velocity=None, trajectory=None, trace=False, clearance=False, remember=True, **settings):
         """Plans a Problem, or from `start` to one of `goals` in `scene`, a Scene or the id of an uploaded one.
 
         goals: configurations and PoseGoals. attached: a list of attached objects, as in compact files; default: those
-        of the problem's robot. constraints: OrientationConstraints that replace the problem's. settings: as for
+        of the problem's robot. constraints: OrientationConstraints that replace the problem's. trajectory: a dict of
+        keywords of Plan.trajectory(), which may be empty: `answer` then has the trajectory. settings: as for
         mneme.plan(). With `timeout`, the call ends within that and half a second, whatever the service does: a late
         answer is a TimeoutError.
         """
@@ -167,6 +168,10 @@ class Client:
             body["attached"] = list(attached)
         if constraints is not None:
             body["constraints"] = [_constraint(each) for each in constraints]
+        if start_velocity is not None:
+            body["start_velocity"] = np.asarray(start_velocity, dtype=float).tolist()
+        if trajectory is not None:
+            body["trajectory"] = _settings(trajectory)
         body.update(settings=_settings(settings), trace=trace, clearance=clearance, remember=remember)
         limit_s = None if settings.get("timeout") is None else settings["timeout"] + (settings.get("improve") or 0) + _GRACE_S
         return RemotePlan(self.ask("POST", "/v1/plan", body, timeout_s=limit_s), self)

@@ -50,6 +50,18 @@ def problem():
     return mneme.Problem.load(mneme.find_scene("planar/scenario1.yaml"))
 
 
+def test_a_trajectory_over_http_is_that_of_this_process(client, problem):
+    velocity = np.zeros(problem.robot.joint_count)
+    velocity[0] = -0.1
+    timing = {"dt": 0.05, "jerk_limit": 20}
+    settings = {"seed": 5, "max_iterations": 100000, "sampler": "uniform"}
+    remote = client.plan(problem, start_velocity=velocity, trajectory=timing, **settings)
+    local = mneme.plan(problem.with_start(problem.start, velocity), trajectory=timing, **settings).trajectory()
+    answer = remote.answer["trajectory"]
+    np.testing.assert_allclose(answer["positions"], local.positions, atol=1e-12)
+    np.testing.assert_allclose(answer["velocities"][0], velocity, atol=1e-6)
+
+
 def test_a_plan_is_that_of_this_process(client, problem):
     settings = {"seed": 5, "max_iterations": 100000, "sampler": "uniform"}
     remote = client.plan(problem, trace=True, clearance=True, **settings)

@@ -86,6 +86,31 @@ def test_a_trajectory_is_arrays_over_time(problem, tmp_path):
     assert "joint_names:" in motion.to_yaml()
 
 
+def test_a_trajectory_that_is_announced_decides_what_is_shortened(problem):
+    limits = {"acceleration_limit": 5, "dt": 0.05}
+    plan = mneme.plan(problem, trajectory=limits)
+    announced = plan.trajectory()
+    np.testing.assert_array_equal(announced.positions, plan.trajectory(**limits).positions)
+    assert announced.times[1] == pytest.approx(0.05)
+    with pytest.raises(TypeError):
+        mneme.plan(problem, trajectory={"acceleration": 5})
+
+
+def test_a_moving_start_is_timed_from_its_velocity(problem):
+    velocity = np.zeros(problem.robot.joint_count)
+    velocity[0] = -0.1
+    moving = problem.with_start(problem.start, velocity)
+    np.testing.assert_array_equal(moving.start_velocity, velocity)
+    plan = mneme.plan(moving, trajectory={"acceleration_limit": 2})
+    assert plan.is_solved, plan.message
+    motion = plan.trajectory()
+    np.testing.assert_allclose(motion.velocities[0], velocity, atol=1e-6)
+    np.testing.assert_allclose(motion.positions[0], problem.start, atol=1e-6)
+    assert moving.with_start(problem.start).start_velocity.size == 0
+    refused = mneme.plan(problem.with_start(problem.start, velocity * 1e4))
+    assert refused.status == "invalid_start" and "faster than its limit" in refused.message
+
+
 def test_a_trajectory_needs_a_path_and_settings_in_range(problem, blocked):
     code, message = raised(mneme.plan(blocked, max_iterations=50).trajectory)
     assert code == "invalid" and "there is no path" in message

@@ -37,7 +37,7 @@ def test_trajectories_are_columns_that_numpy_saves(problem, tmp_path):
         begin, end = columns["trajectory_offsets"][1:3]
         assert columns["times"][begin] == 0 and columns["times"][begin + 1] == pytest.approx(0.05)
         np.testing.assert_allclose(columns["positions"][begin], problem.start, atol=1e-6)
-        alone = mneme.plan(cell(problem, 2)[1]).trajectory(0.05, velocity_scale=0.5)
+        alone = mneme.plan(cell(problem, 2)[1], trajectory={"dt": 0.05, "velocity_scale": 0.5}).trajectory()
         np.testing.assert_array_equal(columns["velocities"][begin:end], alone.velocities)
 
 
