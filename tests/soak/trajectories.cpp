@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -34,7 +35,11 @@ struct Options {
   ProblemOptions robot;  ///< of the problems
   double most_slower = 1.05;
   double jerk = 0;
-  double acceleration = 1;  ///< of the problems' joints without a limit
+  double acceleration = 1;        ///< of the problems' joints without a limit
+  std::string name = "problems";  ///< of the printed line
+  std::string part;               ///< of the problems, as "1/2"
+  int seeds = 1;                  ///< plans of each problem
+  bool is_by_length = false;
   double improve = 0;
   int rounds = TrajectorySettings().time_rounds;
 
@@ -44,8 +49,9 @@ struct Options {
 
 /// What came of many trajectories.
 struct Tally {
-  std::vector<double> ratios;   ///< of the durations to those that brute force finds
-  std::vector<double> times_s;  ///< of the processor, corners and their verification included
+  std::vector<double> total_times_s;  ///< of planning and timing, by the clock
+  std::vector<double> ratios;         ///< of the durations to those that brute force finds
+  std::vector<double> times_s;        ///< of the processor, corners and their verification included
   std::vector<double> durations_s;
   int flawed = 0;
 };
@@ -94,9 +100,9 @@ std::optional<Trajectory> time_path(const Robot& robot, const Path& path, const 
 }
 
 void print_head() {
-  fmt::print("{:24} {:>8} {:>7} {:>8} {:>8} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "", "paths",
-             "wrong", "s, p50", "s, mean", "s, p98", "us, p50", "us, p95", "us, p99", "slower",
-             "compared");
+  fmt::print("{:16} {:>6} {:>6} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8} {:>10} {:>8} {:>8}\n", "",
+             "paths", "wrong", "s, p50", "s, mean", "s, p98", "us, p50", "us, p95", "us, p99",
+             "total, p50", "slower", "compared");
 }
 
 void print_tally(const std::string& name, const Tally& tally) {
@@ -104,10 +110,11 @@ void print_tally(const std::string& name, const Tally& tally) {
   const auto& durations_s = tally.durations_s;
   const double mean_s = std::accumulate(durations_s.begin(), durations_s.end(), 0.0) /
                         static_cast<double>(std::max<std::size_t>(durations_s.size(), 1));
-  fmt::print("{:24} {:8} {:7} {:8.2f} {:8.2f} {:8.2f} {:9.1f} {:9.1f} {:9.1f} {:9.4f} {:9}\n", name,
-             tally.times_s.size(), tally.flawed, quantile(tally.durations_s, 0.5), mean_s,
-             quantile(tally.durations_s, 0.98), time_us(0.5), time_us(0.95), time_us(0.99),
-             quantile(tally.ratios, 1), tally.ratios.size());
+  fmt::print(
+      "{:16} {:6} {:6} {:7.3f} {:7.3f} {:7.3f} {:8.1f} {:8.1f} {:8.1f} {:10.1f} {:8.4f} {:8}\n",
+      name, tally.times_s.size(), tally.flawed, quantile(tally.durations_s, 0.5), mean_s,
+      quantile(tally.durations_s, 0.98), time_us(0.5), time_us(0.95), time_us(0.99),
+      1e6 * quantile(tally.total_times_s, 0.5), quantile(tally.ratios, 1), tally.ratios.size());
   std::fflush(stdout);
 }
 
@@ -158,36 +165,45 @@ std::optional<std::string> find_contact(const CollisionChecker& checker, const T
 }
 
 /// Plans with uniform samples, and follows what is found.
-Result<void> time_problem(const Problem& problem, const Options& options, Tally& tally) {
-  SolveSettings settings;
-  settings.sampler = "uniform";
-  settings.plan.seed = options.seed;
-  settings.plan.minimize_time = true;
-  settings.plan.improve = options.improve;
-  const auto result = solve(problem, nullptr, settings);
-  if (!result) return tl::unexpected(result.error());
-  if (!result->plan.is_solved()) return {};
-  const auto checker = CollisionChecker::make(problem.robot, problem.scene);
-  if (!checker) return tl::unexpected(checker.error());
+Result<void> time_problem(const Problem& problem, std::uint64_t seed, const Options& options,
+                          Tally& tally) {
   TrajectorySettings timing;
   timing.acceleration_limit = options.acceleration;
   timing.time_rounds = options.rounds;
   if (options.jerk > 0) timing.jerk_limit = options.jerk;
   const auto limits = find_rate_limits(problem.robot, timing);
   if (!limits) return tl::unexpected(limits.error());
+  SolveSettings settings;
+  settings.sampler = "uniform";
+  settings.plan.seed = seed;
+  settings.plan.limits = std::make_shared<const RateLimits>(*limits);
+  if (options.is_by_length) settings.plan.minimize_time = false;
+  settings.plan.improve = options.improve;
+  const auto result = solve(problem, nullptr, settings);
+  if (!result) return tl::unexpected(result.error());
+  if (!result->plan.is_solved()) return {};
+  const auto checker = CollisionChecker::make(problem.robot, problem.scene);
+  if (!checker) return tl::unexpected(checker.error());
   const MotionVerifier verifier(*checker);
   const auto motion = time_path(problem.robot, result->plan.path, *limits, timing, verifier,
                                 options.most_slower_than_brute_force(), problem.name, tally);
   if (!motion) return {};
+  const double preparation_s = result->preparation_time_s;
+  tally.total_times_s.push_back(result->total_time_s - preparation_s + tally.times_s.back());
   if (auto contact = find_contact(*checker, *motion)) note_flaw(tally, problem.name, *contact);
   return {};
 }
 
 Result<void> time_problems(const std::string& where, const Options& options, Tally& tally) {
-  const auto loaded = load_bench_problems({{where, "", ""}}, options.robot, [](const auto&) {});
+  const auto inputs = find_bench_problems({where}, options.part);
+  if (!inputs) return tl::unexpected(inputs.error());
+  const auto loaded = load_bench_problems(*inputs, options.robot, [](const auto&) {});
   if (!loaded) return tl::unexpected(loaded.error());
   for (const LoadedProblem& problem : *loaded) {
-    if (auto done = time_problem(problem.problem, options, tally); !done) return done;
+    for (int i = 0; i < options.seeds; ++i) {
+      const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
+      if (auto done = time_problem(problem.problem, seed, options, tally); !done) return done;
+    }
   }
   return {};
 }
@@ -204,7 +220,7 @@ bool run(const Options& options) {
     for (const std::string& where : options.problems) {
       if (auto done = time_problems(where, options, tally); !done) fail_with(done.error());
     }
-    print_tally("problems", tally);
+    print_tally(options.name, tally);
     return has_passed && tally.flawed == 0;
   }
   for (const std::string& name : options.robots) {
@@ -241,8 +257,15 @@ int main(int argc, char** argv) {
                  "limit of jerk of the problems' joints; random paths have random ones");
   app.add_option("--acceleration", options.acceleration,
                  "limit of acceleration of the problems' joints without one");
+  app.add_option("--name", options.name, "name of the line of problems");
+  app.add_option("--part", options.part, "part of the problems, as 2/2");
+  app.add_option("--seeds", options.seeds, "plans of each problem")->check(CLI::Range(1, 1000));
+  app.add_flag("--by-length", options.is_by_length, "shorten paths by length instead of time");
   app.add_option("--improve", options.improve, "seconds to improve the paths of problems");
   app.add_option("--rounds", options.rounds, "rounds in which trajectories leave their path");
+  for (CLI::Option* option : app.get_options()) {
+    if (option->get_items_expected_max() == 1) option->take_last();
+  }
   CLI11_PARSE(app, argc, argv);
   return mneme::soak::run(options) ? 0 : 1;
 }
