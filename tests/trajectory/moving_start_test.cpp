@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "planning/small_worlds.h"
 #include "trajectory/empty_scene.h"
 #include "trajectory/trajectory_flaws.h"
 

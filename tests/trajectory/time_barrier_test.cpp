@@ -1,9 +1,11 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/time_barrier.h"
-#include "planning/small_worlds.h"
+#include "support/isas.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace mneme::test {
 namespace {
