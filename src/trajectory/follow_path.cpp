@@ -73,7 +73,10 @@ Trajectory stop_first(const Timing& timing, const Path& path, const Leg& leg, do
 }  // namespace
 
 Trajectory follow_from_rest(const Timing& timing, const Path& path) {
-  const auto& [robot, limits, settings, verifier] = timing;
+  const Robot& robot = timing.robot;
+  const RateLimits& limits = timing.limits;
+  const TrajectorySettings& settings = timing.settings;
+  const MotionVerifier* verifier = timing.verifier;
   const Legs legs = find_legs(robot, path);
   FollowSettings following{settings.path_tolerance, begins_outside(robot, path)};
   const bool has_rounds = verifier != nullptr && !following.stops_first && settings.time_rounds > 0;
