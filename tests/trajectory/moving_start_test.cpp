@@ -55,7 +55,7 @@ TEST_SUITE("law") {
               doctest::Approx(velocity[j]).epsilon(1e-5).scale(limits.velocity[j]));
       }
       CHECK(largest(motion->at(motion->duration_s()).velocity) == 0);
-      const auto flaw = trajectory_flaw(empty.robot(), path, limits, 1, *motion);
+      const auto flaw = trajectory_flaw(empty.robot(), path, limits, 1, *motion, velocity);
       CHECK_MESSAGE(!flaw, flaw.value_or(""));
     }
     CHECK(count > 20);

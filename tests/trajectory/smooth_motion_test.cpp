@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/empty_scene.h"
-#include "trajectory/third_order_profile.h"
 #include "trajectory/trajectory_flaws.h"
 
 namespace mneme::test {
@@ -54,30 +53,6 @@ TEST_SUITE("oracle") {
       const double tried = timed(empty, path, limits, 4).duration_s();
       CHECK(tried <= expected * (1 + 1e-7));
       CHECK(tried >= expected * (1 - 1e-6));
-    }
-  }
-
-  TEST_CASE("along its own curve no motion is much faster, by brute force") {
-    const EmptyScene empty(gantry());
-    const RateLimits limits{{1, 1.5, 2}, {4, 4, 5}, {40, 50, 60}};
-    Rng rng(7);
-    for (const int rounds : {0, 8}) {
-      double worst = 0;
-      for (int i = 0; i < 4; ++i) {
-        CAPTURE(i);
-        const auto q = [&] {
-          return Configuration{rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(0.5, 1.5)};
-        };
-        const Path path = i == 0 ? Path{{-1, 0, 1}, {1, 0, 1}} : Path{q(), q(), q()};
-        const Trajectory motion = timed(empty, path, limits, rounds);
-        const auto curve = sample_curve(motion, 120);
-        const double least = ThirdOrderProfile(curve, limits, 60, 30).duration();
-        const double ratio = motion.duration_s() / least;
-        MESSAGE("rounds ", rounds, ": ", motion.duration_s(), " s, brute force ", least);
-        CHECK(ratio > 0.97);
-        worst = std::max(worst, ratio);
-      }
-      MESSAGE("rounds ", rounds, ", slowest: ", worst);
     }
   }
 

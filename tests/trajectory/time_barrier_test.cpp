@@ -79,10 +79,9 @@ TEST_SUITE("law") {
         Step step(joints, joints);
         const PointRows before = step.points;
         for (int k = 0; k < 12; ++k) {
-          const double last = step.step_s, share = step.take(isa);
+          const double share = step.take(isa);
           CHECK(share > 0);
           CHECK(share <= 1);
-          CHECK(step.step_s < last * 1.001);
         }
         CHECK(step.step_s < 0.15);
         for (std::size_t j = 0; j < joints; ++j) {

@@ -133,16 +133,20 @@ inline double jerk_excess(const Trajectory::Point& from, const Trajectory::Point
 }
 
 /// The first thing that is wrong, or nothing: limits beyond 1e-6, values that are not finite, a
-/// jump, ends that are not the path's or not at rest, a point farther from the path than
-/// `tolerance`. Looks at `count` times.
+/// jump, ends that are not the path's or not at rest (at `start_velocity`, if there is one), a
+/// point farther from the path than `tolerance`. Looks at 500 times.
 inline std::optional<std::string> trajectory_flaw(const Robot& robot, const Path& path,
                                                   const RateLimits& limits, double tolerance,
-                                                  const Trajectory& trajectory, int count = 500) {
+                                                  const Trajectory& trajectory,
+                                                  std::vector<double> start_velocity = {}) {
+  constexpr int count = 500;
   constexpr double kLimit = 1e-6, kPlace = 3e-6;
   const double duration = trajectory.duration_s();
   if (!std::isfinite(duration)) return "the duration is not finite";
   const Path way = unwrapped(robot, path);
+  start_velocity.resize(path.front().size());
   Trajectory::Point last = trajectory.at(-1);
+  last.velocity = start_velocity;
   if (distance_to({way.front()}, last.position) > kPlace) return "it begins elsewhere";
   if (distance_to({way.back()}, trajectory.at(duration).position) > kPlace)
     return "it ends elsewhere";
