@@ -79,7 +79,8 @@ struct RobotSpheres {
   std::vector<LinkSpheres> links;  ///< the links that had solids, in their order
   std::vector<std::string> notes;  ///< for people: one sentence each
 };
-/// Approximates each link that has solids, several at a time. Calls `on_approximated` for each: one
+/// Approximates each link that has solids, several at a time. A cylinder between two spheres of its
+/// radius becomes a capsule, which needs no approximation. Calls `on_approximated` for each: one
 /// call at a time, from any thread. Caches spheres in $XDG_CACHE_HOME/mneme, or ~/.cache/mneme,
 /// under a hash of geometry, settings and the version of the algorithm. Damaged entries are
 /// replaced; an unusable cache costs time only. Errors: those of approximate_link().

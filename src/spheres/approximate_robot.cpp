@@ -9,6 +9,7 @@
 #include "base/files.h"
 #include "base/threads.h"
 #include "spheres/approximate_solid.h"
+#include "spheres/fit_capsule.h"
 #include "spheres/triangle_mesh.h"
 #include "robot/kinematics.h"
 #include "robot/planning_group.h"
@@ -220,6 +221,7 @@ Result<std::vector<Attempt>> find_surfaces(Robot::Parts& parts, const SphereSett
 Result<CachedSpheres> approximate_robot(Robot::Parts parts, const SphereSettings& settings,
                                         const SphereCache& cache,
                                         const SphereProgress& on_approximated) {
+  std::ranges::for_each(parts.links, join_capsules);
   std::vector<Attempt> attempts = MNEME_TRY(find_surfaces(parts, settings));
   std::mutex mutex;
   int done = 0;

@@ -126,4 +126,37 @@ std::optional<FittedCapsule> fit_capsule(const TriangleMesh& mesh, const SolidMo
   return std::nullopt;
 }
 
+namespace {
+
+/// Returns the index of the sphere that rounds off a cylinder at `end`; nothing without one.
+std::optional<std::size_t> find_ball(const Link& link, const Vec3& end, double radius) {
+  constexpr double kSame = 1e-6;  // metres
+  for (std::size_t i = 0; i < link.spheres.size(); ++i) {
+    const Sphere& sphere = link.spheres[i];
+    const bool is_there = (sphere.center - end).norm() <= kSame;
+    if (is_there && std::abs(sphere.radius - radius) <= kSame) return i;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void join_capsules(Link& link) {
+  std::vector<bool> is_joined(link.spheres.size(), false);  // two cylinders may share one
+  std::erase_if(link.solids, [&](const Solid& solid) {
+    const auto* cylinder = std::get_if<Cylinder>(&solid);
+    if (cylinder == nullptr) return false;
+    const Vec3 half = 0.5 * cylinder->length * Vec3::UnitZ();
+    const auto first = find_ball(link, cylinder->pose * half, cylinder->radius);
+    const auto second = find_ball(link, cylinder->pose * -half, cylinder->radius);
+    if (!first || !second) return false;
+    const Sphere &a = link.spheres[*first], &b = link.spheres[*second];
+    link.capsules.push_back({a.center, b.center, std::max({a.radius, b.radius, cylinder->radius})});
+    is_joined[*first] = is_joined[*second] = true;
+    return true;
+  });
+  std::erase_if(link.spheres,
+                [&, i = std::size_t{0}](const Sphere&) mutable { return is_joined[i++]; });
+}
+
 }  // namespace mneme::internal

@@ -48,6 +48,46 @@ double distance_to_axis(const Capsule& capsule, const Vec3& p) {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("a cylinder between two balls of its radius is a capsule") {
+    Rng rng(3);
+    const Transform pose{rotation_from_rpy(random_point(rng, 3)), random_point(rng, 0.2)};
+    const Vec3 top = pose * Vec3(0, 0, 0.25), bottom = pose * Vec3(0, 0, -0.25);
+    Link link;
+    link.solids = {Box{{}, Vec3(1, 1, 1)}, Cylinder{pose, 0.1, 0.5}};
+    link.spheres = {{top, 0.1}, {Vec3(9, 9, 9), 0.1}, {bottom, 0.1}};
+    Link without_ball = link, other_radius = link, other_place = link;
+    internal::join_capsules(link);
+    REQUIRE(link.capsules.size() == 1);
+    CHECK(link.capsules[0].a == top);
+    CHECK(link.capsules[0].b == bottom);
+    CHECK(link.capsules[0].radius == 0.1);
+    CHECK(link.solids.size() == 1);
+    REQUIRE(link.spheres.size() == 1);
+    CHECK(link.spheres[0].center == Vec3(9, 9, 9));
+    without_ball.spheres.pop_back();
+    other_radius.spheres[0].radius = 0.11;
+    other_place.spheres[2].center += Vec3(0, 0.001, 0);
+    for (Link* other : {&without_ball, &other_radius, &other_place}) {
+      const std::size_t spheres = other->spheres.size();
+      internal::join_capsules(*other);
+      CHECK(other->capsules.empty());
+      CHECK(other->solids.size() == 2);
+      CHECK(other->spheres.size() == spheres);
+    }
+  }
+
+  TEST_CASE("cylinders that share a ball are capsules both") {
+    Link link;
+    const Transform to_side{rotation_from_rpy(Vec3(0, kPi / 2, 0)), Vec3(0.5, 0, 0)};
+    const Transform up{Eigen::Matrix3d::Identity(), Vec3(0, 0, 0.5)};
+    link.solids = {Cylinder{up, 0.1, 1}, Cylinder{to_side, 0.1, 1}};
+    link.spheres = {{Vec3(0, 0, 0), 0.1}, {Vec3(0, 0, 1), 0.1}, {Vec3(1, 0, 0), 0.1}};
+    internal::join_capsules(link);
+    CHECK(link.capsules.size() == 2);
+    CHECK(link.solids.empty());
+    CHECK(link.spheres.empty());
+  }
+
   TEST_CASE("a mesh like a capsule becomes one that contains it") {
     Rng rng(6);
     for (int i = 0; i < 5; ++i) {
