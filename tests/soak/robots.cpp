@@ -3,7 +3,8 @@
 
 /// Loads robots from URDF files with their defaults, plans between random valid pairs of
 /// configurations without obstacles, and has FCL check every path on the exact geometry, over all
-/// pairs of links. Succeeds if all robots load and no path touches.
+/// pairs of links. Or compares random configurations with FCL. Succeeds if all robots load, no path
+/// touches and no configuration that touches counts as valid.
 #include "mneme/collision.h"
 #include "mneme/pipeline.h"
 #include "mneme/spheres.h"
@@ -32,6 +33,7 @@ struct Options {
   double timeout_s = 5;
   double step = 0.02;  ///< radians between the states that FCL checks
   std::uint64_t seed = 1;
+  int states = 0;  ///< random configurations to compare with FCL instead of plans
 };
 
 double cpu_time_s() {
@@ -108,6 +110,41 @@ Result<Tally> plan_pairs(const std::string& file, const Robot& robot, const Opti
   return tally;
 }
 
+/// Compares random configurations with FCL. Prints the robot's row; true if no contact was missed.
+Result<bool> compare_states(const std::string& file, const Robot& robot, const Options& options) {
+  const auto pairs = MNEME_TRY(test::pairs_to_check(file, robot, options.robot));
+  const auto checker = MNEME_TRY(CollisionChecker::make(robot, {}));
+  test::FclRobot oracle(robot);
+  Rng rng(options.seed);
+  int valid = 0, touching = 0, missed = 0;
+  for (int i = 0; i < options.states; ++i) {
+    const Configuration q = test::sampled_configuration(robot, rng);
+    oracle.move_to(q);
+    const auto* pair = oracle.touching(pairs);
+    const bool is_valid = checker.is_valid(std::span<const double>(q));
+    valid += is_valid ? 1 : 0;
+    touching += pair != nullptr ? 1 : 0;
+    if (!is_valid || pair == nullptr) continue;
+    ++missed;
+    const auto name = [&](int link) { return robot.links()[static_cast<std::size_t>(link)].name; };
+    fmt::print("  WRONG: state {}: {} and {} touch\n", i, name(pair->first), name(pair->second));
+  }
+  fmt::print("{:28} {:6} {:9} {:9} {:9} {:9} {:9}\n", std::filesystem::path(file).stem().string(),
+             pairs.size(), options.states, touching, options.states - valid, valid, missed);
+  std::fflush(stdout);
+  return missed == 0;
+}
+
+/// compare_states() of a robot's file; false if it does not load.
+bool compare(const std::string& file, const Options& options) {
+  const auto is_right =
+      load_approximated_robot(file, options.robot).and_then([&](const ApproximatedRobot& made) {
+        return compare_states(file, made.robot, options);
+      });
+  if (!is_right) fmt::print("  WRONG: {}: {}\n", file, is_right.error().message);
+  return is_right && *is_right;
+}
+
 /// True if the robot loads and no path touches. Prints its row.
 bool run(const std::string& file, const Options& options) {
   const double begin_s = cpu_time_s();
@@ -142,10 +179,19 @@ int main(int argc, char** argv) {
   app.add_option("--step", options.step, "radians between the states that FCL checks")
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", options.seed, "seed of the pairs");
+  app.add_option("--states", options.states,
+                 "random configurations of each robot to compare with FCL, instead of plans")
+      ->check(CLI::Range(1, 1000000000));
   CLI11_PARSE(app, argc, argv);
+  bool is_right = true;
+  if (options.states > 0) {
+    fmt::print("{:28} {:>6} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "robot", "pairs", "states",
+               "touching", "refused", "valid", "missed");
+    for (const std::string& file : options.files) is_right &= mneme::soak::compare(file, options);
+    return is_right ? 0 : 1;
+  }
   fmt::print("{:28} {:>6} {:>6} {:>6} {:>7} {:>8} {:>8} {:>8} {:>8}\n", "robot", "joints", "load s",
              "exact", "solved", "p50 ms", "p95 ms", "max ms", "touching");
-  bool is_right = true;
   for (const std::string& file : options.files) is_right &= mneme::soak::run(file, options);
   return is_right ? 0 : 1;
 }
