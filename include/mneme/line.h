@@ -48,7 +48,7 @@ struct Line {
 
 struct LineSettings {
   double timeout_s = 1;
-  int line_steps = 4000;
+  int line_steps = 1000;
   int line_paths = 1;
   std::uint64_t seed = 1;
   /// False leaves LineResult::reason empty, for callers that only try: saves most of the time of a

@@ -291,7 +291,7 @@ def plan_line(
     isa: str = "automatic",
     # settings:line
     timeout: float = 1.0,
-    line_steps: int = 4000,
+    line_steps: int = 1000,
     line_paths: int = 1,
     seed: int = 1,
     # /settings

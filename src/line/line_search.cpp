@@ -75,12 +75,18 @@ int LineSearch::extend(int node, double until, const JointVector* goal, LineChec
     LineStop stop = tracker_.step(from, until, drift, check, to, steps_);
     if (stop.kind == LineStop::Kind::none && is_over()) stop.kind = LineStop::Kind::budget;
     if (stop.kind != LineStop::Kind::none) {
-      if (from.s >= at(farthest_).s) stop_ = stop;
+      note(stop, from.s, goal == nullptr);
       break;
     }
     node = add(to, node);
   }
   return node;
+}
+
+void LineSearch::note(const LineStop& stop, double s, bool is_plain) {
+  if (s < stop_s_ || (s == stop_s_ && !is_plain)) return;
+  stop_ = stop;
+  stop_s_ = s;
 }
 
 int LineSearch::prove(int node) {

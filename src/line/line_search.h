@@ -54,6 +54,9 @@ class LineSearch {
   int extend(int node, double until, const JointVector* goal, LineCheck check);
   /// Proves the path to a node. Returns its last node that is proven.
   int prove(int node);
+  /// Notes why a branch ends at `s`, if none got farther. At the same place a plain step, without a
+  /// goal, tells most.
+  void note(const LineStop& stop, double s, bool is_plain);
   /// Keeps the path to the end of the line if it is proven, and its start new.
   void take_whole(int node);
   [[nodiscard]] int root_of(int node) const;
@@ -77,6 +80,7 @@ class LineSearch {
   std::vector<int> whole_;  ///< last nodes of whole paths
   int farthest_ = -1;
   LineStop stop_;
+  double stop_s_ = -1;  ///< where it is
   int steps_ = 0;
   bool is_timed_out_ = false, is_cancelled_ = false;
 };

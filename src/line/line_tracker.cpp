@@ -14,7 +14,7 @@ namespace {
 /// Metres along the line: the first step, and a step that is not halved any more.
 constexpr double kFirstStep = 0.01, kLeastStep = 5e-4, kLeastLazyStep = 4e-3;
 /// Errors of waypoints, as a share of the tolerance.
-constexpr double kWaypointShare = 2e-3;
+constexpr double kWaypointShare = 0.02;
 /// Corrections of a step by Newton's method with a constant response.
 constexpr int kMostCorrections = 8;
 constexpr double kDamping = 1e-9;

@@ -147,17 +147,22 @@ class LinePlan {
     } else {
       result_.end.translation += X_RF.rotation * line_.displacement;
     }
+    return check_length();
+  }
+
+  Result<void> check_length() const {
+    const Eigen::Matrix3d turn = result_.end.rotation * result_.begin.rotation.transpose();
+    if (turn.trace() < 1 + 2 * std::cos(kMostAngle)) {
+      return refuse(
+          "the target turns link \"{}\" by half a turn, about no unique axis: divide the "
+          "line in two",
+          robot_.links()[link_].name);
+    }
     const internal::LineSegment segment(result_.begin, result_.end);
     if (segment.length() < kLeastLength && segment.angle() < kLeastLength) {
       return refuse(
           "the line of link \"{}\" has no length: expected a displacement, or a target "
           "other than the pose at the start",
-          robot_.links()[link_].name);
-    }
-    if (segment.angle() > kMostAngle) {
-      return refuse(
-          "the target turns link \"{}\" by half a turn, about no unique axis: divide the "
-          "line in two",
           robot_.links()[link_].name);
     }
     return {};

@@ -30,6 +30,7 @@ struct Options {
   double oracle_step = 0.001, oracle_cell = 0.1;
   int most_searched = 100;  ///< lines that the oracle searches
   bool is_verbose = false;
+  LineSettings line;
 };
 
 double cpu_time_s() {
@@ -130,7 +131,7 @@ class Campaign {
           problem.robot.link_poses(q)[static_cast<std::size_t>(*problem.robot.find_link(link))];
     }
     const double begin_s = cpu_time_s();
-    const LineResult result = MNEME_TRY(plan_line(checker, line, q));
+    const LineResult result = MNEME_TRY(plan_line(checker, line, q, options_.line));
     const double time_s = cpu_time_s() - begin_s;
     Tally& tally = tallies_[problem.robot.name() + (is_given ? ", given" : ", any branch")];
     ++tally.lines;
@@ -217,6 +218,8 @@ int run(int argc, char** argv) {
   app.add_option("--oracle-cell", options.oracle_cell, "radians between configurations of a layer");
   app.add_option("--searched", options.most_searched,
                  "lines that are searched exhaustively, at most");
+  app.add_option("--line-steps", options.line.line_steps, "steps along a line, at most")
+      ->check(CLI::Range(1, 100000000));
   app.add_flag("--verbose", options.is_verbose, "a line for each search");
   CLI11_PARSE(app, argc, argv);
   Campaign campaign(options);
