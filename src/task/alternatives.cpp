@@ -396,7 +396,7 @@ std::vector<Configuration> Alternatives::solve_kinematics(int alternative) {
   const auto& hint = order_[position_ - 1].second;
   const Configuration& near = hint ? *hint : near_;
   // A held object may rest on something at the end of a line.
-  const bool may_touch = group_.is_line_anchor && !touched_->world.held.empty();
+  const bool may_touch = group_.is_line_anchor && run_.may_touch_at_ends(touched_->world);
   IkResult reached =
       (*kinematics)
           ->solve(goal, near, settings, may_touch ? nullptr : &checker, kVerificationMargin);
@@ -463,7 +463,7 @@ void Alternatives::try_configuration(int alternative, const Configuration& ancho
   if (!group_.is_line_anchor) {
     ++run_.states;
     // A held object may rest on something: the move then enters this contact last.
-    const bool may_rest = run_.settings.solve.allow_at_ends > 0 && !world_->world.held.empty();
+    const bool may_rest = run_.may_touch_at_ends(world_->world);
     const bool is_checked = group_.anchor.has_value() && !may_rest;
     if (is_checked && !is_clear_by_exact_geometry(world_->checker, anchor)) {
       return drop_in_contact(failing_stage(), world_->checker, anchor);

@@ -64,6 +64,10 @@ CheckedWorldPtr with_exact_pairs(const TaskRun& run, const CheckedWorldPtr& worl
 
 }  // namespace
 
+bool TaskRun::may_touch_at_ends(const World& world) const {
+  return !world.scene.end_contacts.empty() ||
+         (settings.solve.allow_at_ends > 0 && !world.robot.attached().empty());
+}
 bool TaskRun::is_cancelled() const { return is_set(settings.solve.plan.cancel); }
 bool TaskRun::is_over() const { return is_cancelled() || remaining_s() <= 0; }
 double TaskRun::remaining_s() const {
@@ -97,8 +101,6 @@ class ContactExit {
 
   /// True if what touches at the end of the line may be left there.
   bool may_begin() {
-    if (run_.settings.solve.allow_at_ends == 0 || checker().robot().attached().empty())
-      return false;
     motions_.check_exactly(motions_.touching(line_.q));
     const std::vector<Touch> touches = motions_.touching(line_.q);
     return std::ranges::all_of(
@@ -111,7 +113,7 @@ class ContactExit {
     Transform pose = robot.link_poses(line_.q)[as_index(*robot.find_link(line_.link))];
     const Vec3 way = line_.X_WL.translation - pose.translation;
     if (way.norm() == 0) return std::nullopt;
-    const double length = std::min(share * run_.settings.solve.allow_at_ends, way.norm());
+    const double length = std::min(share * motions_.longest_stretch(), way.norm());
     pose.translation += length * way.normalized();
     auto inside = reach_nearby(checker(), line_.link, pose, line_.q);
     ++run_.states;
@@ -168,8 +170,10 @@ tl::expected<FollowedLine, Failure> follow_out_of_contact(TaskRun& run,
                                                           const CheckedWorldPtr& world,
                                                           const LineTask& line) {
   Failure failure{DropReason::contact, {}};
-  ContactExit exit(run, world, line);
-  if (exit.may_begin()) {
+  std::optional<ContactExit> made;
+  if (run.may_touch_at_ends(world->world)) made.emplace(run, world, line);
+  if (made && made->may_begin()) {
+    ContactExit& exit = *made;
     for (const double share : kShares) {
       const auto inside = exit.find_inside(share);
       if (!inside) continue;

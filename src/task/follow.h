@@ -47,6 +47,9 @@ struct TaskRun {
   [[nodiscard]] CheckerSettings checker_settings() const {
     return {settings.solve.resolution, settings.solve.margin, settings.solve.isa, {}};
   }
+  /// True if a pair of the world may touch at the end of a line: a held object or one that the
+  /// scene names.
+  [[nodiscard]] bool may_touch_at_ends(const World& world) const;
   [[nodiscard]] bool is_cancelled() const;
   [[nodiscard]] bool is_over() const;
   [[nodiscard]] double remaining_s() const;

@@ -272,7 +272,7 @@ std::string TaskSearch::describe_failure() const {
     }
     text += reasons;
   }
-  return text.empty() ? "no alternative is left" : text;
+  return text;
 }
 
 void TaskSearch::describe_stages(TaskResult& result) const {
@@ -373,7 +373,8 @@ Result<TaskResult> TaskSearch::solve() {
       result.message = "cancelled";
     } else if (end == End::over) {
       result.status = PlanStatus::timeout;
-      result.message = "no plan within the time limit; so far " + result.message;
+      result.message = "no plan within the time limit" +
+                       (result.message.empty() ? "" : "; so far " + result.message);
     } else if (end == End::no_paths) {
       result.status = PlanStatus::iteration_limit;
     }

@@ -123,6 +123,7 @@ class Campaign {
       Database database =
           MNEME_TRY(Database::open(file, make_signature(task.robot), OpenMode::create));
       MNEME_TRY(solve_and_check(task, &database, first_));
+      MNEME_TRY(database.flush());
       Rng rng(derive_seed(seed, 77));
       Task moved = task;
       Transform shift;
