@@ -64,6 +64,7 @@ class TaskSearch {
   /// How a round of the search ends.
   enum class End { plan, exhausted, no_paths, over };
 
+  Result<End> search_in_rounds();
   Result<End> search();
   bool push_level();
   bool advance();
@@ -73,6 +74,8 @@ class TaskSearch {
   [[nodiscard]] double bound() const;
   void keep_plan();
   void improve_until_over();
+  void remember(TaskResult& result) const;
+  void refuse(End end, TaskResult& result) const;
   void describe_stages(TaskResult& result) const;
   void add_stages(TaskResult& result) const;
   [[nodiscard]] std::string describe_failure() const;
@@ -334,23 +337,52 @@ void TaskSearch::add_stages(TaskResult& result) const {
   }
 }
 
-Result<TaskResult> TaskSearch::solve() {
-  TaskResult result;
-  first_world_ = MNEME_TRY(check_world(first_world(run_.task), run_));
-  result.remembered_rows = memory_.rows();
-  End end = End::over;
+/// Searches in rounds, each harder than the one before, until one ends with a plan or with nothing
+/// that a harder one may find.
+Result<TaskSearch::End> TaskSearch::search_in_rounds() {
   const std::uint64_t most = run_.settings.solve.plan.max_iterations.value_or(
       std::numeric_limits<std::uint64_t>::max() / kIterationGrowth);
   for (iterations_ = run_.settings.first_iterations;; iterations_ *= kIterationGrowth) {
     drops_ = DropCounts(run_.task.stages.size());
     levels_.clear();
     has_failed_paths_ = false;
-    end = MNEME_TRY(search());
-    const bool may_try_harder =
-        end == End::no_paths ? iterations_ < most : end == End::exhausted && run_.round == 0;
-    if (!may_try_harder) break;
+    const End end = MNEME_TRY(search());
+    const bool may_try_harder = end == End::no_paths
+                                    ? iterations_ < most
+                                    : end == End::exhausted && run_.round == 0 && run_.has_tried;
+    if (!may_try_harder) return end;
     ++run_.round;
   }
+}
+
+void TaskSearch::remember(TaskResult& result) const {
+  if (!run_.settings.solve.remember_after) return;
+  std::vector<Configuration> anchors;
+  for (const Candidate& candidate : best_->candidates) anchors.push_back(candidate.anchor);
+  if (const auto stored = memory_.remember(anchors, run_.task.name); !stored) {
+    result.notes.push_back("the choices were not remembered: " + stored.error().message);
+  }
+}
+
+void TaskSearch::refuse(End end, TaskResult& result) const {
+  result.message = describe_failure();
+  result.status = end == End::no_paths ? PlanStatus::iteration_limit : PlanStatus::invalid_goal;
+  if (run_.is_cancelled()) {
+    result.status = PlanStatus::cancelled;
+    result.message = "cancelled";
+  } else if (end == End::over) {
+    result.status = PlanStatus::timeout;
+    result.message = "no plan within the time limit" +
+                     (result.message.empty() ? "" : "; so far " + result.message);
+  }
+  describe_stages(result);
+}
+
+Result<TaskResult> TaskSearch::solve() {
+  TaskResult result;
+  first_world_ = MNEME_TRY(check_world(first_world(run_.task), run_));
+  result.remembered_rows = memory_.rows();
+  const End end = MNEME_TRY(search_in_rounds());
   if (best_) {
     result.status = PlanStatus::solved;
     result.first_plan_time_s = run_.stopwatch.elapsed_s();
@@ -358,27 +390,9 @@ Result<TaskResult> TaskSearch::solve() {
     if (run_.settings.improve > 0) improve_until_over();
     result.duration_s = best_->duration_s;
     add_stages(result);
-    if (run_.settings.solve.remember_after) {
-      std::vector<Configuration> anchors;
-      for (const Candidate& candidate : best_->candidates) anchors.push_back(candidate.anchor);
-      if (const auto stored = memory_.remember(anchors, run_.task.name); !stored) {
-        result.notes.push_back("the choices were not remembered: " + stored.error().message);
-      }
-    }
+    remember(result);
   } else {
-    result.message = describe_failure();
-    result.status = PlanStatus::invalid_goal;
-    if (run_.is_cancelled()) {
-      result.status = PlanStatus::cancelled;
-      result.message = "cancelled";
-    } else if (end == End::over) {
-      result.status = PlanStatus::timeout;
-      result.message = "no plan within the time limit" +
-                       (result.message.empty() ? "" : "; so far " + result.message);
-    } else if (end == End::no_paths) {
-      result.status = PlanStatus::iteration_limit;
-    }
-    describe_stages(result);
+    refuse(end, result);
   }
   result.plans = plans_;
   result.states_checked = run_.states + move_states_;
