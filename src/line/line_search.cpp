@@ -16,12 +16,14 @@ namespace {
 
 /// Seeds and solutions of inverse kinematics for one place that branches grow towards.
 constexpr int kSeeds = 32, kSolutions = 4;
-/// Distance ahead of the farthest state, metres, at which every other place is chosen.
+/// Gain of the drift away from limits where the usual one does not suffice.
+constexpr double kStrongDrift = 5;
+/// Distance ahead of the farthest state, metres, of every other place.
 constexpr double kAhead = 0.01;
 /// Places ahead without a configuration after which the search ends.
-constexpr int kPatience = 4;
+constexpr int kPatience = 6;
 /// Configurations that branches grow towards without getting any farther, after which it ends.
-constexpr int kMostFutile = 32;
+constexpr int kMostFutile = 48;
 /// Largest motion of the joints per metre of the line, radians, towards a configuration.
 constexpr double kMostDrift = 40;
 
@@ -38,12 +40,20 @@ LineSearch::LineSearch(LineTracker& tracker, const CollisionChecker& checker, co
       rng_(settings.seed) {}
 
 void LineSearch::run(const std::vector<JointVector>& starts, bool may_add_starts) {
+  std::vector<int> roots;
   for (const JointVector& q : starts) {
-    if (is_over() || has_enough()) return;
-    take_whole(extend(add(tracker_.begin(0, q), -1), 1, nullptr, LineCheck::proof));
+    if (is_over() || has_enough()) break;
+    roots.push_back(add(tracker_.begin(0, q), -1));
+    take_whole(extend(roots.back(), {1, LineCheck::proof}));
   }
-  if (starts.empty()) return;
-  if (tracker_.redundancy() > 0 && !has_enough()) explore(may_add_starts);
+  if (roots.empty()) return;
+  if (tracker_.redundancy() > 0) {
+    for (const int root : roots) {
+      if (is_over() || has_enough()) break;
+      take_whole(extend(root, {1, LineCheck::states, kStrongDrift}));
+    }
+    explore(may_add_starts);
+  }
   if (!has_enough()) farthest_ = prove(farthest_);
 }
 
@@ -62,25 +72,29 @@ int LineSearch::add(const LineState& state, int parent) {
   return node;
 }
 
-int LineSearch::extend(int node, double until, const JointVector* goal, LineCheck check) {
-  while (at(node).s < until) {
+int LineSearch::extend(int node, const Growth& growth) {
+  while (at(node).s < growth.until) {
     const LineState from = at(node);
-    JointVector drift = tracker_.drift_from_limits(from.q);
-    if (goal != nullptr) {
-      drift = motion(from.q, *goal) / (until - from.s);
-      const double most = kMostDrift * tracker_.segment().size();
-      if (drift.norm() > most) drift *= most / drift.norm();
-    }
     LineState to;
-    LineStop stop = tracker_.step(from, until, drift, check, to, steps_);
-    if (stop.kind == LineStop::Kind::none && is_over()) stop.kind = LineStop::Kind::budget;
-    if (stop.kind != LineStop::Kind::none) {
-      note(stop, from.s, goal == nullptr);
-      break;
+    LineStop stop =
+        tracker_.step(from, growth.until, drift(from, growth), growth.check, to, steps_);
+    if (stop.kind == LineStop::Kind::none) {
+      node = add(to, node);
+      if (to.s == 1 || !is_over()) continue;
+      stop = {LineStop::Kind::budget, -1, to.q, to.q};
     }
-    node = add(to, node);
+    note(stop, at(node).s, growth.goal == nullptr);
+    break;
   }
   return node;
+}
+
+JointVector LineSearch::drift(const LineState& from, const Growth& growth) const {
+  if (growth.goal == nullptr) return growth.gain * tracker_.drift_from_limits(from.q);
+  JointVector drift = motion(from.q, *growth.goal) / (growth.until - from.s);
+  const double most = kMostDrift * tracker_.segment().size();
+  if (drift.norm() > most) drift *= most / drift.norm();
+  return drift;
 }
 
 void LineSearch::note(const LineStop& stop, double s, bool is_plain) {
@@ -118,16 +132,12 @@ int LineSearch::root_of(int node) const {
 }
 
 void LineSearch::explore(bool may_add_starts) {
-  const double ahead = kAhead / tracker_.segment().size();
   int barren = 0, futile = 0;
   for (int i = 0; barren < kPatience && futile < kMostFutile; ++i) {
-    const double reached = at(farthest_).s;
-    const bool is_near = i % 2 == 0, is_start = may_add_starts && i % 4 == 3;
-    const double s = is_start  ? 0
-                     : is_near ? std::min(1.0, reached + ahead)
-                               : rng_.uniform(reached, 1);
+    if (is_over() || has_enough()) return;
+    const double reached = at(farthest_).s, s = choose_place(i, may_add_starts);
     const std::vector<JointVector> goals = sample_states(s);
-    if (is_near) barren = goals.empty() ? barren + 1 : 0;
+    if (s >= reached) barren = goals.empty() ? barren + 1 : 0;
     for (const JointVector& goal : goals) {
       if (is_over() || has_enough()) return;
       grow_towards(goal, s);
@@ -137,10 +147,17 @@ void LineSearch::explore(bool may_add_starts) {
   }
 }
 
+double LineSearch::choose_place(int i, bool may_add_starts) {
+  const double reached = at(farthest_).s;
+  if (i % 4 == 1 && reached > 0) return rng_.uniform(0.05 * reached, reached);
+  if (i % 4 == 3) return may_add_starts ? 0 : rng_.uniform(reached, 1);
+  return std::min(1.0, reached + kAhead / tracker_.segment().size());
+}
+
 void LineSearch::grow_towards(const JointVector& goal, double s) {
   const int last = s == 0 ? add(tracker_.begin(0, goal), -1)
-                          : extend(find_nearest(goal, s), s, &goal, LineCheck::states);
-  if (at(last).s >= s) take_whole(extend(last, 1, nullptr, LineCheck::states));
+                          : extend(find_nearest(goal, s), {s, LineCheck::states, 1, &goal});
+  if (at(last).s >= s) take_whole(extend(last, {1, LineCheck::states}));
 }
 
 std::vector<JointVector> LineSearch::sample_states(double s) {

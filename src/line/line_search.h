@@ -49,9 +49,16 @@ class LineSearch {
   [[nodiscard]] bool is_over();
   [[nodiscard]] bool has_enough() const;
   int add(const LineState& state, int parent);
-  /// Follows the line from a node, towards `goal` at the share `until` if it is not null. Returns
-  /// the last node.
-  int extend(int node, double until, const JointVector* goal, LineCheck check);
+  /// How a branch grows: to the share `until` of the line, towards `goal` if it is not null.
+  struct Growth {
+    double until = 1;
+    LineCheck check = LineCheck::proof;
+    double gain = 1;  ///< of the drift away from limits
+    const JointVector* goal = nullptr;
+  };
+  /// Follows the line from a node. Returns the last node.
+  int extend(int node, const Growth& growth);
+  [[nodiscard]] JointVector drift(const LineState& from, const Growth& growth) const;
   /// Proves the path to a node. Returns its last node that is proven.
   int prove(int node);
   /// Notes why a branch ends at `s`, if none got farther. At the same place a plain step, without a
@@ -61,6 +68,8 @@ class LineSearch {
   void take_whole(int node);
   [[nodiscard]] int root_of(int node) const;
   void explore(bool may_add_starts);
+  /// The share of the line at which round `i` samples configurations.
+  [[nodiscard]] double choose_place(int i, bool may_add_starts);
   void grow_towards(const JointVector& goal, double s);
   /// Free configurations at the share `s`.
   [[nodiscard]] std::vector<JointVector> sample_states(double s);
