@@ -161,7 +161,7 @@ struct CollisionChecker::Tables {
   }
 
   [[nodiscard]] bool is_sweep_free(std::span<const float> from, std::span<const float> delta,
-                                   const SweepDetail& detail, std::uint64_t& states_checked) const {
+                                   const SweepDetail& detail, CheckCounters& counters) const {
     FloatConfiguration end;
     for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
     Displacements moved = find_displacements(*world.robot, from, {end.data(), from.size()}, delta);
@@ -185,7 +185,7 @@ struct CollisionChecker::Tables {
                                        detail.is_to_goal,
                                        static_cast<int>(intervals),
                                        std::max(finest / moved.longest, kLeastShare / intervals)};
-    return kernels->is_sweep_free(*world.robot, world.scene, motion, states_checked);
+    return kernels->is_sweep_free(*world.robot, world.scene, motion, counters);
   }
 };
 
@@ -249,13 +249,15 @@ bool CollisionChecker::is_valid(std::span<const double> q) const {
 }
 
 void CollisionChecker::check_states(std::span<const float> configurations,
-                                    std::span<std::uint8_t> is_valid, double extra_margin) const {
+                                    std::span<std::uint8_t> is_valid, CheckCounters& counters,
+                                    double extra_margin) const {
   const Tables& t = *tables_;
   assert(configurations.size() == is_valid.size() * t.joints());
   assert(t.can_keep(extra_margin));
+  counters.states += is_valid.size();
   const float margin = t.margin + static_cast<float>(extra_margin);
   t.kernels->check_states(*t.world.robot, t.world.scene, configurations.data(),
-                          static_cast<int>(is_valid.size()), margin, is_valid.data());
+                          static_cast<int>(is_valid.size()), margin, is_valid.data(), counters);
   const std::size_t joints = t.joints();
   for (std::size_t i = 0; i < is_valid.size(); ++i) {
     const auto q = configurations.subspan(i * joints, joints);
@@ -276,7 +278,7 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   const float length = t.space.difference(from.data(), to.data(), delta.data());
   const int states = t.count_states(length, detail.refinement);
   return t.kernels->is_motion_free(*t.world.robot, t.world.scene, from.data(), delta.data(), states,
-                                   margin, counters.states) &&
+                                   margin, counters) &&
          t.exact_pairs.stay_apart(from, {delta.data(), from.size()}, detail.margin);
 }
 
@@ -307,7 +309,7 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
       states[i] = std::max(1, t.count_states(length, detail.refinement));
     }
     const internal::MotionChain chain{points, deltas.data(), states.data(), static_cast<int>(some)};
-    if (!t.kernels->is_chain_free(*t.world.robot, t.world.scene, chain, margin, counters.states)) {
+    if (!t.kernels->is_chain_free(*t.world.robot, t.world.scene, chain, margin, counters)) {
       return false;
     }
     for (std::size_t i = 0; i < some && !t.exact_pairs.empty(); ++i) {
@@ -342,7 +344,7 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
   FloatConfiguration delta;
   t.space.difference(from.data(), to.data(), delta.data());
   const std::span<const float> moved(delta.data(), from.size());
-  return t.is_sweep_free(from, moved, detail, counters.states) &&
+  return t.is_sweep_free(from, moved, detail, counters) &&
          t.exact_pairs.stay_apart(from, moved, detail.margin);
 }
 
@@ -406,7 +408,7 @@ void CollisionChecker::check_family(const FamilyMotion& motion, std::span<const 
 }
 
 void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,
-                            std::span<float> candidates) const {
+                            std::span<float> candidates, CheckCounters& counters) const {
   const Tables& t = *tables_;
   const internal::RobotTables& robot = *t.world.robot;
   const std::size_t joints = t.joints(), count = step.jitter.size() / 3;
@@ -431,7 +433,7 @@ void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,
   request.upper = upper.data();
   request.jitter = step.jitter.data();
   request.count = static_cast<int>(count);
-  t.walk_kernel(robot, t.world.scene, request, candidates.data());
+  t.walk_kernel(robot, t.world.scene, request, candidates.data(), counters);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     candidates[i] = t.space.into_limits(static_cast<int>(i % joints), candidates[i]);
   }

@@ -21,12 +21,12 @@ namespace HWY_NAMESPACE {
 namespace {
 
 bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const float* from,
-                    const float* delta, int states, float margin, std::uint64_t& states_checked) {
+                    const float* delta, int states, float margin, CheckCounters& counters) {
   const Tag d;
   const int blocks = std::max(1, (states + kLanes - 1) / kLanes);
   const float step = 1.0f / static_cast<float>(blocks * kLanes);
   const EvenMargins margins(margin);
-  StateChecker<true> checker(robot, scene, margins);
+  StateChecker<true> checker(robot, scene, margins, counters);
   V q[kMaxFrames];
   // The first vector is spread over the motion, its last lane at the far end, where a motion is
   // blocked most often. The rest goes from one end to the other: neighbouring states have small
@@ -44,7 +44,7 @@ bool is_motion_free(const RobotTables& robot, const SceneTables& scene, const fl
     for (int j = 0; j < robot.joint_count; ++j) {
       q[j] = hn::MulAdd(fraction, splat(delta[j]), splat(from[j]));
     }
-    states_checked += static_cast<std::uint64_t>(kLanes);
+    counters.states += static_cast<std::uint64_t>(kLanes);
     Verdict<true> verdict;
     if (checker.check(q, verdict)) return false;
   }
@@ -72,13 +72,13 @@ HWY_INLINE void pose_chain(const MotionChain& chain, int joint_count, V number, 
 }
 
 bool is_chain_free(const RobotTables& robot, const SceneTables& scene, const MotionChain& chain,
-                   float margin, std::uint64_t& states_checked) {
+                   float margin, CheckCounters& counters) {
   const Tag d;
   std::int64_t states = 0;
   for (int i = 0; i < chain.count; ++i) states += chain.states[i];
   const std::int64_t blocks = (states + kLanes - 1) / kLanes;
   const EvenMargins margins(margin);
-  StateChecker<true> checker(robot, scene, margins);
+  StateChecker<true> checker(robot, scene, margins, counters);
   V q[kMaxFrames];
   // In the order of is_motion_free; lanes beyond the last state repeat it.
   const V lanes = hn::Iota(d, 0.0f);
@@ -92,7 +92,7 @@ bool is_chain_free(const RobotTables& robot, const SceneTables& scene, const Mot
       number = hn::Add(hn::Add(rank, skipped), splat(1.0f));
     }
     pose_chain(chain, robot.joint_count, hn::Min(number, most), q);
-    states_checked += static_cast<std::uint64_t>(kLanes);
+    counters.states += static_cast<std::uint64_t>(kLanes);
     Verdict<true> verdict;
     if (checker.check(q, verdict)) return false;
   }
@@ -146,16 +146,16 @@ class IntervalStack {
 };
 
 bool is_sweep_free(const RobotTables& robot, const SceneTables& scene, const SweptMotion& motion,
-                   std::uint64_t& states_checked) {
+                   CheckCounters& counters) {
   const Tag d;
   assert(motion.intervals >= 1 && motion.margin >= 0 && motion.obstacle_margin >= 0);
   SweptMargins margins(robot, motion);
-  StateChecker<false, SweptMargins> checker(robot, scene, margins);
+  StateChecker<false, SweptMargins> checker(robot, scene, margins, counters);
   V q[kMaxFrames];
   HWY_ALIGN float middles[kLanes], halves[kLanes], hits[kLanes];
   const auto find_hits = [&](V middle, V half) {
     margins.set(middle, half, hn::GetLane(hn::MaxOfLanes(d, half)));
-    states_checked += static_cast<std::uint64_t>(kLanes);
+    counters.states += static_cast<std::uint64_t>(kLanes);
     Verdict<false> verdict;
     checker.check(q, verdict);
     hn::Store(hn::IfThenElseZero(verdict.hit, splat(1.0f)), d, hits);
@@ -189,11 +189,11 @@ bool is_sweep_free(const RobotTables& robot, const SceneTables& scene, const Swe
 }
 
 void check_states(const RobotTables& robot, const SceneTables& scene, const float* states,
-                  int count, float margin, std::uint8_t* is_free) {
+                  int count, float margin, std::uint8_t* is_free, CheckCounters& counters) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
   const EvenMargins margins(margin);
-  StateChecker<false> checker(robot, scene, margins);
+  StateChecker<false> checker(robot, scene, margins, counters);
   V q[kMaxFrames];
   HWY_ALIGN float column[kLanes];
   for (int begin = 0; begin < count; begin += kLanes) {

@@ -4,13 +4,20 @@
 /// The kernels' interface: one table of functions per instruction set.
 #pragma once
 
-#include "mneme/base.h"
+#include "mneme/collision.h"
 
 #include "tables/tables.h"
 
 #include <cstdint>
 
 namespace mneme::internal {
+
+/// Costs in the unit of CheckCounters::work, by the times of vectors on many robots and scenes.
+inline constexpr std::uint64_t kStateWork = 150;  ///< frames of a state, and links among each other
+inline constexpr std::uint64_t kTestWork = 8;     ///< a body or group against an obstacle
+inline constexpr std::uint64_t kRoundWork = 300;  ///< frames, pulls and solution of a walk's round
+inline constexpr std::uint64_t kPushWork = 60;    ///< spheres of a group against an obstacle
+inline constexpr std::uint64_t kRowWork = 150;    ///< a row of a walk's equations
 
 /// `count` motions between consecutive rows of `points`. Row i of `deltas` is the whole
 /// displacement of motion i. Motion i is checked at `states[i]` >= 1 states.
@@ -44,26 +51,26 @@ struct SweptMotion {
 struct CollisionKernels {
   int lanes = 1;
   /// True if n states of a motion are free: from + k delta / n for k = 1..n. n is the least
-  /// multiple of `lanes` that is at least `states`. Adds the number of states checked to
-  /// `states_checked`. `margin` inflates the robot against obstacles.
+  /// multiple of `lanes` that is at least `states`. Adds states and work to `counters`. `margin`
+  /// inflates the robot against obstacles.
   bool (*is_motion_free)(const RobotTables& robot, const SceneTables& scene, const float* from,
                          const float* delta, int states, float margin,
-                         std::uint64_t& states_checked) = nullptr;
+                         CheckCounters& counters) = nullptr;
   /// is_motion_free for all motions of a chain, which share vectors: motion i has exactly
   /// `states[i]` states.
   bool (*is_chain_free)(const RobotTables& robot, const SceneTables& scene,
-                        const MotionChain& chain, float margin,
-                        std::uint64_t& states_checked) = nullptr;
+                        const MotionChain& chain, float margin, CheckCounters& counters) = nullptr;
   /// True if intervals that cover the motion are free. An interval is free if the state in its
   /// middle is, with bodies inflated by their margin and their displacement within the interval.
   /// Intervals that fail are halved. An interval of the shortest length also passes if its middle
   /// is free with the margin alone.
   bool (*is_sweep_free)(const RobotTables& robot, const SceneTables& scene,
-                        const SweptMotion& motion, std::uint64_t& states_checked) = nullptr;
+                        const SweptMotion& motion, CheckCounters& counters) = nullptr;
   /// Writes 1 to `is_free[i]` if row i of `states` is free. `states`: `count` rows of joint_count
   /// values.
   void (*check_states)(const RobotTables& robot, const SceneTables& scene, const float* states,
-                       int count, float margin, std::uint8_t* is_free) = nullptr;
+                       int count, float margin, std::uint8_t* is_free,
+                       CheckCounters& counters) = nullptr;
 };
 
 /// Returns the kernels of an instruction set that this machine has.
@@ -85,9 +92,9 @@ struct WalkRequest {
   int count = 0;  ///< number of candidates
 };
 
-/// Writes one row of joint_count values per candidate.
+/// Writes one row of joint_count values per candidate. Adds to `counters.work`.
 using WalkKernel = void (*)(const RobotTables& robot, const SceneTables& scene,
-                            const WalkRequest& request, float* candidates);
+                            const WalkRequest& request, float* candidates, CheckCounters& counters);
 
 /// Returns the kernel of an instruction set that this machine has.
 [[nodiscard]] WalkKernel walk_kernel(Isa isa);

@@ -9,6 +9,7 @@
 #define MNEME_COLLISION_DISTANCE_INL_H_
 #endif
 
+#include "collision/collision_kernels.h"
 #include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
@@ -304,6 +305,11 @@ HWY_INLINE M is_below(V distance2, V reach2) { return hn::Lt(distance2, reach2);
 HWY_INLINE M is_below(V distance2, float reach2) { return is_below(distance2, splat(reach2)); }
 HWY_INLINE bool is_any_below(V distance2, float reach2) {
   return !hn::AllFalse(Tag(), is_below(distance2, reach2));
+}
+
+/// Work of find_overlaps() for `bodies` bodies against all obstacles.
+HWY_INLINE std::uint64_t scan_work(const SceneTables& scene, int bodies) {
+  return static_cast<std::uint64_t>(bodies) * scene.lower[0].size();
 }
 
 /// Returns a bit for each of the kLanes obstacles from `begin` on whose box is within `reach` of

@@ -131,7 +131,8 @@ void rate_shortcuts(const RobotTables& robot, const SceneTables& scene, const Pa
                     float least_gain, float margin, std::span<Shortcut, kShortcuts> shortcuts) {
   const Tag d;
   const EvenMargins margins(margin);
-  StateChecker<false> checker(robot, scene, margins);
+  CheckCounters ignored;
+  StateChecker<false> checker(robot, scene, margins, ignored);
   HWY_ALIGN float gains[kLanes], hits[kLanes];
   for (size_t begin = 0; begin < kShortcuts; begin += kLanes) {
     const Stretches stretches(path, robot.joint_count, &shortcuts[begin]);
@@ -158,7 +159,8 @@ void rate_relaxations(const RobotTables& robot, const SceneTables& scene, const 
   const Tag d;
   const int joints = robot.joint_count;
   const EvenMargins margins(margin);
-  StateChecker<false> checker(robot, scene, margins);
+  CheckCounters ignored;
+  StateChecker<false> checker(robot, scene, margins, ignored);
   const auto k = static_cast<size_t>(relaxation.waypoint);
   const float* before = path.rows.data() + (k - 1) * static_cast<size_t>(joints);
   const float *row = before + joints, *after = row + joints;

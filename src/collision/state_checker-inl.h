@@ -16,6 +16,7 @@
 #endif
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cstdint>
 #include <type_traits>
@@ -43,8 +44,8 @@ template <bool kIsMotion, class Margins = EvenMargins>
 class StateChecker {
  public:
   HWY_INLINE StateChecker(const RobotTables& robot, const SceneTables& scene,
-                          const Margins& margins)
-      : robot_(robot), scene_(scene), margins_(margins) {
+                          const Margins& margins, CheckCounters& counters)
+      : robot_(robot), scene_(scene), margins_(margins), counters_(counters) {
     assert(robot.frames.size() <= kMaxFrames && robot.bodies.size() <= kMaxBodies);
     assert(scene.lower[0].size() % kObstacleBlock == 0);
     poses_[0] = splat_rotation(scene.rotation);
@@ -57,6 +58,7 @@ class StateChecker {
   HWY_INLINE bool check(const V* q, Verdict<kIsMotion>& verdict) {
     q_ = q;
     pose_frames(robot_, q, poses_);
+    counters_.work += kLanes * kStateWork;
     margins_.follow(poses_);
     for (int begin = 0; begin < robot_.moving_count; begin += kLinkBatch) {
       const int end = std::min(begin + kLinkBatch, robot_.moving_count);
@@ -72,6 +74,7 @@ class StateChecker {
 
  private:
   HWY_INLINE bool hits_scene(int first, int last, Verdict<kIsMotion>& verdict) const {
+    counters_.work += scan_work(scene_, last - first);
     for (size_t begin = 0; begin < scene_.lower[0].size(); begin += kLanes) {
       int near[kLinkBatch];
       unsigned overlaps[kLinkBatch];
@@ -97,6 +100,7 @@ class StateChecker {
     const auto reach = sum(body.ball.radius, margin);
     const ObstacleRow* near[kLanes];
     int count = 0;
+    counters_.work += kLanes * kTestWork * static_cast<std::uint64_t>(std::popcount(bits));
     for (; bits != 0; bits &= bits - 1) {
       const size_t i = begin + static_cast<size_t>(__builtin_ctz(bits));
       near[count] = &scene_.obstacles[i];
@@ -285,6 +289,7 @@ class StateChecker {
   const SceneTables& scene_;
   const Margins& margins_;
   const V* q_ = nullptr;  ///< the state that is checked
+  CheckCounters& counters_;
   Pose poses_[kMaxFrames + 1];
   V3 centers_[kMaxBodies];
   Extent extents_[kMaxBodies];

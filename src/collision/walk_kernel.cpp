@@ -33,8 +33,9 @@ HWY_INLINE float squared(float x) { return x * x; }
 
 class Walker {
  public:
-  HWY_INLINE Walker(const RobotTables& robot, const SceneTables& scene, const WalkRequest& request)
-      : robot_(robot), scene_(scene), request_(request) {
+  HWY_INLINE Walker(const RobotTables& robot, const SceneTables& scene, const WalkRequest& request,
+                    CheckCounters& counters)
+      : robot_(robot), scene_(scene), request_(request), counters_(counters) {
     poses_[0] = splat_rotation(scene.rotation);
   }
 
@@ -43,6 +44,7 @@ class Walker {
     V wish[kMostWalkingJoints], change[kMostWalkingJoints];
     for (int round = 0; round < kRounds; ++round) {
       pose_frames(robot_, q, poses_);
+      counters_.work += kLanes * kRoundWork + scan_work(scene_, robot_.moving_count);
       // Only once: later rounds only push.
       if (round == 0) set_targets(jitter);
       for (int j = 0; j < joints; ++j) {
@@ -150,12 +152,15 @@ class Walker {
     const ObstacleRow& row = scene_.obstacles[obstacle];
     const V zero = hn::Zero(Tag());
     Deepest deepest{{zero, zero, zero}, {zero, zero, zero}, splat(request_.clearance)};
+    counters_.work +=
+        kLanes * kTestWork * static_cast<std::uint64_t>(body.group_end - body.group_begin);
     for (int g = body.group_begin; g < body.group_end; ++g) {
       if (!scene_.may_touch.empty() && scene_.may_group_touch(g, obstacle)) continue;
       const GroupRow& group = robot_.groups[g];
       const V3 center = transform_point(pose, group.ball.center);
       const float reach = group.ball.radius + request_.clearance;
       if (!is_any_below(distance2_to_bounds(scene_, center, obstacle), reach * reach)) continue;
+      counters_.work += kLanes * kPushWork;
       if (group.is_capsule) {
         update_capsule(pose, robot_.capsules[group.begin], row, deepest);
         continue;
@@ -167,6 +172,7 @@ class Walker {
     }
     const V depth = hn::Sub(splat(request_.clearance), deepest.clearance);
     if (hn::AllTrue(Tag(), hn::Eq(depth, zero))) return;
+    counters_.work += kLanes * kRowWork;
     add_row(body.frame, deepest.center, deepest.normal, depth);
   }
 
@@ -187,18 +193,19 @@ class Walker {
   const RobotTables& robot_;
   const SceneTables& scene_;
   const WalkRequest& request_;
+  CheckCounters& counters_;
   Pose poses_[kMaxFrames + 1];
   V3 targets_[kMostLimbPoints];
   NormalEquations equations_;
 };
 
 void walk(const RobotTables& robot, const SceneTables& scene, const WalkRequest& request,
-          float* candidates) {
+          float* candidates, CheckCounters& counters) {
   const Tag d;
   const hn::RebindToSigned<Tag> di;
   assert(robot.joint_count <= kMostWalkingJoints);
   assert(static_cast<size_t>(request.pulled_points) < request.limb->points.size());
-  Walker walker(robot, scene, request);
+  Walker walker(robot, scene, request, counters);
   V q[kMostWalkingJoints];
   HWY_ALIGN float column[kLanes];
   for (int begin = 0; begin < request.count; begin += kLanes) {

@@ -50,8 +50,7 @@ class Repair {
         const float value = middle[j] + sigmas[j] * rng_.bell();
         candidates[i] = space_.into_limits(static_cast<int>(j), value);
       }
-      counters_.states += kCandidates;
-      checker_.check_states(candidates, is_free);
+      checker_.check_states(candidates, is_free, counters_);
       for (std::size_t i = 0; i < kCandidates && !must_stop_(); ++i) {
         const std::span<const float> q(candidates.data() + i * joints, joints);
         if (is_free[i] != 0 && passes(from, q, to, ends)) return {q.begin(), q.end()};

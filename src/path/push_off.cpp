@@ -56,8 +56,7 @@ class Band {
   void push(bool smooths) { rows_ = pushed(smooths); }
   [[nodiscard]] bool has_free_states() {
     std::vector<std::uint8_t> is_free(as_index(count_ - 2), 1);
-    counters_.states += is_free.size();
-    checker_.check_states({rows_.data() + joints_, is_free.size() * joints_}, is_free);
+    checker_.check_states({rows_.data() + joints_, is_free.size() * joints_}, is_free, counters_);
     return std::ranges::find(is_free, 0) == is_free.end();
   }
   /// Moves the states whose motions keep their clearance. Returns false, and moves none, if the
@@ -132,7 +131,7 @@ class Band {
     step.clearance = static_cast<float>(clearance_);
     step.drift = still;
     step.jitter = jitter;
-    if (inner > 0) checker_.walk({rows.data() + joints_, inner * joints_}, step, pushed);
+    if (inner > 0) checker_.walk({rows.data() + joints_, inner * joints_}, step, pushed, counters_);
     counters_.states += inner;
     for (std::size_t i = 0; i < inner; ++i) {
       float* q = rows.data() + (i + 1) * joints_;

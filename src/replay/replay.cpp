@@ -248,8 +248,7 @@ void Replayer::add_blocks(int motion, std::vector<Block>& blocks) {
                      states.data() + i * joints);
   }
   std::vector<std::uint8_t> is_valid(parts + 1);
-  counters_.states += is_valid.size();
-  task_.checker.check_states(states, is_valid);
+  task_.checker.check_states(states, is_valid, counters_);
   const std::size_t before = blocks.size();
   for (std::size_t i = 0; i <= parts; ++i) {
     const float here = begin + step * static_cast<float>(i);

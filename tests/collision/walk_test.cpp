@@ -251,7 +251,8 @@ TEST_SUITE("unit") {
       const std::vector<float> from = to_row(Configuration{1, -0.8, -1.2, 0.9});
       std::vector<float> room(6 * from.size(), kSentinel);
       WalkStep request{0, 1, 0.01f, 0, step.drift, step.jitter};
-      checker.walk(from, request, std::span(room).first(5 * from.size()));
+      CheckCounters counters;
+      checker.walk(from, request, std::span(room).first(5 * from.size()), counters);
       CHECK(std::count(room.begin(), room.end(), kSentinel) == std::ssize(from));
       CHECK(std::count(room.end() - std::ssize(from), room.end(), kSentinel) == std::ssize(from));
     }
@@ -267,17 +268,18 @@ TEST_SUITE("unit") {
       OwnedStep step(robot, 1);
       const WalkStep one{0, 0, 0, 0.05f, step.drift, step.jitter};
       std::vector<float> starts, expected;
+      CheckCounters counters;
       for (int i = 0; i < 19; ++i) {
         const std::vector<float> from = random_start(checker, rng);
         std::vector<float> to(from.size());
-        checker.walk(from, one, to);
+        checker.walk(from, one, to, counters);
         starts.insert(starts.end(), from.begin(), from.end());
         expected.insert(expected.end(), to.begin(), to.end());
       }
       OwnedStep steps(robot, 19);
       const WalkStep all{0, 0, 0, 0.05f, steps.drift, steps.jitter};
       std::vector<float> rows(starts.size());
-      checker.walk(starts, all, rows);
+      checker.walk(starts, all, rows, counters);
       CHECK(rows != starts);
       for (std::size_t i = 0; i < rows.size(); ++i)
         CHECK(rows[i] == doctest::Approx(expected[i]).epsilon(1e-4));

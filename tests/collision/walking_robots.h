@@ -211,7 +211,8 @@ struct OwnedStep {
     step.drift = drift;
     step.jitter = jitter;
     std::vector<float> candidates(jitter.size() / 3 * from.size());
-    checker.walk(from, step, candidates);
+    CheckCounters counters;
+    checker.walk(from, step, candidates, counters);
     return candidates;
   }
 

@@ -152,13 +152,14 @@ class Deformation {
     step.drift = still;
     step.jitter = jitter;
     Rows pushed(joints_);
+    CheckCounters counters;
     for (int i = 0; i < kPushes; ++i) {
       checker.check_states(row, is_free);
       if (std::ranges::count(is_free, 0) == 0) return;
       for (std::size_t k = 0; k < count; ++k) {
         if (is_free[k] != 0) continue;
         const std::span<float> q(row.data() + k * joints_, joints_);
-        checker.walk(q, step, pushed);
+        checker.walk(q, step, pushed, counters);
         move_near(q, pushed);
       }
     }
