@@ -136,10 +136,10 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Standard deviation of samples around a node, radians (half as many metres for prismatic "
         "joints). Default: 4 over the square root of the number of joints.");
   visit("walk", s.walk, 0.0, 1.0,
-        "rrt_connect: probability of an escape walk instead of growth towards a sample: small "
-        "steps from the newest node that pull a limb back along itself, off all obstacles. At 1 a "
-        "planner may make no progress; 0 is the textbook's planner. Default: the robot's (0.15 for "
-        "a planar arm, 0.1 otherwise).");
+        "rrt_connect: share of the work that escape walks may take: small steps from the newest "
+        "node that pull a limb back along itself, off all obstacles. Work is counted by what is "
+        "computed, not timed. At 1 a planner may make no progress; 0 is the textbook's planner. "
+        "Default: the robot's (0.5 for a planar arm, 0.2 otherwise).");
   visit("walk-after", s.walk_after, std::uint64_t{0}, ~std::uint64_t{0},
         "rrt_connect: iterations before the first escape walk, so that easy problems do not pay "
         "for walks. Default: the robot's (0 for a planar arm, 3000 otherwise).");

@@ -375,7 +375,8 @@ void check_family(const RobotTables& robot, const SceneTables& scene, const Fami
     const FamilyStates& states = maker.make();
     Verdict<false> verdict;
     const BoxMargins box_margins(robot, states, margins, verdict);
-    StateChecker<false, BoxMargins> checker(robot, scene, box_margins);
+    CheckCounters ignored;
+    StateChecker<false, BoxMargins> checker(robot, scene, box_margins, ignored);
     checker.check(states.middle, verdict);
     box_margins.write(static_cast<int>(count), verdicts.data() + begin);
   }

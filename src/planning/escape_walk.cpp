@@ -8,7 +8,7 @@
 namespace mneme::internal {
 namespace {
 
-constexpr double kPlanarProbability = 0.15, kSpatialProbability = 0.1;
+constexpr double kPlanarShare = 0.5, kSpatialShare = 0.2;
 constexpr std::uint64_t kPlanarStart = 0, kSpatialStart = 3000;
 constexpr int kLongestWalk = 30;
 constexpr int kCandidates = 16;  ///< per step: a vector costs as much as one state
@@ -25,14 +25,14 @@ constexpr double kJitter = 1;
 EscapeWalk::EscapeWalk(PlannerRun& run) : run_(run), rng_(run.make_rng(RngStream::walks)) {
   const bool is_planar = run.checker().robot().is_planar();
   const PlanSettings& settings = run.settings();
-  probability_ = settings.walk.value_or(is_planar ? kPlanarProbability : kSpatialProbability);
+  share_ = settings.walk.value_or(is_planar ? kPlanarShare : kSpatialShare);
   first_iteration_ = settings.walk_after.value_or(is_planar ? kPlanarStart : kSpatialStart);
 }
 
 void EscapeWalk::prepare() {
   if (!drift_sizes_.empty()) return;
   limbs_ = run_.checker().limbs();
-  if (limbs_.empty()) probability_ = 0;
+  if (limbs_.empty()) share_ = 0;
   drift_sizes_ = joint_deviations(run_.checker().robot(), 1);
   const std::size_t joints = run_.start().size();
   drift_.resize(joints);
@@ -44,18 +44,20 @@ void EscapeWalk::prepare() {
 bool EscapeWalk::is_due() {
   if (run_.iterations() < first_iteration_) return false;
   prepare();
-  return rng_.uniform() < probability_;
+  return share_ >= 1 || static_cast<double>(work_) < share_ * static_cast<double>(run_.work());
 }
 
 int EscapeWalk::extend(Tree& tree) {
   prepare();
   begin();
+  const std::uint64_t before = run_.work();
   int last = -1;
   int node = tree.size() - 1;
   for (int step = 0; step < kLongestWalk && node >= 0 && !run_.must_stop(); ++step) {
     node = advance(tree, node);
     if (node >= 0) last = node;
   }
+  work_ += run_.work() - before;
   return last;
 }
 
@@ -89,7 +91,7 @@ void EscapeWalk::sample_jitter() {
 
 int EscapeWalk::advance(Tree& tree, int node) {
   sample_jitter();
-  run_.checker().walk(tree[node], step_, candidates_);
+  run_.walk(tree[node], step_, candidates_);
   run_.check_states(candidates_, is_valid_);
   const std::size_t joints = drift_.size();
   for (std::size_t i = 0; i < is_valid_.size(); ++i) {

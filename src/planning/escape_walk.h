@@ -24,7 +24,8 @@ class EscapeWalk {
  public:
   explicit EscapeWalk(PlannerRun& run);
 
-  /// True with the probability of the settings, once enough iterations have passed.
+  /// True while walks have taken less than their share of the work, once enough iterations have
+  /// passed. Among many obstacles a walk costs as much as thousands of iterations.
   [[nodiscard]] bool is_due();
   /// Walks from the newest node of `tree` until no step is free; each step becomes a node. Returns
   /// the last new node, or -1.
@@ -42,7 +43,8 @@ class EscapeWalk {
   PlannerRun& run_;
   Rng rng_;
   std::vector<LimbInfo> limbs_;
-  double probability_;
+  double share_;            ///< largest share of walks in PlannerRun::work()
+  std::uint64_t work_ = 0;  ///< of walks so far
   std::uint64_t first_iteration_;
   WalkStep step_;
   std::vector<float> drift_sizes_;  ///< per joint, radians or half as many metres

@@ -92,9 +92,15 @@ class PlannerRun {
   void count_states(std::uint64_t states) { counters_.states += states; }
   /// Remembered motions; may be null.
   [[nodiscard]] MotionSource* motions() const { return motions_; }
+  /// Work done so far, in the unit of CheckCounters::work.
+  [[nodiscard]] std::uint64_t work() const {
+    return counters_.work + kIterationWork * result_.iterations;
+  }
+  void walk(std::span<const float> from, const WalkStep& step, std::span<float> candidates) {
+    checker_.walk(from, step, candidates, counters_);
+  }
   void check_states(std::span<const float> configurations, std::span<std::uint8_t> is_valid) {
-    counters_.states += is_valid.size();
-    checker_.check_states(configurations, is_valid);
+    checker_.check_states(configurations, is_valid, counters_);
   }
   /// True if a straight motion from the start to a goal passes: call finish() then.
   [[nodiscard]] bool find_direct_path();
@@ -109,6 +115,8 @@ class PlannerRun {
   [[nodiscard]] PlanResult give_up(int node_count);
 
  private:
+  /// Work of an iteration: a sample and the search for its nearest node.
+  static constexpr std::uint64_t kIterationWork = 2000;
   /// Number of early iterations, in which easy problems end. Their steps are long and checked at
   /// kEarlyRefinement of the resolution, so that a step still takes one vector of states.
   static constexpr std::uint64_t kEarly = 100;
