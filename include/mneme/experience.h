@@ -78,16 +78,13 @@ struct DatabaseSettings {
   /// Seconds that a call waits for a server that does not answer; more than 0. Work that takes a
   /// server long, such as migration, may take longer.
   double answer_timeout_s = 10;
-  /// True: solve() queues the rows that it remembers (insert_later()), so that an answer does not
-  /// wait for the disk or a server.
-  bool is_queued = false;
 };
 
 /// Rows of Database::insert_later().
 struct QueuedRows {
-  std::int64_t waiting = 0;  ///< not stored yet
+  std::int64_t waiting = 0;  ///< not stored yet; rows that are still to be made count as one
   std::int64_t stored = 0;   ///< new rows that survive a killed process and a loss of power
-  std::int64_t lost = 0;     ///< dropped: refused by the database, or too many were waiting
+  std::int64_t lost = 0;     ///< dropped: not made, refused, or too many were waiting
   std::string failure;       ///< error of the last attempt; empty after a success
 };
 
@@ -155,15 +152,15 @@ class Database {
 
   /// Queues rows for a thread that inserts them, many in one transaction. find() returns them once
   /// they are stored. While a server or disk fails, the rows wait and are tried again. A killed
-  /// process loses rows that still wait. Cost: some microseconds. Error: invalid, as in insert();
-  /// then no row was queued.
+  /// process loses rows that still wait. Cost: some microseconds. Errors: io if the database is
+  /// open for reading only; invalid, as in insert(). Then no row was queued.
   Result<void> insert_later(std::vector<Experience> rows);
+  /// Queues a function that makes rows. It runs on the thread that inserts them.
+  Result<void> insert_later(std::function<Result<std::vector<Experience>>()> make);
   /// Waits until all queued rows are stored or dropped, for at most `timeout_s` seconds. Error: io
   /// if rows still wait then; the message says how many.
   Result<void> flush(double timeout_s = 1e6);
   [[nodiscard]] QueuedRows queued_rows() const;
-  /// DatabaseSettings::is_queued.
-  [[nodiscard]] bool is_queued() const;
   /// Ends calls that wait for a server within 20 ms, and lets all later calls fail. Without
   /// stop_waiting(), the destructor waits up to 30 s for queued rows.
   void stop_waiting();
@@ -182,7 +179,7 @@ class Database {
   struct State;
   explicit Database(std::unique_ptr<State> state);
   using Opener = std::function<Result<internal::OpenedStore>(const internal::OpenOptions&)>;
-  static Result<Database> load(const Opener& open_with, const std::string& url,
+  static Result<Database> load(const Opener& open_with, const std::string& url, OpenMode mode,
                                const DatabaseSettings& settings);
   std::unique_ptr<State> state_;
 };

@@ -71,7 +71,7 @@ internal::KeySizes sizes_of(const GroupIndexes& groups) {
 /// snapshot of it and continues with that while the next one is built.
 struct Database::State {
   /// `stop` ends calls of the store that wait.
-  State(internal::OpenedStore opened, const std::string& lasting_url,
+  State(internal::OpenedStore opened, const std::string& lasting_url, OpenMode mode,
         const DatabaseSettings& settings, std::unique_ptr<std::atomic<bool>> stop);
   State(const State&) = delete;
   State& operator=(const State&) = delete;
@@ -87,6 +87,7 @@ struct Database::State {
   Result<internal::StoreChanges> read_fresh(FreshRows& fresh,
                                             std::unordered_set<std::int64_t>& seen);
   Result<std::vector<std::int64_t>> insert(std::vector<Experience> rows, std::vector<bool>* is_new);
+  Result<void> queue_rows(std::int64_t count, internal::WriteQueue::Make make);
   /// Removes and adds rows in memory.
   void change(const std::vector<std::int64_t>& removed, FreshRows fresh);
   void save_if_useful();
@@ -102,7 +103,7 @@ struct Database::State {
   const std::string url;  ///< for messages
   const RobotSignature signature;
   const bool is_too_large;
-  const bool is_queued;
+  const bool is_writable;
   const std::unique_ptr<std::atomic<bool>> stop;  // stores point to it
   std::atomic<std::uint64_t> iterations = 0;      ///< since a row was earned
   const std::string index_file;                   // empty: none
@@ -127,13 +128,13 @@ Database::State::~State() {
   save_if_useful();
 }
 
-Database::State::State(internal::OpenedStore opened, const std::string& lasting_url,
+Database::State::State(internal::OpenedStore opened, const std::string& lasting_url, OpenMode mode,
                        const DatabaseSettings& settings,
                        std::unique_ptr<std::atomic<bool>> stop_calls)
     : url(opened.store->name()),
       signature(std::move(opened.signature)),
       is_too_large(opened.store->bytes().value_or(0) > settings.memory_bytes),
-      is_queued(settings.is_queued),
+      is_writable(mode != OpenMode::read_only),
       stop(std::move(stop_calls)),
       index_file(internal::index_file_of(lasting_url)),
       rows(lasting_url, signature, settings.memory_bytes, {settings.answer_timeout_s, stop.get()}),
@@ -270,7 +271,7 @@ Database::Database(Database&&) noexcept = default;
 Database& Database::operator=(Database&&) noexcept = default;
 Database::~Database() = default;
 
-Result<Database> Database::load(const Opener& open_with, const std::string& url,
+Result<Database> Database::load(const Opener& open_with, const std::string& url, OpenMode mode,
                                 const DatabaseSettings& settings) {
   auto stop = std::make_unique<std::atomic<bool>>(false);
   internal::OpenOptions options;
@@ -278,8 +279,8 @@ Result<Database> Database::load(const Opener& open_with, const std::string& url,
   auto opened = open_with(options);
   if (!opened) return tl::unexpected(internal::with_advice(opened.error(), url));
   const bool is_empty = opened->schema_version == 0;
-  auto state = std::make_unique<State>(std::move(*opened), internal::lasting_url(url), settings,
-                                       std::move(stop));
+  auto state = std::make_unique<State>(std::move(*opened), internal::lasting_url(url), mode,
+                                       settings, std::move(stop));
   if (!is_empty) {
     const auto read = state->read();
     if (!read) return tl::unexpected(internal::with_advice(read.error(), url));
@@ -292,14 +293,14 @@ Result<Database> Database::open(const std::string& url, const RobotSignature& si
   const auto opener = [&](const internal::OpenOptions& options) {
     return internal::open_store_of(url, signature, mode, options);
   };
-  return load(opener, url, settings);
+  return load(opener, url, mode, settings);
 }
 
 Result<Database> Database::inspect(const std::string& url, const DatabaseSettings& settings) {
   const auto opener = [&](const internal::OpenOptions& options) {
     return internal::inspect_store(url, options);
   };
-  return load(opener, url, settings);
+  return load(opener, url, OpenMode::read_only, settings);
 }
 
 const RobotSignature& Database::signature() const { return state_->signature; }
@@ -431,10 +432,20 @@ Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows,
   return state_->insert(std::move(rows), is_new);
 }
 
+Result<void> Database::State::queue_rows(std::int64_t count, internal::WriteQueue::Make make) {
+  if (!is_writable) return fail(ErrorCode::io, url + ": is open for reading only");
+  if (count > 0) queue.push(count, std::move(make));
+  return {};
+}
+
 Result<void> Database::insert_later(std::vector<Experience> rows) {
   MNEME_TRY(internal::prepare_rows(rows, state_->signature));
-  state_->queue.push(std::move(rows));
-  return {};
+  const std::int64_t count = std::ssize(rows);
+  return state_->queue_rows(count, [made = std::move(rows)]() mutable { return std::move(made); });
+}
+
+Result<void> Database::insert_later(std::function<Result<std::vector<Experience>>()> make) {
+  return state_->queue_rows(1, std::move(make));
 }
 
 Result<void> Database::flush(double timeout_s) {
@@ -445,8 +456,6 @@ Result<void> Database::flush(double timeout_s) {
 }
 
 QueuedRows Database::queued_rows() const { return state_->queue.counts(); }
-
-bool Database::is_queued() const { return state_->is_queued; }
 
 void Database::stop_waiting() { *state_->stop = true; }
 

@@ -20,17 +20,16 @@ WriteQueue::~WriteQueue() {
   if (thread_.joinable()) thread_.join();
 }
 
-void WriteQueue::push(std::vector<Experience> rows) {
+void WriteQueue::push(std::int64_t count, Make make) {
   const std::lock_guard lock(mutex_);
-  const std::size_t room = kMostRows - std::min(kMostRows, rows_.size());
-  if (rows.size() > room) {
-    counts_.lost += static_cast<std::int64_t>(rows.size() - room);
+  if (counts_.waiting + count > kMostRows) {
+    counts_.lost += count;
     counts_.failure =
         fmt::format("more than {} rows wait to be stored; new ones are dropped", kMostRows);
-    rows.resize(room);
+    return;
   }
-  counts_.waiting += static_cast<std::int64_t>(rows.size());
-  std::ranges::move(rows, std::back_inserter(rows_));
+  counts_.waiting += count;
+  lots_.push_back({count, std::move(make)});
   if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
   changed_.notify_all();
 }
@@ -38,7 +37,7 @@ void WriteQueue::push(std::vector<Experience> rows) {
 bool WriteQueue::flush(double timeout_s) {
   std::unique_lock lock(mutex_);
   return changed_.wait_for(lock, std::chrono::duration<double>(timeout_s),
-                           [this] { return rows_.empty(); });
+                           [this] { return counts_.waiting == 0; });
 }
 
 QueuedRows WriteQueue::counts() const {
@@ -50,14 +49,35 @@ void WriteQueue::run() {
   constexpr std::chrono::milliseconds kRetryAfter(500);
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock, [this] { return is_stopping_ || !rows_.empty(); });
+    changed_.wait(lock, [this] { return is_stopping_ || counts_.waiting > 0; });
     if (is_stopping_) return;
+    make_some(lock);
     const bool is_done = insert_some(lock);
     if (!is_done) changed_.wait_for(lock, kRetryAfter, [this] { return is_stopping_; });
   }
 }
 
+void WriteQueue::make_some(std::unique_lock<std::mutex>& lock) {
+  while (!lots_.empty() && rows_.size() < kRowsAtOnce && !is_stopping_) {
+    const Lot lot = std::move(lots_.front());
+    lots_.pop_front();
+    lock.unlock();
+    auto made = lot.make();
+    lock.lock();
+    counts_.waiting -= lot.count;
+    if (!made) {
+      counts_.lost += lot.count;
+      counts_.failure = made.error().message;
+      continue;
+    }
+    counts_.waiting += std::ssize(*made);
+    std::ranges::move(*made, std::back_inserter(rows_));
+  }
+  changed_.notify_all();
+}
+
 bool WriteQueue::insert_some(std::unique_lock<std::mutex>& lock) {
+  if (rows_.empty()) return true;
   const auto count = static_cast<std::ptrdiff_t>(std::min(kRowsAtOnce, rows_.size()));
   const std::vector<Experience> batch(rows_.begin(), rows_.begin() + count);
   lock.unlock();

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Inserts rows on a thread of its own.
+/// Makes and inserts rows on a thread of its own.
 #pragma once
 
 #include "mneme/experience.h"
@@ -14,38 +14,49 @@
 
 namespace mneme::internal {
 
-/// Takes rows without waiting and inserts them in order, all that wait in one transaction. Rows
-/// that cannot be inserted for an error of code io are tried again. Rows that are refused for
-/// another error are lost. Thread-safe.
+/// Makes rows and inserts them in order, all that wait in one transaction. Rows that cannot be
+/// inserted for an error of code io are tried again. Rows that are refused for another error, or
+/// cannot be made, are lost. Thread-safe.
 class WriteQueue {
  public:
   /// Inserts rows and returns the number of new ones. Called by the queue's thread alone.
   using Insert = std::function<Result<std::int64_t>(const std::vector<Experience>& rows)>;
+  /// Makes rows. Called by the queue's thread alone, once.
+  using Make = std::function<Result<std::vector<Experience>>()>;
   explicit WriteQueue(Insert insert) : insert_(std::move(insert)) {}
   WriteQueue(const WriteQueue&) = delete;
   WriteQueue& operator=(const WriteQueue&) = delete;
   /// Does not wait for rows that are still queued: call flush() first.
   ~WriteQueue();
 
-  /// Cost: some microseconds; the first call starts the thread.
-  void push(std::vector<Experience> rows);
+  /// Counts `count` rows, at least 1, as waiting until they are made. Cost: some microseconds; the
+  /// first call starts the thread.
+  void push(std::int64_t count, Make make);
   /// Waits until all rows are inserted or lost. False if that takes longer.
   [[nodiscard]] bool flush(double timeout_s);
   [[nodiscard]] QueuedRows counts() const;
 
  private:
+  struct Lot {
+    std::int64_t count;
+    Make make;
+  };
+
   void run();
+  /// Makes rows of the first lots, with `lock` released meanwhile, until they fill a transaction.
+  void make_some(std::unique_lock<std::mutex>& lock);
   /// Tries to insert the first rows, with `lock` released meanwhile. False if they must be tried
   /// again.
   bool insert_some(std::unique_lock<std::mutex>& lock);
 
-  static constexpr std::size_t kMostRows = 100000;
+  static constexpr std::int64_t kMostRows = 100000;
   static constexpr std::size_t kRowsAtOnce = 500;
 
   Insert insert_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Experience> rows_;
+  std::deque<Lot> lots_;
+  std::vector<Experience> rows_;  ///< made, of the queue's thread alone
   QueuedRows counts_;
   bool is_stopping_ = false;
   std::thread thread_;  ///< started with the first rows

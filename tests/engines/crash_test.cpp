@@ -41,6 +41,18 @@ int insert_forever(const std::string& path, std::uint64_t seed, const Pipe& ackn
   }
 }
 
+/// Queues rows until it is killed, and says how many are stored.
+int queue_forever(const std::string& path, std::uint64_t seed, const Pipe& stored) {
+  auto database = Database::open(path, arm_signature(), OpenMode::create);
+  if (!database) return 1;
+  Rng rng(seed);
+  for (;;) {
+    if (!database->insert_later(random_rows(rng, 1))) return 2;
+    if (rng.index(100) == 0 && !database->flush()) return 3;
+    stored.write(database->queued_rows().stored);
+  }
+}
+
 std::set<std::int64_t> ids_of(const Database& database) {
   std::set<std::int64_t> ids;
   for (std::int64_t i = 0; i < database.size(); ++i) ids.insert(database.get(i)->id);
@@ -77,6 +89,33 @@ TEST_SUITE("flow") {
           std::includes(stored.begin(), stored.end(), acknowledged.begin(), acknowledged.end()));
     }
     CHECK(acknowledged.size() >= 12);
+  }
+
+  TEST_CASE("a killed process loses only queued rows that it did not report as stored") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db";
+    Rng rng(96);
+    std::int64_t before = 0, reported = 0;
+    for (int round = 0; round < rounds(12); ++round) {
+      Pipe pipe;
+      const std::uint64_t seed = rng.next();
+      const pid_t child = start_child([&] { return queue_forever(path, seed, pipe); });
+      pipe.close_writer();
+      std::int64_t stored = 0;
+      for (std::uint32_t count = 500 + rng.index(2000); count > 0 && pipe.read(stored); --count) {
+      }
+      ::kill(child, SIGKILL);
+      REQUIRE(wait_for(child) == -1);
+      while (pipe.read(stored)) {
+      }
+      INFO("round ", round, ": ", stored, " rows");
+      REQUIRE(verify_database(path)->empty());
+      const std::int64_t size = open_database(path, OpenMode::read_only).size();
+      CHECK(size >= before + stored);
+      before = size;
+      reported += stored;
+    }
+    CHECK(reported > 0);
   }
 
   TEST_CASE("whoever is killed while they merge, quarantine or compact leaves a sound database") {

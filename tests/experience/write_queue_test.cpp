@@ -12,6 +12,11 @@ using internal::WriteQueue;
 
 constexpr double kSoon_s = 10;
 
+void push(WriteQueue& queue, std::vector<Experience> rows) {
+  const std::int64_t count = std::ssize(rows);
+  queue.push(count, [rows = std::move(rows)] { return rows; });
+}
+
 }  // namespace
 
 TEST_SUITE("unit") {
@@ -27,7 +32,7 @@ TEST_SUITE("unit") {
       for (const Experience& row : batch) seeds.push_back(row.provenance.seed);
       return std::ssize(batch);
     });
-    for (const Experience& row : rows) queue.push({row});
+    for (const Experience& row : rows) push(queue, {row});
     CHECK(!queue.flush(0));
     CHECK(queue.counts().waiting == 30);
     is_open = true;
@@ -48,12 +53,12 @@ TEST_SUITE("unit") {
       if (call == 2) return std::ssize(batch);
       return fail(ErrorCode::corrupt, "damaged");
     });
-    queue.push(random_rows(rng, 2, 1));
+    push(queue, random_rows(rng, 2, 1));
     while (calls == 0) std::this_thread::yield();
     REQUIRE(queue.flush(kSoon_s));
     CHECK(calls == 2);
     CHECK(queue.counts().stored == 2);
-    queue.push(random_rows(rng, 3, 1));
+    push(queue, random_rows(rng, 3, 1));
     REQUIRE(queue.flush(kSoon_s));
     CHECK(queue.counts().lost == 3);
     CHECK(queue.counts().failure == "damaged");
@@ -64,7 +69,7 @@ TEST_SUITE("unit") {
     const Stopwatch stopwatch;
     {
       WriteQueue queue([](const auto&) { return fail(ErrorCode::io, "away"); });
-      queue.push(random_rows(rng, 1, 1));
+      push(queue, random_rows(rng, 1, 1));
       CHECK(!queue.flush(0.01));
       CHECK(queue.counts().waiting == 1);
     }
