@@ -251,10 +251,8 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result,
   fmt::print("search      {} samples, {} nodes, {} states and {} motions checked\n",
              plan.iterations, plan.nodes, plan.states_checked, plan.motions_checked);
   if (loaded.database) print_memory(loaded.problem, result);
-  if (result.remembered.rows > 0) {
-    fmt::print("remembered  {} in {:.3f} ms\n",
-               counted(static_cast<std::size_t>(result.remembered.rows), "sampler", "samplers"),
-               1e3 * result.remembered.time_s);
+  if (result.remembered.is_queued) {
+    fmt::print("remembered  queued in {:.3f} ms\n", 1e3 * result.remembered.time_s);
   }
   print_path(measures, plan.path);
 }
@@ -320,6 +318,17 @@ Result<ExitCode> run_stages(const PlanOptions& options) {
   return run_task(task);
 }
 
+/// Waits until what was remembered is stored.
+void store_remembered(Database& database) {
+  constexpr double kLongest_s = 30;
+  if (const auto stored = database.flush(kLongest_s); !stored) {
+    print_note("the path was not remembered: " + stored.error().message);
+    database.stop_waiting();
+  }
+  const QueuedRows rows = database.queued_rows();
+  if (rows.lost > 0) print_note("the path was not remembered: " + rows.failure);
+}
+
 Result<ExitCode> run_plan(const PlanOptions& options) {
   if (is_task_file(options.problem)) return run_stages(options);
   Result<LoadedPlan> loaded = load(options);
@@ -339,6 +348,7 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   // An error of the trajectory is reported last: the path is still valid.
   const auto timed = time_path(options, *loaded, settings, result.plan.path);
   print_answer(options, *loaded, result, timed ? *timed : std::nullopt);
+  if (result.remembered.is_queued) store_remembered(*database);
   ShownPlan shown{loaded->problem, result, recorder, loaded->load_time_s};
   shown.settings.package_paths = options.robot_options.package_paths;
   if (timed && *timed) shown.timed = {&**timed, loaded->limits.get()};

@@ -61,7 +61,6 @@ Result<std::shared_ptr<Database>> open_database(const ServeOptions& options, con
   SolveSettings settings;
   settings.remember_after = options.service.remember_after;
   DatabaseSettings kept = options.kept;
-  kept.is_queued = true;
   kept.answer_timeout_s = kServerTimeout_s;
   return open_memory(options.db, robot, settings, kept).map([](Database database) {
     return std::make_shared<Database>(std::move(database));

@@ -51,6 +51,7 @@ Result<Task> remember(Problem problem, std::uint64_t seed, Database& memory) {
   settings.remember_after = 0;
   settings.plan.improve = kImprovement;
   const SolveResult result = MNEME_TRY(solve(problem, &memory, settings));
+  MNEME_TRY(memory.flush());
   return Task{std::move(problem), result.plan.path};
 }
 

@@ -243,7 +243,19 @@ void bind_experience(py::module_& module) {
            "row 0 keys[:key_ends[0]]; likewise means, factors, factor_rows and sources.")
       .def("info", &info,
            "Returns a dict: robot, kinds of rows, numbers of samplers and components, bytes.")
-      .def("close", &Memory::close, "Closes the file. Results that refer to it stay valid.")
+      .def(
+          "flush",
+          [](const Memory& self, double timeout) {
+            const std::shared_ptr<Database> database = self.get();
+            const py::gil_scoped_release release;
+            return database->flush(timeout);
+          },
+          py::arg("timeout") = 30.0,
+          "Waits, at most timeout seconds, until what plan() has remembered is stored. Raises\n"
+          "mneme.Error if rows still wait then.")
+      .def("close", &Memory::close,
+           "Stores what plan() has remembered and closes the file. Results that refer to it stay\n"
+           "valid.")
       .def("__len__", [](const Memory& self) { return self.get()->size(); })
       .def("__getitem__", &get, py::arg("position"),
            "Returns a row: id, kind, key, means of shape (components, joint_count), float32, and "

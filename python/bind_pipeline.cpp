@@ -217,8 +217,8 @@ void bind_answer(py::class_<Plan>& type) {
           "notes", [](const Plan& self) { return to_texts(self.result.notes); },
           "Goals that were dropped in favour of others, with reasons.")
       .def_property_readonly(
-          "remembered", [](const Plan& self) { return self.result.remembered.rows; },
-          "Rows that were added to the database; see remember_after.")
+          "remembered", [](const Plan& self) { return self.result.remembered.is_queued; },
+          "True if the path is being stored meanwhile: see remember_after and Database.flush().")
       .def_property_readonly(
           "remember_failure", [](const Plan& self) { return self.result.remembered.failure; },
           "The error that kept the path from being remembered; empty without one.")

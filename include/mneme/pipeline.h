@@ -191,12 +191,11 @@ struct GlSampler {
                                                                   Database* database,
                                                                   const SolveSettings& settings);
 
-/// Rows that solve() inserted from a solved problem.
+/// Whether solve() remembered a solved problem.
 struct Remembered {
-  int rows = 0;
-  bool is_queued = false;  ///< the rows wait to be stored: Database::queued_rows()
+  bool is_queued = false;  ///< rows are made and stored meanwhile: see Database::queued_rows()
   double time_s = 0;
-  std::string failure;  ///< Why nothing could be inserted; the path is valid nevertheless.
+  std::string failure;  ///< Why nothing could be queued; the path is valid nevertheless.
 };
 
 /// A shorter path found by improvement.

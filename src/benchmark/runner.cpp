@@ -224,6 +224,8 @@ class RunQueue {
     std::string started = current_time();
     Result<SolveResult> result = plan_.solve(run.loaded->problem, memory_of(run), bench_case);
     if (!result) return stop(result.error());
+    // Later runs must not depend on the time that storing takes.
+    if (result->remembered.is_queued) (void)memory_of(run)->flush();
     const std::lock_guard lock(mutex_);
     if (result->plan.status == PlanStatus::cancelled) {
       is_cancelled_ = true;

@@ -5,33 +5,61 @@
 #include "path/push_off.h"
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 namespace mneme::internal {
 namespace {
 
-Result<int> insert_solved(const ResolvedQuery& resolved, const Path& path, const KindSettings& kind,
-                          std::uint64_t planning_states) {
-  const Query& query = resolved.query;
-  const PlanSettings& plan = query.settings.plan;
-  const std::vector<Path> paths = {kind.replay > 0 ? widen(resolved.checker, path, plan.finish())
-                                                   : path};
-  auto rows = MNEME_TRY(
-      learn_from_paths(memory_query(query.problem, resolved.ends.start, resolved.ends.goals), paths,
-                       {std::string(kind.kind->name), kind.max_gap}));
-  if (rows.empty()) return 0;
+/// A solved problem, for another thread: owns or shares all that it needs.
+struct Solved {
+  std::string problem;
+  CollisionChecker checker;
+  Configuration start;
+  std::vector<Configuration> goals;
+  std::vector<OrientationConstraint> constraints;
+  Path path;
+  FinishSettings finish;
+  std::uint64_t planning_states = 0;
+};
+
+Result<std::vector<Experience>> make_rows(const Solved& solved, const KindSettings& kind) {
+  const std::vector<Path> paths = {
+      kind.replay > 0 ? widen(solved.checker, solved.path, solved.finish) : solved.path};
+  const MemoryQuery query{solved.checker.robot().without_attached(), solved.checker.scene(),
+                          &solved.start, solved.goals, solved.constraints};
+  auto rows =
+      MNEME_TRY(learn_from_paths(query, paths, {std::string(kind.kind->name), kind.max_gap}));
   for (Experience& row : rows) {
-    if (row.is_path()) row.path().planning_states = planning_states;
-    row.provenance = {
-        "mneme " + std::string(version()), "solved problem " + query.problem.name, plan.seed, {}};
+    if (row.is_path()) row.path().planning_states = solved.planning_states;
+    row.provenance = {"mneme " + std::string(version()),
+                      "solved problem " + solved.problem,
+                      solved.finish.seed,
+                      {}};
   }
-  if (query.database->is_queued()) {
-    const auto count = static_cast<int>(rows.size());
-    MNEME_TRY(query.database->insert_later(std::move(rows)));
-    return count;
+  return rows;
+}
+
+/// Error: that of the last kind that fails, if no kind makes rows.
+Result<std::vector<Experience>> make_all_rows(const Solved& solved,
+                                              const std::vector<KindSettings>& kinds) {
+  Result<std::vector<Experience>> rows;
+  std::vector<Experience> made;
+  for (const KindSettings& kind : kinds) {
+    rows = make_rows(solved, kind);
+    if (rows) std::ranges::move(*rows, std::back_inserter(made));
   }
-  std::vector<bool> is_new;
-  MNEME_TRY(query.database->insert(std::move(rows), &is_new));
-  return static_cast<int>(std::ranges::count(is_new, true));
+  if (!rows && made.empty()) return rows;
+  return made;
+}
+
+Solved copy_of(const ResolvedQuery& resolved, const Path& path, std::uint64_t planning_states) {
+  const Problem& problem = resolved.query.problem;
+  FinishSettings finish = resolved.query.settings.plan.finish();
+  finish.cancel = nullptr;  // it may not live as long
+  return {
+      problem.name, resolved.checker, resolved.ends.start, resolved.ends.goals, problem.constraints,
+      path,         finish,           planning_states};
 }
 
 }  // namespace
@@ -48,16 +76,18 @@ Remembered remember(const ResolvedQuery& resolved, const PlanResult& plan,
       query.database->earns_row(plan.iterations, static_cast<std::uint64_t>(*after));
   if (!is_wanted) return remembered;
   const Stopwatch stopwatch;
-  for (const KindSettings& kind : query.kinds) {
-    if (planning_states + plan.iterations < kind.kind->least_work) continue;
-    if (kind.kind->is_placed_by_checking && !query.problem.constraints.empty()) continue;
-    if (const auto rows = insert_solved(resolved, plan.path, kind, planning_states)) {
-      remembered.rows += *rows;
-      remembered.is_queued = *rows > 0 && query.database->is_queued();
-    } else {
-      remembered.failure = rows.error().message;
-    }
-  }
+  std::vector<KindSettings> kinds = query.kinds;
+  std::erase_if(kinds, [&](const KindSettings& kind) {
+    return planning_states + plan.iterations < kind.kind->least_work ||
+           (kind.kind->is_placed_by_checking && !query.problem.constraints.empty());
+  });
+  if (kinds.empty()) return remembered;
+  const auto queued = query.database->insert_later(
+      [solved = copy_of(resolved, plan.path, planning_states), kinds = std::move(kinds)] {
+        return make_all_rows(solved, kinds);
+      });
+  remembered.is_queued = queued.has_value();
+  if (!queued) remembered.failure = queued.error().message;
   remembered.time_s = stopwatch.elapsed_s();
   return remembered;
 }

@@ -10,8 +10,9 @@
 
 namespace mneme::internal {
 
-/// Inserts the experience of a solved problem if `remember_after` allows it. `planning_states`:
-/// number of states checked for planning the path, without improvement.
+/// Queues the experience of a solved problem if `remember_after` allows it: the database's thread
+/// makes the rows. `planning_states`: number of states checked for planning the path, without
+/// improvement.
 [[nodiscard]] Remembered remember(const ResolvedQuery& resolved, const PlanResult& plan,
                                   std::uint64_t planning_states);
 

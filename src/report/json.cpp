@@ -92,7 +92,7 @@ std::string to_json(const Problem& problem, const SolveResult& result, double lo
   json["iterations"] = result.plan.iterations;
   json["states_checked"] = result.plan.states_checked;
   json["motions_checked"] = result.plan.motions_checked;
-  json["remembered"] = result.remembered.is_queued ? Json("queued") : Json(result.remembered.rows);
+  json["remembered"] = result.remembered.is_queued ? Json("queued") : Json(0);
   const std::string& failure = result.remembered.failure;
   if (!failure.empty()) json["remember_failure"] = failure;
   json["replayed"] = result.replay.is_hit();

@@ -270,9 +270,8 @@ Answer Endpoints::answer_plan(PlanRequest request, Outcome outcome, PlanRecorder
                               const PathMeasures* measures, const TimedPath& timed) {
   const SolveResult& result = outcome.result;
   const Remembered& remembered = result.remembered;
-  metrics_.add_plan(to_string(result.plan.status), result.gl.retrieved_count(),
-                    remembered.is_queued ? 0 : remembered.rows);
-  if (remembered.rows > 0 || !remembered.failure.empty()) {
+  metrics_.add_plan(to_string(result.plan.status), result.gl.retrieved_count());
+  if (remembered.is_queued || !remembered.failure.empty()) {
     set_failure(&Endpoints::write_failure_, remembered.failure);
   }
   std::string text =

@@ -59,8 +59,7 @@ void add_plans(std::string& text, const ServiceCounts& counts, const QueuedRows&
   add_single(text, "mneme_retrieved_total", "counter", "Local samplers from memory.",
              counts.retrieved);
   add_single(text, "mneme_remembered_total", "counter",
-             "Rows of plans that are stored: they survive a killed process.",
-             counts.remembered + static_cast<std::uint64_t>(queued.stored));
+             "Rows of plans that are stored: they survive a killed process.", queued.stored);
   add_single(text, "mneme_remembered_lost_total", "counter",
              "Rows of plans that could not be stored.", queued.lost);
 }
@@ -102,12 +101,11 @@ void Metrics::add_request(std::string_view endpoint, int status, double seconds)
   counts_.latencies[std::string(endpoint)].add(seconds);
 }
 
-void Metrics::add_plan(std::string_view status, std::size_t retrieved, int remembered) {
+void Metrics::add_plan(std::string_view status, std::size_t retrieved) {
   const std::lock_guard lock(mutex_);
   ++counts_.plans[std::string(status)];
   counts_.hits += retrieved > 0 ? 1 : 0;
   counts_.retrieved += retrieved;
-  counts_.remembered += static_cast<std::uint64_t>(remembered);
 }
 
 void Metrics::add_cell_answer(std::string_view tier) {

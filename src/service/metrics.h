@@ -44,7 +44,7 @@ struct ServiceCounts {
   std::map<std::string, Latencies, std::less<>> latencies;
   std::map<std::string, std::uint64_t, std::less<>> plans;
   std::map<std::string, std::uint64_t, std::less<>> cell_answers;  ///< by tier
-  std::uint64_t hits = 0, retrieved = 0, remembered = 0;
+  std::uint64_t hits = 0, retrieved = 0;
 };
 
 /// Thread-safe.
@@ -53,7 +53,7 @@ class Metrics {
   /// `endpoint`: a documented path, such as "/v1/scenes/{id}".
   void add_request(std::string_view endpoint, int status, double seconds);
   /// `status`: a PlanStatus in words. `retrieved`: local samplers from memory.
-  void add_plan(std::string_view status, std::size_t retrieved, int remembered);
+  void add_plan(std::string_view status, std::size_t retrieved);
   /// `tier`: a CellTier in words.
   void add_cell_answer(std::string_view tier);
 

@@ -450,7 +450,7 @@ TEST_SUITE("unit") {
     const ProgramRun first =
         run_program({"plan", problem, "--db", files / "own.db", "--remember-after", "0", "--json"});
     REQUIRE_MESSAGE(first.exit_code == 0, first.err);
-    CHECK(Json::parse(first.out)["remembered"] == 1);
+    CHECK(Json::parse(first.out)["remembered"] == "queued");
     const ProgramRun again =
         run_program({"plan", problem, "--db", files / "own.db", "--retrieve-after", "0", "--json"});
     REQUIRE_MESSAGE(again.exit_code == 0, again.err);

@@ -314,7 +314,7 @@ settings:
     settings.memory.kind = "paths";
     const auto solved = solve(scenario, ready->plan.memories.begin()->second.get(), settings);
     REQUIRE(solved.has_value());
-    CHECK(solved->remembered.rows > 0);
+    CHECK(solved->remembered.is_queued);
   }
 
   TEST_CASE("A memory that is learned from problems may name its kind") {
