@@ -21,13 +21,17 @@ namespace {
 constexpr std::size_t kMostPaths = 3;
 constexpr std::int64_t kMostKeys = 1024;  ///< keys compared for all goals of a query: microseconds
 constexpr std::uint64_t kLocalIterations = 200;  ///< iterations of all local plans of a query
-/// A repair may check kStatesOfGrace states, and kShareOfPlanning of the number that planning the
-/// remembered path took. Where tasks repeat, past and present planning costs have one distribution:
-/// a repair that fails costs at most half of planning in the mean, and a query at most 1.5 times
-/// planning plus a constant. Outside this limit are at most kMostPaths verifications and the step
-/// that reaches the limit. Rows without a planning cost are repaired within kLocalIterations.
-constexpr std::uint64_t kStatesOfGrace = 2000;
+/// A repair may take kShareOfPlanning of the time that planning the remembered path took, counted
+/// in states. The states of a repair are swept and near obstacles: they take kRepairStateCost times
+/// as long. Where tasks repeat, past and present planning costs have one distribution: a repair
+/// that fails costs at most half of planning in the mean. Outside this limit are at most kMostPaths
+/// verifications and the step that reaches the limit. Rows without a planning cost are repaired
+/// within kLocalIterations.
 constexpr double kShareOfPlanning = 0.5;
+constexpr double kRepairStateCost = 4;
+/// States that verifying a path takes per radian of its length, in the median. Paths that planning
+/// found with fewer states are planned again.
+constexpr double kStatesPerRadian = 48;
 /// States that an iteration of a local plan takes, nearly always.
 constexpr std::uint64_t kStatesPerIteration = 128;
 /// Radians of path before and after a block that are replaced with it.
@@ -105,6 +109,8 @@ class Replayer {
   [[nodiscard]] bool verify(Draft& draft, MotionEnds ends);
   [[nodiscard]] bool prove(std::span<const float> from, std::span<const float> to, MotionEnds ends);
   void measure(const Path& path);
+  /// False if planning the remembered path took fewer states than verifying `path` does.
+  [[nodiscard]] bool is_worth_verifying(const Path& path, const RememberedPath& remembered);
   [[nodiscard]] std::vector<Block> find_blocks(const Draft& draft);
   void add_blocks(int motion, std::vector<Block>& blocks);
   void limit_repair(const RememberedPath& remembered);
@@ -172,6 +178,7 @@ void Replayer::replay(const std::vector<Known>& known) {
   for (const Known& task : known) {
     Draft draft(task_.kind.bend(task_.memory_query, *task.goal, *task.match.experience));
     if (draft.path.empty() || is_over()) continue;
+    if (!is_worth_verifying(draft.path, task.match.experience->path())) continue;
     if (verify(draft, {true, true})) return take(std::move(draft.path), task);
     std::vector<Block> blocks = find_blocks(draft);
     const float first = blocks.front().first;
@@ -215,6 +222,12 @@ bool Replayer::prove(std::span<const float> from, std::span<const float> to, Mot
 }
 
 void Replayer::measure(const Path& path) { waypoints_.assign(to_rows(path)); }
+
+bool Replayer::is_worth_verifying(const Path& path, const RememberedPath& remembered) {
+  if (!remembered.planning_states) return true;
+  measure(path);
+  return kStatesPerRadian * waypoints_.length() <= static_cast<double>(*remembered.planning_states);
+}
 
 /// The blocks of motions that have not passed, at least one. Blocks closer than two runs are
 /// merged.
@@ -266,8 +279,9 @@ Configuration Replayer::at(float arc_length) const {
 void Replayer::limit_repair(const RememberedPath& remembered) {
   states_limit_ = ~std::uint64_t{0};
   if (const auto states = remembered.planning_states) {
-    const auto share = static_cast<std::uint64_t>(kShareOfPlanning * static_cast<double>(*states));
-    states_limit_ = counters_.states + kStatesOfGrace + share;
+    const double share = kShareOfPlanning / kRepairStateCost;
+    states_limit_ =
+        counters_.states + static_cast<std::uint64_t>(share * static_cast<double>(*states));
   }
 }
 
