@@ -15,8 +15,7 @@ constexpr std::uint64_t kFirstBridge = 1000;
 constexpr double kBridgeShare = 0.1, kLeastBridgeShare = 0.01;
 /// A motion tried n times in vain is chosen 1 / (1 + kVain n) times as often.
 constexpr double kVain = 0.1;
-/// Largest share of the search's work that finding motions takes. Work is checked states and
-/// iterations, which take about as long.
+/// Largest share of the search's work that finding motions takes.
 constexpr double kFindingShare = 0.3;
 
 }  // namespace
@@ -26,8 +25,10 @@ Bridges::Bridges(PlannerRun& run)
 
 bool Bridges::is_due() {
   if (run_.iterations() < kFirstBridge) return false;
-  const auto work = static_cast<double>(run_.states_checked() + run_.iterations());
-  if (is_more_left_ && static_cast<double>(finding_) < kFindingShare * work) find_more();
+  if (is_more_left_ &&
+      static_cast<double>(finding_) < kFindingShare * static_cast<double>(run_.work())) {
+    find_more();
+  }
   return !motions_.empty() && rng_.uniform() < share_;
 }
 
@@ -41,13 +42,13 @@ void Bridges::adapt_share() {
 }
 
 void Bridges::find_more() {
-  const std::uint64_t before = run_.states_checked();
+  const std::uint64_t before = run_.work();
   std::vector<std::vector<float>> found;
   CheckCounters counters;
   is_more_left_ = run_.motions()->find_more(found, counters);
-  run_.count_states(counters.states);
+  run_.count(counters);
   for (const std::vector<float>& rows : found) add_free_stretches(rows);
-  finding_ += run_.states_checked() - before;
+  finding_ += run_.work() - before;
   if (!found.empty()) adapt_share();
 }
 

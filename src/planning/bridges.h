@@ -45,7 +45,7 @@ class Bridges {
   PlannerRun& run_;
   Rng rng_;
   bool is_more_left_;
-  std::uint64_t finding_ = 0;  ///< states checked to find motions
+  std::uint64_t finding_ = 0;  ///< work of finding motions
   std::vector<Motion> motions_;
   double share_ = 0;  ///< of iterations that append
 };

@@ -88,8 +88,11 @@ class PlannerRun {
   }
   [[nodiscard]] const CollisionChecker& checker() const { return checker_; }
   [[nodiscard]] std::uint64_t states_checked() const { return counters_.states; }
-  /// Counts states that others have checked for this run.
-  void count_states(std::uint64_t states) { counters_.states += states; }
+  /// Counts what others have checked for this run.
+  void count(const CheckCounters& counters) {
+    counters_.states += counters.states;
+    counters_.work += counters.work;
+  }
   /// Remembered motions; may be null.
   [[nodiscard]] MotionSource* motions() const { return motions_; }
   /// Work done so far, in the unit of CheckCounters::work.
