@@ -148,7 +148,7 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     const std::vector<std::string> command = {
         "plan", files.problem(), "--db", files.database(), "--retrieve-after",
-        "0",    "--seed",        "3",    "--json"};
+        "0",    "--walk",        "0",    "--seed",        "3",    "--json"};
     const Json first = Json::parse(run_program(command).out);
     const Json second = Json::parse(run_program(command).out);
     CHECK(first["sampler"] == "gl");

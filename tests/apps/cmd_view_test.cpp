@@ -19,7 +19,7 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     const ProgramRun plan =
         run_program({"plan", files.problem(), "--db", files.database(), "--retrieve-after", "0",
-                     "--seed", "3", "--view", files / "plan.html", "--trace", files / "plan.json"});
+                     "--walk", "0", "--seed", "3", "--view", files / "plan.html", "--trace", files / "plan.json"});
     REQUIRE_MESSAGE(plan.exit_code == 0, plan.err);
     const auto trace = nlohmann::json::parse(test::read_file(files / "plan.json"));
     CHECK(trace.at("format") == "mneme-trace");

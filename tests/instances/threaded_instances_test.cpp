@@ -103,7 +103,7 @@ TEST_SUITE("unit") {
   TEST_CASE("what cannot be proven is dropped and counted") {
     ThreadedSettings hasty = easy_settings();
     hasty.gap = {0.1, 0.2};
-    hasty.proof_iterations = 300;
+    hasty.proof_iterations = 30;
     int calls = 0, last_made = 0, last_dropped = 0;
     hasty.on_progress = [&](int made, int dropped) {
       ++calls;

@@ -323,7 +323,7 @@ TEST_SUITE("law") {
 
   TEST_CASE("a path that planning finds with fewer states than its check takes is planned") {
     Cell cell;
-    cell.remember(100);
+    cell.remember(50);
     CHECK_FALSE(cell.solve().replay.is_hit());
     Cell hard;
     hard.remember(1000);
