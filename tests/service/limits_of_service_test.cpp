@@ -124,6 +124,7 @@ TEST_SUITE("flow") {
     }
     REQUIRE(database->flush());
     CHECK(database->size() == 1);
+    endpoints.refresh_memory();
     CHECK(answer_of(endpoints.health({"", "", never, true}))["status"] == "ok");
   }
 }
