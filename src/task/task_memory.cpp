@@ -106,9 +106,9 @@ Remembered TaskMemory::rank(std::size_t group, const World& world,
   return remembered;
 }
 
-Result<int> TaskMemory::remember(const std::vector<Configuration>& anchors,
-                                 const std::string& name) const {
-  if (database_ == nullptr || object_.empty()) return 0;
+Result<void> TaskMemory::remember(const std::vector<Configuration>& anchors,
+                                  const std::string& name) const {
+  if (database_ == nullptr || object_.empty()) return {};
   Experience row;
   row.kind = kTaskRows;
   row.key = key();
@@ -120,13 +120,7 @@ Result<int> TaskMemory::remember(const std::vector<Configuration>& anchors,
   row.provenance = {"mneme " + std::string(version()), "solved task " + name, 0, {}};
   std::vector<Experience> rows;
   rows.push_back(std::move(row));
-  if (database_->is_queued()) {
-    MNEME_TRY(database_->insert_later(std::move(rows)));
-    return 1;
-  }
-  std::vector<bool> is_new;
-  MNEME_TRY(database_->insert(std::move(rows), &is_new));
-  return static_cast<int>(std::ranges::count(is_new, true));
+  return database_->insert_later(std::move(rows));
 }
 
 }  // namespace mneme::internal

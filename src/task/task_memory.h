@@ -24,10 +24,10 @@ class TaskMemory {
                                 const std::vector<Transform>& targets, std::size_t first,
                                 const std::string& link) const;
 
-  /// Stores the anchors of a plan, one configuration per group. Returns the number of new rows, or
-  /// why nothing was stored.
-  [[nodiscard]] Result<int> remember(const std::vector<Configuration>& anchors,
-                                     const std::string& name) const;
+  /// Queues the anchors of a plan, one configuration per group, to be stored. Errors: as of
+  /// Database::insert_later().
+  [[nodiscard]] Result<void> remember(const std::vector<Configuration>& anchors,
+                                      const std::string& name) const;
 
  private:
   struct Row {
