@@ -191,7 +191,7 @@ struct GlSampler {
                                                                   Database* database,
                                                                   const SolveSettings& settings);
 
-/// What solve() did to remember a solved problem.
+/// Tells how solve() remembered a solved problem.
 struct Remembered {
   bool is_queued = false;  ///< rows are made and stored meanwhile: see Database::queued_rows()
   double time_s = 0;

@@ -29,6 +29,9 @@ struct Replay {
   std::vector<BlockedPath> blocked;  ///< paths that could not be used, nearest first.
   /// Distance of the nearest known task among the compared keys, if all were too far.
   std::optional<double> nearest;
+  /// Row of the nearest path that was not checked, because planning it took less than its check
+  /// would.
+  std::optional<std::int64_t> cheap_row;
   std::uint64_t keys = 0;        ///< keys of known tasks that were compared
   std::uint64_t iterations = 0;  ///< of the searches that repaired paths
   double time_s = 0;             ///< 0 if there was no memory to query

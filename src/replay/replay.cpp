@@ -178,7 +178,10 @@ void Replayer::replay(const std::vector<Known>& known) {
   for (const Known& task : known) {
     Draft draft(task_.kind.bend(task_.memory_query, *task.goal, *task.match.experience));
     if (draft.path.empty() || is_over()) continue;
-    if (!is_worth_verifying(draft.path, task.match.experience->path())) continue;
+    if (!is_worth_verifying(draft.path, task.match.experience->path())) {
+      if (!report_.cheap_row) report_.cheap_row = task.match.experience->id;
+      continue;
+    }
     if (verify(draft, {true, true})) return take(std::move(draft.path), task);
     std::vector<Block> blocks = find_blocks(draft);
     const float first = blocks.front().first;

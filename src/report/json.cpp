@@ -46,6 +46,7 @@ Json to_json(const Problem& problem, const Replay& replay) {
                {"blocked", Json::array()}};
   if (replay.is_hit()) json.update({{"row", replay.row}, {"distance", replay.distance}});
   if (replay.nearest) json["nearest"] = *replay.nearest;
+  if (replay.cheap_row) json["cheap_row"] = *replay.cheap_row;
   const std::vector<Contact> contacts = find_what_blocks(problem, replay);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const BlockedPath& path = replay.blocked[i];

@@ -40,6 +40,10 @@ std::string describe_replay(const Problem& problem, const Replay& replay) {
     return fmt::format("replayed row {}, {:.3f} rad away", replay.row, replay.distance);
   }
   if (replay.blocked.empty()) {
+    if (replay.cheap_row) {
+      return fmt::format("not replayed: planning row {} took less than its check would",
+                         *replay.cheap_row);
+    }
     if (!replay.nearest) return "not replayed: no task is known";
     return fmt::format("not replayed: the nearest known task is {:.3f} rad away", *replay.nearest);
   }

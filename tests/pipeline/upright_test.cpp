@@ -195,7 +195,8 @@ TEST_SUITE("flow") {
     const SolveResult free = solve_again();
     CHECK_FALSE(free.replay.is_hit());
     CHECK_FALSE(free.replay.nearest.has_value());
-    CHECK(solve_again().replay.nearest.value_or(1) < 1e-5);
+    const Replay again = solve_again().replay;
+    CHECK((again.is_hit() || again.cheap_row.has_value()));
   }
 
   TEST_CASE("problems teach paths that keep their constraints") {

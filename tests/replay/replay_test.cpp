@@ -324,7 +324,7 @@ TEST_SUITE("law") {
   TEST_CASE("a path that planning finds with fewer states than its check takes is planned") {
     Cell cell;
     cell.remember(50);
-    CHECK_FALSE(cell.solve().replay.is_hit());
+    CHECK(cell.solve().replay.cheap_row.has_value());
     Cell hard;
     hard.remember(1000);
     CHECK(hard.solve().replay.is_hit());
