@@ -77,6 +77,11 @@ class Alternatives {
 
   /// Returns the next candidate; nothing once none is left or the time is over.
   [[nodiscard]] std::optional<Candidate> next();
+  /// Skips what is left of the last candidate's alternative.
+  void leave_alternative() {
+    pending_.clear();
+    found_.clear();
+  }
   /// Number of alternatives of the anchor.
   [[nodiscard]] int count() const { return count_; }
 

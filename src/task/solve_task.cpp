@@ -39,6 +39,7 @@ struct Level {
   std::optional<Candidate> candidate;
   std::optional<Entry> entry;  ///< to the candidate, once it is planned
   int failures = 0;
+  bool has_candidates = false;  ///< some candidate passed the cheap tests
 };
 
 /// A complete choice with all of its paths.
@@ -126,8 +127,17 @@ bool TaskSearch::advance() {
     Level& last = levels_.back();
     last.entry.reset();
     last.candidate = last.alternatives->next();
-    if (last.candidate && (!best_ || bound() < best_->duration_s)) return true;
-    if (!last.candidate) levels_.pop_back();
+    if (last.candidate && (!best_ || bound() < best_->duration_s)) {
+      last.has_candidates = true;
+      return true;
+    }
+    if (last.candidate) continue;
+    const bool is_hopeless = !last.has_candidates;
+    levels_.pop_back();
+    // What comes next hardly depends on the branch that reaches this alternative.
+    if (is_hopeless && run_.round == 0 && !levels_.empty()) {
+      levels_.back().alternatives->leave_alternative();
+    }
   }
   return false;
 }
