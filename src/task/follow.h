@@ -31,6 +31,7 @@ struct TaskRun {
   const TaskSettings& settings;
   std::vector<Transform> start_poses = {};  ///< of links at the task's start
   Stopwatch stopwatch = {};
+  double end_s = settings.solve.plan.timeout_s;  ///< of the search, on the stopwatch
   std::uint64_t states = 0;  ///< checked so far, without moves
   int round = 0;             ///< of the search: later ones try harder
   bool has_tried = false;    ///< a test that a later round would repeat harder

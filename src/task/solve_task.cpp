@@ -250,9 +250,9 @@ void TaskSearch::keep_plan() {
 }
 
 void TaskSearch::improve_until_over() {
-  const Stopwatch improving;
+  run_.end_s = std::min(run_.end_s, run_.stopwatch.elapsed_s() + run_.settings.improve);
   const int most = run_.settings.improve_plans.value_or(std::numeric_limits<int>::max());
-  while (improving.elapsed_s() < run_.settings.improve && plans_ < most && advance()) {
+  while (!run_.is_over() && plans_ < most && advance()) {
     const Result<End> end = search();
     if (!end || *end != End::plan) break;
   }
