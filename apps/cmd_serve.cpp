@@ -28,8 +28,9 @@ namespace mneme::app {
 namespace {
 
 constexpr std::size_t kMostTokenBytes = 4096;
-constexpr int kMebibyte = 20;                        // as a power of two
-constexpr std::chrono::milliseconds kMostStop{850};  // the end itself takes up to 0.1 s more
+constexpr int kMebibyte = 20;  // as a power of two
+constexpr std::chrono::milliseconds kMostStop{
+    700};  // the end itself takes up to 0.3 s on a busy machine
 /// Below the period of refreshing, so that GET /healthz says within 2 s that a server hangs.
 constexpr double kServerTimeout_s = 0.8;
 

@@ -95,7 +95,7 @@ class Service {
 
   /// Returns the address for clients: "http://127.0.0.1:7890" or "unix:/run/mneme.sock".
   [[nodiscard]] const std::string& address() const;
-  /// Accepts no more requests, cancels running ones after half a second and returns when all are
+  /// Accepts no more requests, cancels running ones after 0.4 s and returns when all are
   /// answered, mostly within a second.
   void stop();
 

@@ -32,10 +32,10 @@ using internal::refusal;
 namespace http = internal::http;
 namespace beast = boost::beast;
 
-constexpr double kGrace = 0.5;     ///< seconds for running requests when the service stops
-constexpr double kGoodbye = 0.25;  ///< seconds to answer requests that were cancelled then
+constexpr double kGrace = 0.4;    ///< seconds for running requests when the service stops
+constexpr double kGoodbye = 0.2;  ///< seconds to answer requests that were cancelled then
 /// Seconds from the request to stop until queued rows are given up, and at least those for them.
-constexpr double kLastRow = 0.8, kLeastFlush = 0.05;
+constexpr double kLastRow = 0.65, kLeastFlush = 0.05;
 constexpr std::string_view kScenes = "/v1/scenes/";
 constexpr std::string_view kId = "{id}";
 constexpr std::size_t kMostIdBytes = 64;
