@@ -70,9 +70,7 @@ bool TaskRun::may_touch_at_ends(const World& world) const {
 }
 bool TaskRun::is_cancelled() const { return is_set(settings.solve.plan.cancel); }
 bool TaskRun::is_over() const { return is_cancelled() || remaining_s() <= 0; }
-double TaskRun::remaining_s() const {
-  return std::max(0.0, end_s - stopwatch.elapsed_s());
-}
+double TaskRun::remaining_s() const { return std::max(0.0, end_s - stopwatch.elapsed_s()); }
 
 Result<CheckedWorldPtr> check_world(World world, const TaskRun& run) {
   auto checker =

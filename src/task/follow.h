@@ -32,9 +32,9 @@ struct TaskRun {
   std::vector<Transform> start_poses = {};  ///< of links at the task's start
   Stopwatch stopwatch = {};
   double end_s = settings.solve.plan.timeout_s;  ///< of the search, on the stopwatch
-  std::uint64_t states = 0;  ///< checked so far, without moves
-  int round = 0;             ///< of the search: later ones try harder
-  bool has_tried = false;    ///< a test that a later round would repeat harder
+  std::uint64_t states = 0;                      ///< checked so far, without moves
+  int round = 0;                                 ///< of the search: later ones try harder
+  bool has_tried = false;                        ///< a test that a later round would repeat harder
 
   /// Seeds of inverse kinematics per alternative in this round.
   [[nodiscard]] int seeds() const { return 16 << std::min(2 * round, 16); }

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <set>
 #include <tuple>
@@ -100,6 +101,22 @@ Result<World> detached(const World& world, const Stage& stage, const Configurati
   return next;
 }
 
+/// As with_joint_values(), once for each robot and values.
+Result<Robot> find_or_make_gripper(const World& world,
+                                   const std::map<std::string, double>& values) {
+  const Robot bare = world.robot.without_attached();
+  std::vector<GripperRobots::Entry>& made = world.grippers->made;
+  auto known = std::ranges::find_if(made, [&](const GripperRobots::Entry& entry) {
+    return entry.from.identity().lock() == bare.identity().lock() && entry.values == values;
+  });
+  if (known == made.end()) {
+    made.push_back({bare, values, MNEME_TRY(with_joint_values(bare, values))});
+    known = std::prev(made.end());
+  }
+  if (world.robot.attached().empty()) return known->to;
+  return known->to.with_attached({world.robot.attached().begin(), world.robot.attached().end()});
+}
+
 Result<World> with_allowed(const World& world, const Stage& stage) {
   World next = world;
   for (const auto& [first, second] : stage.pairs) {
@@ -180,7 +197,7 @@ Result<World> after_stage(const World& world, const Stage& stage, const Configur
       return with_allowed(world, stage);
     case StageKind::gripper: {
       World next = world;
-      next.robot = MNEME_TRY(with_joint_values(world.robot, stage.values));
+      next.robot = MNEME_TRY(find_or_make_gripper(world, stage.values));
       return next;
     }
     case StageKind::move:

@@ -22,6 +22,17 @@ struct HeldObject {
   std::vector<std::string> free_touch = {};  ///< Obstacle::may_touch before that
 };
 
+/// Robots with other values of joints outside the group that were made for a task: their tables
+/// take milliseconds. Belongs to one thread.
+struct GripperRobots {
+  struct Entry {
+    Robot from;
+    std::map<std::string, double> values;
+    Robot to;
+  };
+  std::vector<Entry> made;  ///< without held objects
+};
+
 /// Robot and scene at one moment of a task. Immutable once shared.
 struct World {
   Robot robot;
@@ -29,6 +40,7 @@ struct World {
   std::map<std::string, Transform> poses;  ///< of objects that some stage attaches and that are
                                            ///< free, in the root link's frame
   std::map<std::string, HeldObject> held;  ///< by name
+  std::shared_ptr<GripperRobots> grippers = std::make_shared<GripperRobots>();
 };
 using WorldPtr = std::shared_ptr<const World>;
 
