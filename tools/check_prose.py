@@ -22,7 +22,7 @@ MOST_ROWS = 15
 FRONTED = re.compile(r"(Of|What|Whether)\b")
 SENTENCE_END = re.compile(r"(?<=[.!?:;])\s+(?=[A-Z`\[*'\"])|\s-\s")
 STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"(?:\s*"(?:[^"\\\n]|\\.)*")*')
-GENERATED = re.compile(r"^<!-- (?:rows|ratios|difficulty|growth|cost|beside|output|settings:|map)[^>]*-->\n.*?<!-- /\w+ -->\n",
+GENERATED = re.compile(r"^<!-- (?:rows|ratios|used|difficulty|growth|cost|beside|output|settings:|map)[^>]*-->\n.*?<!-- /\w+ -->\n",
                        re.DOTALL | re.MULTILINE)
 FOLDERS = "apps|bench|docs|examples|include|packaging|python|robots|scenes|script|src|tests|tools|viewer"
 NAMED = re.compile(rf"(?<![\w/.$}}-])(?:{FOLDERS})/[\w./*-]*\w")

@@ -12,6 +12,7 @@ has `bench report`, summarises rows. Documents have tables between markers, and 
 
   <!-- rows NAME [NAME ..] by=COLUMNS show=COLUMNS [time=total] [where=COLUMN:VALUE ..] -->
   <!-- ratios NAME [NAME ..] show=COLUMNS [baseline=SAMPLER] [where=COLUMN:VALUE ..] -->
+  <!-- used NAME [NAME ..] show=COLUMNS baseline=SETTING [by=set] [time=total] [where=COLUMN:VALUE ..] -->
   <!-- difficulty NAME [NAME ..] show=COLUMNS baseline=SETTING [time=total] [where=COLUMN:VALUE ..] -->
   <!-- growth NAME show=QUERIES baseline=SETTING [where=COLUMN:VALUE ..] -->
   <!-- cost NAME baseline=SETTING -->
@@ -22,9 +23,10 @@ has `bench report`, summarises rows. Documents have tables between markers, and 
 Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved,
 bad, p50, mean, p95, p99, max, iterations, states, length, duration, simplification, retrieved, replayed (runs that queried the memory for
 samples, or replayed a task); of ratios: pairs, p50, p95, p99, mean, geometric.
-difficulty: tasks, which are problems whose names agree up to their last underscore, by the baseline's median for them, with tasks, solved,
-p50, mean and p95 of each setting, whose name up to a comma counts; p50_gain and mean_gain are the baseline's by its own, with 95 % intervals over
-tasks, slower the pairs in which it took longer than the baseline. growth: sums of
+difficulty: tasks, which are problems that `mneme scene repeat` made of one (t01_0001, t01_0002), by the baseline's median for them, with tasks, solved,
+p50, mean and p95 of each setting, whose name up to a comma counts; p50_gain and mean_gain are the baseline's by its own, geometric_gain the
+geometric mean of the pairs', with 95 % intervals over tasks, slower the pairs in which it took longer than the baseline. used: the same gains of each setting, apart for runs that queried the memory and
+for those that ended before and computed what the baseline computed: what these differ by is noise; or by set. Its baseline may be a sampler. growth: sums of
 total times after so many queries, in the order of the rows, of the baseline and of each other setting, whose name up to a comma counts, and the query
 from which on it has taken less in all. cost: of each setting with a memory of its own that was learned, the first of them, what it took to learn, the median time of retrieval
 where there was one, its mean planning time without (the baseline's) and with it, and after how many queries that is gained. beside: rows of two programs on the same
@@ -51,15 +53,17 @@ import sys
 import tempfile
 import textwrap
 
-MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|difficulty|growth|cost|beside|output) (?P<words>[^>]+?)\s-->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
+MARKED = re.compile(r"^(?P<open><!-- (?P<kind>rows|ratios|used|difficulty|growth|cost|beside|output) (?P<words>[^>]+?)\s-->\n)(?P<text>.*?)(?P<close><!-- /rows -->\n)",
                     re.DOTALL | re.MULTILINE)
-OPENED = re.compile(r"^<!-- (?:rows|ratios|difficulty|growth|cost|beside|output) ", re.MULTILINE)
+OPENED = re.compile(r"^<!-- (?:rows|ratios|used|difficulty|growth|cost|beside|output) ", re.MULTILINE)
 PERCENT = {"p50": 50, "p95": 95, "p99": 99, "max": 100}
-TITLES = {"bad": "bad paths", "p50_gain": "p50 gain", "mean_gain": "mean gain", "slower": "slower pairs", "iterations": "iterations p50", "states": "states p50", "length": "mean length",
+TITLES = {"bad": "bad paths", "p50_gain": "p50 gain", "mean_gain": "mean gain", "geometric_gain": "geometric gain", "slower": "slower pairs", "iterations": "iterations p50", "states": "states p50", "length": "mean length",
           "duration": "mean duration s", "simplification": "simplification p50 ms"}
 RESAMPLES = 2000
 MOST_LINES = 15
+LEAST_UNITS = 5  # of a bootstrap
 BINS_MS = (0, 0.1, 1, 10, 100, 1000, math.inf)
+GAINS = ("p50_gain", "mean_gain", "geometric_gain", "slower")
 RATIO_NAMES = ("set", "this", "against")
 # What a row says of memory that was used.
 USED = {"retrieved": lambda row: float(row["retrieval_time_s"] or 0) > 0, "replayed": lambda row: row["replayed"] not in ("", "0")}
@@ -195,17 +199,17 @@ def together(summary):
     return [line for line in sets if line["set"] == "all"] or sets
 
 
-def count_used(results, name, summary):
-    """Adds to the summary's sets in how many of their runs memory was used."""
-    used = {}
+def add_from_rows(results, name, summary):
+    """Adds to the summary's sets in how many of their runs memory was used, and means of total times."""
+    runs = {}
     for row in results.rows(name):
         if not row["status"].startswith("invalid"):
             for of in (row["set"], "all"):
-                counts = used.setdefault((of, row["planner"], row["sampler"], row["setting"]), dict.fromkeys(USED, 0))
-                for column, is_used in USED.items():
-                    counts[column] += is_used(row)
+                runs.setdefault((of, row["planner"], row["sampler"], row["setting"]), []).append(row)
     for line in summary["sets"]:
-        line.update(used.get((line["set"], line["planner"], line["sampler"], line["setting"]), {}))
+        of_line = runs.get((line["set"], line["planner"], line["sampler"], line["setting"]), [])
+        line.update({column: sum(map(is_used, of_line)) for column, is_used in USED.items()})
+        line["total_mean_s"] = statistics.fmean(float(row["total_time_s"]) for row in of_line) if of_line else math.nan
 
 
 def row_lines(results, names, options, where):
@@ -213,8 +217,8 @@ def row_lines(results, names, options, where):
     lines = []
     for name in names:
         summary = results.summary(name)
-        if USED.keys() & set(options["show"]):
-            count_used(results, name, summary)
+        if USED.keys() & set(options["show"]) or (time == "total" and "mean" in options["show"]):
+            add_from_rows(results, name, summary)
         meant = [s for s in (together(summary) if len(names) > 1 else summary["sets"]) if is_meant(s, where)]
         head = [name] if len(names) > 1 else []
         lines += [head + [s[column] for column in options.get("by", [])] +
@@ -236,13 +240,18 @@ def ratio_lines(results, names, options, where):
     return [""] * (len(names) > 1) + [TITLES.get(column, column) for column in (*RATIO_NAMES, *options["show"])], lines
 
 
+def task_of(problem):
+    """The task that a problem of `mneme scene repeat` repeats; of others the problem itself."""
+    return re.sub(r"(\bt[0-9]+)_[0-9]+$", r"\1", problem)
+
+
 def times_of(rows, time):
     """Planning or total times in ms by setting and task, of pairs of a file's name and a row; those of runs without a path are the limit."""
     times = {}
     for name, row in rows:
         if row.get("status", "").startswith("invalid"):
             continue
-        task = (name, row["set"], re.sub("_[^_#]*$", "", row["problem"]))
+        task = (name, row["set"], task_of(row["problem"]))
         setting = row["setting"].partition(",")[0]
         run = (1e3 * float(row[f"{time}_time_s"]), row["is_valid"] == "1")
         times.setdefault(setting, {}).setdefault(task, []).append(run)
@@ -266,13 +275,16 @@ def gain_cell(column, runs, base):
         pairs = [(this[0], that[0]) for task, these in runs.items() for this, that in zip(these, base[task])]
         return f"{sum(this > that for this, that in pairs)} of {len(pairs)}"
 
-    def ratio(tasks):
-        these, those = ([time for task in tasks for time, _ in of[task]] for of in (base, runs))
-        if column == "mean_gain":
-            return statistics.fmean(these) / statistics.fmean(those)
-        return percentile(these, "p50") / percentile(those, "p50")
-
-    return resampled(ratio, list(runs))
+    if column == "p50_gain":
+        tasks = [([time for time, _ in base[task]], [time for time, _ in these]) for task, these in runs.items()]
+        return resampled(lambda drawn: percentile(sum((that for that, _ in drawn), []), "p50") /
+                         percentile(sum((this for _, this in drawn), []), "p50"), tasks)
+    if column == "mean_gain":
+        sums = [(sum(time for time, _ in of), len(of)) for task, these in runs.items() for of in (base[task], these)]
+        return resampled(lambda drawn: (sum(that[0] for that, _ in drawn) / sum(that[1] for that, _ in drawn)) /
+                         (sum(this[0] for _, this in drawn) / sum(this[1] for _, this in drawn)), list(zip(sums[::2], sums[1::2])))
+    logs = [(sum(math.log(that[0] / this[0]) for that, this in zip(base[task], these)), len(these)) for task, these in runs.items()]
+    return resampled(lambda drawn: math.exp(sum(log for log, _ in drawn) / sum(count for _, count in drawn)), logs)
 
 
 def summary_cells(by_task, base, columns):
@@ -284,7 +296,7 @@ def summary_cells(by_task, base, columns):
             yield f"{sum(is_solved for _, is_solved in runs)} of {len(runs)}"
         elif column == "mean":
             yield factor(statistics.fmean(time for time, _ in runs))
-        elif column in ("p50_gain", "mean_gain", "slower"):
+        elif column in GAINS:
             yield "" if by_task == base else gain_cell(column, by_task, base)
         else:
             yield factor(percentile([time for time, _ in runs], column))
@@ -307,6 +319,44 @@ def difficulty_lines(results, names, options, where):
                 lines.append([title, setting, *summary_cells(runs, base, options["show"])])
     unit = {column: f"{column} ms" for column in ("p50", "mean", "p95")}
     return [f"{baseline} needs", "", *(unit.get(column, TITLES.get(column, column)) for column in options["show"])], lines
+
+
+def paired(runs, base):
+    """Times of the runs that both have, by task; by problem, or by run, where there are fewer than five tasks."""
+    both = sorted(runs.keys() & base.keys())
+    for unit in (lambda run: (*run[:2], task_of(run[2])), lambda run: run[:3], lambda run: run):
+        by_unit = [{}, {}]
+        for run in both:
+            for side, times in zip(by_unit, (runs, base)):
+                side.setdefault(unit(run), []).append((times[run], True))
+        if len(by_unit[0]) >= LEAST_UNITS:
+            break
+    return by_unit
+
+
+def used_lines(results, names, options, where):
+    time, baseline = options.get("time", "planning"), options.get("baseline", "").replace("_", " ")
+    base, others, seen = {}, {}, {}
+    for name, row in ((name, row) for name in names for row in results.rows(name) if is_meant(row, where)):
+        if row["status"].startswith("invalid"):
+            continue
+        setting = row["setting"].partition(",")[0]
+        run = (name, row["set"], row["problem"], row["seed"], row["planner"], row["sampler"], row["setting"])
+        seen[run] = seen.get(run, 0) + 1  # problems of several files of a set may have one name
+        run = (*run[:2], f"{run[2]} {seen[run]}" if seen[run] > 1 else run[2], run[3])
+        if baseline in (setting, row["sampler"]):
+            base[run] = float(row[f"{time}_time_s"])
+        else:
+            group = row["set"] if "by" in options else "queried" if USED["retrieved"](row) else "not queried"
+            others.setdefault((setting, group), {})[run] = float(row[f"{time}_time_s"])
+    if not base:
+        raise Mistake(f"baseline={baseline}: expected a setting or a sampler of the rows")
+    lines = []
+    for (setting, group), runs in sorted(others.items(), key=lambda of: of[0][1] == "not queried"):
+        by_task = paired(runs, base)
+        cells = [str(len(runs)) if column == "pairs" else gain_cell(column, *by_task) for column in options["show"]]
+        lines.append([setting, group, *cells])
+    return ["", "set" if "by" in options else "memory", *(TITLES.get(column, column) for column in options["show"])], lines
 
 
 def cumulative(rows):
@@ -435,7 +485,7 @@ def block(results, kind, words, told):
     names, options, where = parse(words)
     if kind != "cost" and "show" not in options:
         raise Mistake(f"'{words}': expected show=")
-    make_lines = {"rows": row_lines, "ratios": ratio_lines, "difficulty": difficulty_lines, "growth": growth_lines,
+    make_lines = {"rows": row_lines, "ratios": ratio_lines, "used": used_lines, "difficulty": difficulty_lines, "growth": growth_lines,
                   "cost": cost_lines, "beside": beside_lines}[kind]
     titles, lines = make_lines(results, names, options, where)
     if not lines:

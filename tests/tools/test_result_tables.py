@@ -93,14 +93,30 @@ def test_gains_have_intervals_over_tasks_and_count_slower_pairs(source):
 
 
 def test_rows_count_the_runs_that_used_memory(source):
-    rows = ["set,planner,sampler,setting,status,retrieval_time_s,replayed",
-            'cage,rrt_connect,gl,"a b",solved,0.001,0', 'cage,rrt_connect,gl,"a b",solved,0,7',
-            'cage,rrt_connect,gl,"a b",invalid start,0.1,3', 'box,rrt_connect,gl,c,timeout,0,', '"a, b",x,x,x,solved,0,0']
+    rows = ["set,planner,sampler,setting,status,retrieval_time_s,replayed,total_time_s",
+            'cage,rrt_connect,gl,"a b",solved,0.001,0,0.003', 'cage,rrt_connect,gl,"a b",solved,0,7,0.001',
+            'cage,rrt_connect,gl,"a b",invalid start,0.1,3,9', 'box,rrt_connect,gl,c,timeout,0,,0.004', '"a, b",x,x,x,solved,0,0,0']
     with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
         packed.write("\n".join(rows) + "\n")
     lines = written(source, "rows mbm by=set show=retrieved,replayed where=set!all")
     assert lines[0] == "| set | retrieved | replayed |"
     assert lines[2:-2] == ["| cage | 1 of 100 | 1 of 100 |", "| box | 0 of 100 | 0 of 100 |"]
+    assert written(source, "rows mbm by=set show=mean time=total where=set:cage")[2] == "| cage | >2.00 |"
+
+
+def test_gains_of_used_memory_stand_beside_runs_that_did_not_query_it(source):
+    rows = ["set,problem,seed,sampler,setting,status,planning_time_s,retrieval_time_s,replayed"]
+    for seed in range(1, 13):
+        rows += [f"a,p,{seed},uniform,planned,solved,0.004,0,0",
+                 f'a,p,{seed},gl,"asked, arm",solved,{0.002 if seed > 2 else 0.005},{0.001 if seed > 2 else 0},0']
+    with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
+        packed.write("\n".join(rows) + "\n")
+    lines = written(source, "used mbm show=pairs,p50_gain,geometric_gain,slower baseline=planned")
+    assert lines[0] == "|  | memory | pairs | p50 gain | geometric gain | slower pairs |"
+    assert lines[2:-2] == ["| asked | queried | 10 | 2 (2 to 2) | 2 (2 to 2) | 0 of 10 |",
+                           "| asked | not queried | 2 | 0.8 (0.8 to 0.8) | 0.8 (0.8 to 0.8) | 2 of 2 |"]
+    by_set = written(source, "used mbm by=set show=pairs,slower baseline=uniform")
+    assert by_set[0] == "|  | set | pairs | slower pairs |" and by_set[2] == "| asked | a | 12 | 2 of 12 |"
 
 
 def test_total_times_and_a_choice_of_rows(source):
