@@ -53,11 +53,30 @@ AxisBox bounds(const Convex& solid) {
   return box;
 }
 
-/// Radius of the sphere around the centroid.
-double radius_of(const Triangle& t) {
-  const Vec3 center = t.centroid();
-  return std::sqrt(std::max(
-      {(t.a - center).squaredNorm(), (t.b - center).squaredNorm(), (t.c - center).squaredNorm()}));
+/// The point of a convex solid nearest to `point`.
+Vec3 closest_to(const Vec3& point, const Box& s) {
+  const Vec3 local = s.pose.rotation.transpose() * (point - s.pose.translation);
+  return s.pose * Vec3(local.cwiseMin(s.half_extents).cwiseMax(-s.half_extents));
+}
+
+Vec3 closest_to(const Vec3& point, const Cylinder& s) {
+  Vec3 local = s.pose.rotation.transpose() * (point - s.pose.translation);
+  const double across = local.head<2>().norm();
+  if (across > s.radius) local.head<2>() *= s.radius / across;
+  local.z() = std::clamp(local.z(), -0.5 * s.length, 0.5 * s.length);
+  return s.pose * local;
+}
+
+/// Lower bound of the distance between a triangle and a convex solid: that from the plane through
+/// the solid's point nearest to the centroid. Exact for a triangle parallel to a face below it.
+template <class Convex>
+double distance_at_least(const Triangle& t, const Convex& s) {
+  const Vec3 center = t.centroid(), nearest = closest_to(center, s);
+  const Vec3 away = center - nearest;
+  const double length = away.norm();
+  if (length == 0) return 0;
+  return std::min({away.dot(t.a - nearest), away.dot(t.b - nearest), away.dot(t.c - nearest)}) /
+         length;
 }
 
 Vec3 point_of(const CloudPoint& p) { return to_vec3(p); }
@@ -217,12 +236,14 @@ class FromSurface {
  private:
   template <class Convex>
   double from_convex(const Convex& s) const {
-    const Shape solid = s;
+    // Triangles of one face are all as near: rounding must not make each of them count.
+    constexpr double kRounding = 1e-12;
     double least = std::numeric_limits<double>::infinity();
     const auto distance_to = [&](int i) {
       const Triangle& t = surface_.parts->list()[as_index(i)];
-      const double bound = distance(t.centroid(), solid) - radius_of(t);
-      if (bound < least) least = std::min(least, distance_between(t, s));
+      if (distance_at_least(t, s) < least - kRounding) {
+        least = std::min(least, distance_between(t, s));
+      }
       return least;
     };
     static_cast<void>(tree_->nearest(bounds(s), distance_to));

@@ -153,6 +153,22 @@ TEST_SUITE("unit") {
           doctest::Approx(1.5));
   }
 
+  TEST_CASE("faces that lie above one another are as far apart as their planes") {
+    Rng rng(11);
+    const Mesh surface = compound_of(surface_of(kBox));
+    for (int i = 0; i < rounds(50); ++i) {
+      const double height = rng.uniform(1e-4, 0.2);
+      const Transform above{rotation_about(Vec3::UnitZ(), rng.uniform(-3, 3)),
+                            {rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), 1 + height}};
+      const Transform pose = random_pose(rng, 0.8);
+      const Mesh moved{pose, surface.parts, 0};
+      const Box plate{pose * above, {0.7, 0.6, 0.5}};
+      CHECK(distance_to_solid(moved, plate) == doctest::Approx(height).epsilon(1e-9));
+      CHECK(distance_to_solid(moved, Cylinder{pose * above, 0.4, 1}) ==
+            doctest::Approx(height).epsilon(1e-6));
+    }
+  }
+
   TEST_CASE("where two solids overlap is inside") {
     const Mesh both = joined(kBox, {{Eigen::Matrix3d::Identity(), {0.4, 0, 0}}, {0.5, 0.5, 0.5}});
     CHECK(distance_to_solid(both, Sphere{{0.2, 0, 0}, 0.05}) == 0);
