@@ -114,8 +114,13 @@ class Attacks:
 
     def mesh(self):
         corners = [[self.rng.choice([0, 1, 1e308, -1e30, 20]) for _ in range(3)] for _ in range(3000)]
-        body = {"name": "m", "type": "mesh", "p": [20, 0, 0], "triangles": [c + c + c for c in corners]}
+        body = {"name": "m", "type": "mesh", "p": [20, 0, 0], "triangles": [n for c in corners for n in c * 3]}
         return request("POST", "/v1/plan", {"obstacles": [body], "start": START, "goal": [0.1] + START[1:]})
+
+    def slivers(self):
+        numbers = [n for i in range(5000) for n in (0, 0, 0, 1, 0, 0, 0.5, 1e-12 * i, 1e-300 * (i % 2))]
+        body = {"name": "m", "type": "mesh", "link": "link_8", "triangles": numbers}
+        return request("POST", "/v1/plan", {"attached": [body], "start": START, "goal": [0.1] + START[1:]})
 
     def deep(self):
         depth = self.rng.choice([10, 1000, 200000])
