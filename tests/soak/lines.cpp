@@ -29,7 +29,7 @@ struct Options {
   std::uint64_t seed = 1;
   double oracle_step = 0.001, oracle_cell = 0.1;
   int most_searched = 100;  ///< lines that the oracle searches
-  bool is_verbose = false;
+  bool is_verbose = false, is_confirming = false;
   LineSettings line;
 };
 
@@ -112,6 +112,9 @@ class Campaign {
       tally.print(name);
       wrong_ += tally.wrong;
     }
+    if (options_.is_confirming) {
+      fmt::print("the search finds {} of {} whole lines\n", confirmed_, confirmable_);
+    }
     return {};
   }
   [[nodiscard]] int wrong() const { return wrong_; }
@@ -142,7 +145,8 @@ class Campaign {
       tally.waypoints += static_cast<double>(result.line.path.size());
     }
     check(problem, checker, link, result, tally);
-    if (!result.is_whole()) search(problem, checker, link, line, q, result, tally);
+    if (!result.is_whole() || options_.is_confirming)
+      search(problem, checker, link, line, q, result, tally);
     return {};
   }
 
@@ -171,7 +175,7 @@ class Campaign {
               const Line& line, const Configuration& q, const LineResult& result, Tally& tally) {
     if (searched_ >= options_.most_searched) return;
     ++searched_;
-    ++tally.searched;
+    if (!result.is_whole()) ++tally.searched;
     IkSettings settings;
     settings.seeds = 4096;
     const auto kinematics = InverseKinematics::make(problem.robot, link);
@@ -192,6 +196,11 @@ class Campaign {
     }
     const test::LineOracle oracle(checker, link, options_.oracle_step, options_.oracle_cell);
     const bool is_possible = oracle.is_possible(result, starts);
+    if (result.is_whole()) {
+      confirmed_ += is_possible;
+      ++confirmable_;
+      return;
+    }
     if (is_possible) ++tally.missed;
     if (options_.is_verbose) {
       fmt::print("  {} {}: {} ({} steps): {}\n", problem.robot.name(),
@@ -204,6 +213,7 @@ class Campaign {
   Rng rng_;
   std::map<std::string, Tally> tallies_;
   int searched_ = 0, wrong_ = 0;
+  int confirmed_ = 0, confirmable_ = 0;  ///< whole lines that the search finds, too
 };
 
 int run(int argc, char** argv) {
@@ -220,6 +230,7 @@ int run(int argc, char** argv) {
                  "lines that are searched exhaustively, at most");
   app.add_option("--line-steps", options.line.line_steps, "steps along a line, at most")
       ->check(CLI::Range(1, 100000000));
+  app.add_flag("--confirm", options.is_confirming, "search whole lines, too");
   app.add_flag("--verbose", options.is_verbose, "a line for each search");
   CLI11_PARSE(app, argc, argv);
   Campaign campaign(options);
