@@ -27,6 +27,9 @@ constexpr int kMostFutile = 48;
 /// Largest motion of the joints per metre of the line, radians, towards a configuration.
 constexpr double kMostDrift = 40;
 
+/// Rounding error of a share of the line.
+constexpr double kRounding = 1e-12;
+
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 }  // namespace
@@ -73,7 +76,7 @@ int LineSearch::add(const LineState& state, int parent) {
 }
 
 int LineSearch::extend(int node, const Growth& growth) {
-  while (at(node).s < growth.until) {
+  while (at(node).s < growth.until - kRounding) {
     const LineState from = at(node);
     LineState to;
     LineStop stop =
@@ -157,7 +160,7 @@ double LineSearch::choose_place(int i, bool may_add_starts) {
 void LineSearch::grow_towards(const JointVector& goal, double s) {
   const int last = s == 0 ? add(tracker_.begin(0, goal), -1)
                           : extend(find_nearest(goal, s), {s, LineCheck::states, 1, &goal});
-  if (at(last).s >= s) take_whole(extend(last, {1, LineCheck::states}));
+  if (at(last).s >= s - kRounding) take_whole(extend(last, {1, LineCheck::states}));
 }
 
 std::vector<JointVector> LineSearch::sample_states(double s) {

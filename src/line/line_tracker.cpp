@@ -79,6 +79,8 @@ LineStop LineTracker::step(const LineState& from, double until, JointVector drif
     const LineStop stop = attempt(base, h, drift, check, to, excess);
     if (stop.kind == LineStop::Kind::none) {
       to.step = h * std::clamp(kAim / std::sqrt(excess + 1e-9), 0.5, 2.0);
+      // A step that ends at `until` says little about the next.
+      if (h == until - from.s) to.step = std::max(to.step, from.step);
       return stop;
     }
     const bool may_lock = stop.kind == LineStop::Kind::limit && lockable > 0;
