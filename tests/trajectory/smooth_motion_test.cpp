@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/empty_scene.h"
+#include "trajectory/third_order_profile.h"
 #include "trajectory/trajectory_flaws.h"
 
 namespace mneme::test {
@@ -53,6 +54,34 @@ TEST_SUITE("oracle") {
       const double tried = timed(empty, path, limits, 4).duration_s();
       CHECK(tried <= expected * (1 + 1e-7));
       CHECK(tried >= expected * (1 - 1e-6));
+    }
+  }
+
+  TEST_CASE("along its own curve no motion with limited jerk is faster by a fiftieth") {
+    const EmptyScene empty(planar8());
+    const auto per_joint = [](double first, double second, double third) {
+      std::vector<double> limits(8, first);
+      limits[1] = second;
+      limits[2] = third;
+      return limits;
+    };
+    const RateLimits limits{per_joint(1, 1.5, 2), per_joint(4, 4, 5), per_joint(40, 50, 60)};
+    Rng rng(7);
+    for (int i = 0; i < 3; ++i) {
+      CAPTURE(i);
+      const auto q = [&] {
+        Configuration q(8, 0.0);
+        for (int j = 0; j < 3; ++j) q[static_cast<std::size_t>(j)] = rng.uniform(-1, 1);
+        return q;
+      };
+      const Path path = i == 0 ? Path{q(), q()} : Path{q(), q(), q()};
+      const Trajectory motion = timed(empty, path, limits, 0);
+      const auto curve = sample_curve(motion, 60);
+      const double ratio =
+          motion.duration_s() / ThirdOrderProfile(curve, limits, 40, 20).duration();
+      MESSAGE("beside brute force: ", ratio);
+      CHECK(ratio < 1.02);
+      CHECK(ratio > 0.95);
     }
   }
 
