@@ -13,7 +13,7 @@ namespace {
 /// Rough plans per round; the shortest is shortened. The side on which a path passes obstacles
 /// matters more than further shortening, and a rough path shows it.
 constexpr int kPlansPerRound = 3;
-constexpr int kPatience = 160;
+constexpr int kPatience = 160;      ///< for length; for time, other plans pay more than patience
 constexpr double kRounding = 1e-6;  ///< relative, of single precision
 
 class Improvement {
@@ -99,8 +99,8 @@ class Improvement {
   void offer(Path path, std::uint64_t round) {
     const PlanSettings settings = settings_of(round * kPlansPerRound);
     ShortenEffort effort;
-    effort.patience = std::max(kPatience, settings.patience);
     effort.minimize_time = settings.minimizes_time();
+    effort.patience = std::max(effort.minimize_time ? 0 : kPatience, settings.patience);
     effort.limits = settings.limits.get();
     CheckCounters counters;
     shorten(resolved_.checker, path, settings.seed, effort, nullptr, counters,

@@ -19,8 +19,11 @@ namespace {
 
 /// Stops are longer by this share, so that rounding does not make a leg too short for its stop.
 constexpr double kStopRoom = 1e-7;
-/// Largest part of a start velocity across the first leg, as a share of the speed.
-constexpr double kMostAcross = 1e-6;
+/// Largest part of a start velocity across the first leg, as a share of the speed, and rounding of
+/// the leg's ends.
+constexpr double kMostAcross = 1e-6, kRoundingOfEnds = 1e-14;
+/// A stop that is shorter is none: the direction of such a leg is lost to rounding.
+constexpr double kLeastStop = 1e-10;
 
 Result<void> check_velocity(const Robot& robot, const std::vector<double>& velocity,
                             const RateLimits& limits) {
@@ -108,7 +111,11 @@ Result<Trajectory> follow_from_velocity(const Timing& timing, const Path& path,
   }
   const Leg& first = legs.legs.front();
   const double speed = norm(velocity);
-  if (norm(plus(velocity, -speed, first.direction)) > kMostAcross * speed) {
+  if (reach_to_stop(unit(velocity), speed, limits) < kLeastStop) {
+    return follow_from_rest(timing, path);
+  }
+  const double across = std::max(kMostAcross, kRoundingOfEnds / first.length);
+  if (norm(plus(velocity, -speed, first.direction)) > across * speed) {
     return fail(ErrorCode::invalid,
                 "start velocity: expected it along the path's first motion; solve() plans such "
                 "paths from problems with a start velocity");

@@ -27,7 +27,7 @@ constexpr double kRadius = 0.1, kMostRadius = 0.5;
 constexpr double kGrow = 1.5, kShrink = 0.3;
 constexpr double kLeastRoom = 1e-8;  ///< of a box around a joint's limit
 /// Share of time that barriers may cost, at first and at last.
-constexpr double kGap = 0.1, kLeastGap = 0.01;
+constexpr double kGap = 0.05, kLeastGap = 0.01;
 constexpr double kGapFactor = 0.1;    ///< per round
 constexpr double kLeastGain = 0.001;  ///< relative
 constexpr int kIdleRounds = 3;        ///< without this gain end the search

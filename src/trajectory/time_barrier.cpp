@@ -7,7 +7,7 @@
 namespace mneme::internal {
 namespace {
 
-constexpr int kNewtonSteps = 4;
+constexpr int kNewtonSteps = 3;
 /// Differences of positions below this, radians or metres, are lost to rounding.
 constexpr double kLeastDifference = 1e-7;
 /// In place of no limit: so large that differences are nothing, so small that its square is finite.

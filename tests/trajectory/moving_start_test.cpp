@@ -108,8 +108,9 @@ TEST_SUITE("unit") {
         "long");
     CHECK(refusal({{-1, 0, 1}}, {1, 0, 0}).starts_with("start velocity: the path does not move"));
     CHECK(refusal(path, {std::nan(""), 0, 0}).starts_with("start velocity: joint"));
-    const Joint& joint = gantry().group_joint(0);
-    const auto beyond = stopping_point(gantry(), {joint.upper - 0.1, 0, 1}, {2, 0, 0}, kTwos);
+    const Robot robot = gantry();
+    const Joint& joint = robot.group_joint(0);
+    const auto beyond = stopping_point(robot, {joint.upper - 0.1, 0, 1}, {2, 0, 0}, kTwos);
     REQUIRE_FALSE(beyond.has_value());
     CHECK(beyond.error().message.starts_with("start velocity: joint '" + joint.name +
                                              "' would stop at "));
