@@ -131,14 +131,14 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "rrt: probability of extending towards a goal instead of a sample.");
   visit("anchor", s.anchor, 0.0, 1.0,
         "rrt_connect, prm: probability of replacing a uniform sample by one around the newest "
-        "node. At 1 a planner may make no progress; 0 is the textbook's planner.");
+        "node. At 1 a planner may make no progress; 0 turns anchors off.");
   visit("anchor-sigma", s.anchor_sigma, 0.0, 100.0,
         "Standard deviation of samples around a node, radians (half as many metres for prismatic "
         "joints). Default: 4 over the square root of the number of joints.");
   visit("walk", s.walk, 0.0, 1.0,
         "rrt_connect: share of the work that escape walks may take: small steps from the newest "
         "node that pull a limb back along itself, off all obstacles. Work is counted by what is "
-        "computed, not timed. At 1 a planner may make no progress; 0 is the textbook's planner. "
+        "computed, not timed. At 1 a planner may make no progress; 0 turns walks off. "
         "Default: the robot's (0.5 for a planar arm, 0.2 otherwise).");
   visit("walk-after", s.walk_after, std::uint64_t{0}, ~std::uint64_t{0},
         "rrt_connect: iterations before the first escape walk, so that easy problems do not pay "

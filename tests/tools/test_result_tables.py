@@ -306,3 +306,18 @@ def test_two_programs_are_compared_on_the_problems_of_both(source):
     assert cells[3].startswith("0.125 (") and cells[4] == "1.5 (1.5 to 1.5) |"
     assert lines[4:] == ["- `mneme bench run x`, commit abc, m", "- other, m"]
     assert "| mbm:other | 3 (" in "\n".join(written(source, "beside mbm:other show=p50 time=total"))
+
+
+ORIGINS = sorted((TOOLS.parent / "bench" / "results").glob("*.json"))
+
+
+def git(*words):
+    return subprocess.run(["git", "-C", TOOLS.parent, *words], capture_output=True, text=True, check=False)
+
+
+@pytest.mark.skipif(git("rev-parse", "--is-shallow-repository").stdout.strip() != "false", reason="needs the whole history")
+@pytest.mark.parametrize("path", ORIGINS, ids=lambda path: path.stem)
+def test_rows_name_a_commit_of_this_history_or_say_that_it_is_none(path):
+    origin = json.loads(path.read_text(encoding="utf-8"))
+    is_there = not origin["commit"] or git("cat-file", "-e", f"{origin['commit']}^{{commit}}").returncode == 0
+    assert is_there != ("commit not in this history" in origin.get("note", ""))
