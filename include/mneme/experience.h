@@ -8,6 +8,7 @@
 #include "mneme/robot.h"
 #include "mneme/store.h"
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -155,8 +156,11 @@ class Database {
   /// process loses rows that still wait. Cost: some microseconds. Errors: io if the database is
   /// open for reading only; invalid, as in insert(). Then no row was queued.
   Result<void> insert_later(std::vector<Experience> rows);
-  /// Queues a function that makes rows. It runs on the thread that inserts them.
-  Result<void> insert_later(std::function<Result<std::vector<Experience>>()> make);
+  /// Makes rows; ends early, with an error, once `stop` is true.
+  using MakeRows = std::function<Result<std::vector<Experience>>(const std::atomic<bool>& stop)>;
+  /// Queues a function that makes rows. It runs on the thread that inserts them. Error: io as
+  /// above; rows that are refused later count as lost.
+  Result<void> insert_later(MakeRows make);
   /// Waits until all queued rows are stored or dropped, for at most `timeout_s` seconds. Error: io
   /// if rows still wait then; the message says how many.
   Result<void> flush(double timeout_s = 1e6);

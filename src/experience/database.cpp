@@ -126,6 +126,7 @@ Database::State::~State() {
   if (!*stop) (void)queue.flush(kLongest_s);
   const std::lock_guard lock(writing);
   save_if_useful();
+  *stop = true;
 }
 
 Database::State::State(internal::OpenedStore opened, const std::string& lasting_url, OpenMode mode,
@@ -444,8 +445,13 @@ Result<void> Database::insert_later(std::vector<Experience> rows) {
   return state_->queue_rows(count, [made = std::move(rows)]() mutable { return std::move(made); });
 }
 
-Result<void> Database::insert_later(std::function<Result<std::vector<Experience>>()> make) {
-  return state_->queue_rows(1, std::move(make));
+Result<void> Database::insert_later(MakeRows make) {
+  return state_->queue_rows(
+      1, [&state = *state_, made_by = std::move(make)]() -> Result<std::vector<Experience>> {
+        auto rows = MNEME_TRY(made_by(*state.stop));
+        MNEME_TRY(internal::prepare_rows(rows, state.signature));
+        return rows;
+      });
 }
 
 Result<void> Database::flush(double timeout_s) {

@@ -58,7 +58,9 @@ void WriteQueue::run() {
 }
 
 void WriteQueue::make_some(std::unique_lock<std::mutex>& lock) {
-  while (!lots_.empty() && rows_.size() < kRowsAtOnce && !is_stopping_) {
+  // While rows cannot be inserted, all are made: a lot may hold a scene, rows are small.
+  const auto is_wanted = [this] { return rows_.size() < kRowsAtOnce || !counts_.failure.empty(); };
+  while (!lots_.empty() && is_wanted() && !is_stopping_) {
     const Lot lot = std::move(lots_.front());
     lots_.pop_front();
     lock.unlock();

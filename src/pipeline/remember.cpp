@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/remember.h"
 
+#include "base/fail.h"
 #include "path/push_off.h"
 
 #include <algorithm>
@@ -23,9 +24,12 @@ struct Solved {
   std::uint64_t planning_states = 0;
 };
 
-Result<std::vector<Experience>> make_rows(const Solved& solved, const KindSettings& kind) {
-  const std::vector<Path> paths = {
-      kind.replay > 0 ? widen(solved.checker, solved.path, solved.finish) : solved.path};
+Result<std::vector<Experience>> make_rows(const Solved& solved, const KindSettings& kind,
+                                          const std::atomic<bool>& stop) {
+  FinishSettings finish = solved.finish;
+  finish.cancel = &stop;
+  const std::vector<Path> paths = {kind.replay > 0 ? widen(solved.checker, solved.path, finish)
+                                                   : solved.path};
   const MemoryQuery query{solved.checker.robot().without_attached(), solved.checker.scene(),
                           &solved.start, solved.goals, solved.constraints};
   auto rows =
@@ -42,11 +46,13 @@ Result<std::vector<Experience>> make_rows(const Solved& solved, const KindSettin
 
 /// Error: that of the last kind that fails, if no kind makes rows.
 Result<std::vector<Experience>> make_all_rows(const Solved& solved,
-                                              const std::vector<KindSettings>& kinds) {
+                                              const std::vector<KindSettings>& kinds,
+                                              const std::atomic<bool>& stop) {
   Result<std::vector<Experience>> rows;
   std::vector<Experience> made;
   for (const KindSettings& kind : kinds) {
-    rows = make_rows(solved, kind);
+    if (stop) return fail(ErrorCode::io, "the database is closed");
+    rows = make_rows(solved, kind, stop);
     if (rows) std::ranges::move(*rows, std::back_inserter(made));
   }
   if (!rows && made.empty()) return rows;
@@ -83,9 +89,8 @@ Remembered remember(const ResolvedQuery& resolved, const PlanResult& plan,
   });
   if (kinds.empty()) return remembered;
   const auto queued = query.database->insert_later(
-      [solved = copy_of(resolved, plan.path, planning_states), kinds = std::move(kinds)] {
-        return make_all_rows(solved, kinds);
-      });
+      [solved = copy_of(resolved, plan.path, planning_states), kinds = std::move(kinds)](
+          const std::atomic<bool>& stop) { return make_all_rows(solved, kinds, stop); });
   remembered.is_queued = queued.has_value();
   if (!queued) remembered.failure = queued.error().message;
   remembered.time_s = stopwatch.elapsed_s();

@@ -5,7 +5,9 @@
 #include "engines/fixtures.h"
 #include "support/kinds.h"
 
+#include <atomic>
 #include <limits>
+#include <thread>
 
 namespace mneme::test {
 namespace {}  // namespace
@@ -211,6 +213,39 @@ TEST_SUITE("unit") {
       REQUIRE(database.insert_later(random_rows(rng, 5)));
     }
     CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 25);
+  }
+
+  TEST_CASE("rows that are refused once they are made lose no others") {
+    const TemporaryDirectory directory;
+    Rng rng(55);
+    Database database = open_database(directory / "a.db");
+    const auto make = [&](std::vector<Experience> rows) {
+      return database.insert_later([rows](const std::atomic<bool>& stop) {
+        CHECK(!stop);
+        return Result<std::vector<Experience>>(rows);
+      });
+    };
+    REQUIRE(make(random_rows(rng, 2)));
+    REQUIRE(make({Experience{}}));
+    REQUIRE(make(random_rows(rng, 3)));
+    REQUIRE(database.flush());
+    CHECK(database.size() == 5);
+    CHECK(database.queued_rows().stored == 5);
+    CHECK(database.queued_rows().lost == 1);
+  }
+
+  TEST_CASE("rows in the making are given up once the database need not wait") {
+    const TemporaryDirectory directory;
+    Database database = open_database(directory / "a.db");
+    REQUIRE(database.insert_later([](const std::atomic<bool>& stop) {
+      while (!stop) std::this_thread::yield();
+      return Result<std::vector<Experience>>(
+          tl::unexpected(Error{ErrorCode::io, "the database is closed"}));
+    }));
+    CHECK(!database.flush(0.01).has_value());
+    database.stop_waiting();
+    REQUIRE(database.flush());
+    CHECK(database.queued_rows().lost == 1);
   }
 
   TEST_CASE("an empty file counts as an empty database") {
