@@ -105,10 +105,10 @@ def test_rows_count_the_runs_that_used_memory(source):
 
 
 def test_gains_of_used_memory_stand_beside_runs_that_did_not_query_it(source):
-    rows = ["set,problem,seed,sampler,setting,status,planning_time_s,retrieval_time_s,replayed"]
+    rows = ["set,problem,seed,planner,sampler,setting,status,planning_time_s,retrieval_time_s,replayed"]
     for seed in range(1, 13):
-        rows += [f"a,p,{seed},uniform,planned,solved,0.004,0,0",
-                 f'a,p,{seed},gl,"asked, arm",solved,{0.002 if seed > 2 else 0.005},{0.001 if seed > 2 else 0},0']
+        rows += [f"a,p,{seed},rrt_connect,uniform,planned,solved,0.004,0,0",
+                 f'a,p,{seed},rrt_connect,gl,"asked, arm",solved,{0.002 if seed > 2 else 0.005},{0.001 if seed > 2 else 0},0']
     with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
         packed.write("\n".join(rows) + "\n")
     lines = written(source, "used mbm show=pairs,p50_gain,geometric_gain,slower baseline=planned")
