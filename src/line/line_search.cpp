@@ -3,6 +3,7 @@
 #include "line/line_search.h"
 
 #include "base/as_index.h"
+#include "robot/kinematics.h"
 
 #include <Eigen/Geometry>
 
@@ -30,6 +31,24 @@ constexpr double kMostDrift = 40;
 /// Rounding error of a share of the line.
 constexpr double kRounding = 1e-12;
 
+/// The links that no joint of the group moves relative to `link`.
+std::vector<std::string> find_carried(const Robot& robot, const std::string& link) {
+  const auto last_joint = [&](int index) {
+    const std::vector<int> joints = joints_to(robot, index);
+    const auto moving = std::ranges::find_if(joints, [&](int joint) {
+      return robot.joints()[as_index(joint)].type != JointType::fixed &&
+             find_drive(robot, joint).has_value();
+    });
+    return moving == joints.end() ? -1 : *moving;
+  };
+  const int carrier = last_joint(*robot.find_link(link));
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < robot.links().size(); ++i) {
+    if (last_joint(static_cast<int>(i)) == carrier) names.push_back(robot.links()[i].name);
+  }
+  return names;
+}
+
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 }  // namespace
@@ -45,19 +64,32 @@ LineSearch::LineSearch(LineTracker& tracker, const CollisionChecker& checker, co
 void LineSearch::run(const std::vector<JointVector>& starts, bool may_add_starts) {
   std::vector<int> roots;
   for (const JointVector& q : starts) {
-    if (is_over() || has_enough()) break;
+    if (is_over() || has_enough() || is_link_blocked()) break;
     roots.push_back(add(tracker_.begin(0, q), -1));
     take_whole(extend(roots.back(), {1, LineCheck::proof}));
   }
   if (roots.empty()) return;
-  if (tracker_.redundancy() > 0) {
+  if (tracker_.redundancy() > 0 && !is_link_blocked()) {
     for (const int root : roots) {
-      if (is_over() || has_enough()) break;
+      if (is_over() || has_enough() || is_link_blocked()) break;
       take_whole(extend(root, {1, LineCheck::states, kStrongDrift}));
     }
     explore(may_add_starts);
   }
   if (!has_enough()) farthest_ = prove(farthest_);
+}
+
+bool LineSearch::is_link_blocked() {
+  if (stop_.kind != LineStop::Kind::contact || goal_.turn > 0) return false;
+  if (stop_s_ == examined_s_) return is_link_blocked_;
+  examined_s_ = stop_s_;
+  const Robot& robot = checker_.robot();
+  if (carried_.empty()) carried_ = find_carried(robot, goal_.link);
+  const Configuration q(stop_.to.data(), stop_.to.data() + robot.joint_count());
+  is_link_blocked_ = std::ranges::any_of(checker_.contacts(q), [&](const Contact& contact) {
+    return !contact.is_self && std::ranges::count(carried_, contact.link) > 0;
+  });
+  return is_link_blocked_;
 }
 
 bool LineSearch::has_enough() const { return std::ssize(whole_) >= settings_.line_paths; }

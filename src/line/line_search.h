@@ -48,6 +48,9 @@ class LineSearch {
   }
   [[nodiscard]] bool is_over();
   [[nodiscard]] bool has_enough() const;
+  /// True if the line's link, or one fixed to it, is in contact with an obstacle where the farthest
+  /// branch ends: then no branch gets farther.
+  [[nodiscard]] bool is_link_blocked();
   int add(const LineState& state, int parent);
   /// How a branch grows: to the share `until` of the line, towards `goal` if it is not null.
   struct Growth {
@@ -89,7 +92,10 @@ class LineSearch {
   std::vector<int> whole_;  ///< last nodes of whole paths
   int farthest_ = -1;
   LineStop stop_;
-  double stop_s_ = -1;  ///< where it is
+  double stop_s_ = -1;                ///< where it is
+  std::vector<std::string> carried_;  ///< links that are fixed to the line's link
+  double examined_s_ = -1;            ///< the stop of is_link_blocked_
+  bool is_link_blocked_ = false;
   int steps_ = 0;
   bool is_timed_out_ = false, is_cancelled_ = false;
 };
