@@ -81,7 +81,7 @@ void print_text(const LineResult& result, double time_s) {
   const LinePath& line = result.line;
   constexpr double kDegrees = 180 / std::numbers::pi;
   const double length = (result.end.translation - result.begin.translation).norm();
-  fmt::print("line        {:.1f} % of {:.1f} cm, {}, {} tried\n", 100 * line.fraction(),
+  fmt::print("line        {:.1f} % of {:.1f} cm, {}, {}\n", 100 * line.fraction(),
              100 * length, counted(line.path.size(), "configuration", "configurations"),
              counted(static_cast<std::size_t>(result.branches), "branch", "branches"));
   fmt::print("deviation   at most {:.4f} mm and {:.4f} degrees, proven\n",
