@@ -39,7 +39,7 @@ struct TaskRun {
   /// Seeds of inverse kinematics per alternative in this round.
   [[nodiscard]] int seeds() const { return 16 << std::min(2 * round, 16); }
   /// Steps along a line before it counts as impossible in this round.
-  [[nodiscard]] int line_steps() const { return round == 0 ? 100 : LineSettings().line_steps; }
+  [[nodiscard]] int line_steps() const { return round == 0 ? 40 : LineSettings().line_steps; }
   /// Solutions to try per alternative in this round.
   [[nodiscard]] int branches() const {
     return round == 0 ? std::min(2, settings.branches) : settings.branches;

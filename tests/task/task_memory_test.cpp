@@ -17,6 +17,7 @@ TEST_SUITE("flow") {
                                     OpenMode::create)) {
       first_ = solved(task_, &database_, remembering());
       check_plan(task_, first_);
+      REQUIRE(database_.flush().has_value());
     }
 
     static TaskSettings remembering() {
