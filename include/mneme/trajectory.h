@@ -120,9 +120,13 @@ struct MotionMeasures {
 [[nodiscard]] double estimate_duration(const Robot& robot, const Path& path,
                                        const RateLimits& limits);
 
+/// A stop that is shorter, L2 joint distance, counts as none: the robot is at rest.
+inline constexpr double kLeastStop = 2e-6;
 /// Returns where a robot comes to rest that stops from `velocity` at `start` (a value per joint)
-/// as fast as possible without leaving the straight line. Errors, naming the joint: a velocity
-/// above its limit; a joint that would leave its range.
+/// as fast as possible without leaving the straight line; `start` if that is nearer than
+/// kLeastStop. Errors, naming the joint: a velocity above its limit; a joint that would leave its
+/// range; a continuous joint that would turn by pi or more, so that the path would turn it the
+/// other way.
 [[nodiscard]] Result<Configuration> stopping_point(const Robot& robot, const Configuration& start,
                                                    const std::vector<double>& velocity,
                                                    const RateLimits& limits);

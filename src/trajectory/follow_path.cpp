@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace mneme {
@@ -19,11 +20,11 @@ namespace {
 
 /// Stops are longer by this share, so that rounding does not make a leg too short for its stop.
 constexpr double kStopRoom = 1e-7;
+/// Continuous joints turn by less than pi by this, as verification wants it.
+constexpr double kTurnRoom = 1e-3;
 /// Largest part of a start velocity across the first leg, as a share of the speed, and rounding of
 /// the leg's ends.
 constexpr double kMostAcross = 1e-6, kRoundingOfEnds = 1e-14;
-/// A stop that is shorter is none: the direction of such a leg is lost to rounding.
-constexpr double kLeastStop = 1e-10;
 
 Result<void> check_velocity(const Robot& robot, const std::vector<double>& velocity,
                             const RateLimits& limits) {
@@ -105,15 +106,15 @@ Result<Trajectory> follow_from_velocity(const Timing& timing, const Path& path,
   const auto& [robot, limits, settings, verifier] = timing;
   MNEME_TRY(check_velocity(robot, velocity, limits));
   const Legs legs = find_legs(robot, path);
+  const double speed = norm(velocity);
+  if (reach_to_stop(unit(velocity), speed, limits) < kLeastStop) {
+    return follow_from_rest(timing, path);
+  }
   if (legs.legs.empty()) {
     return fail(ErrorCode::invalid,
                 "start velocity: the path does not move, expected a stop on it");
   }
   const Leg& first = legs.legs.front();
-  const double speed = norm(velocity);
-  if (reach_to_stop(unit(velocity), speed, limits) < kLeastStop) {
-    return follow_from_rest(timing, path);
-  }
   const double across = std::max(kMostAcross, kRoundingOfEnds / first.length);
   if (norm(plus(velocity, -speed, first.direction)) > across * speed) {
     return fail(ErrorCode::invalid,
@@ -152,16 +153,23 @@ Result<Configuration> stopping_point(const Robot& robot, const Configuration& st
   if (speed == 0) return start;
   const std::vector<double> direction = internal::unit(velocity);
   const double length = internal::reach_to_stop(direction, speed, limits);
+  if (length < kLeastStop) return start;
   Configuration stop = internal::plus(start, (1 + internal::kStopRoom) * length, direction);
   for (std::size_t j = 0; j < stop.size(); ++j) {
     const Joint& joint = robot.group_joint(static_cast<int>(j));
-    const bool wraps = joint.type == JointType::continuous;
-    if (wraps || (stop[j] >= joint.lower && stop[j] <= joint.upper)) continue;
+    const double turn = std::abs(stop[j] - start[j]);
+    if (joint.type == JointType::continuous) {
+      if (turn < std::numbers::pi - internal::kTurnRoom) continue;
+      return fail(ErrorCode::invalid,
+                  "start velocity: joint '{}' would turn by {:.4g} before it stops, expected less "
+                  "than pi: lower the velocity or raise the limits",
+                  joint.name, turn);
+    }
+    if (stop[j] >= joint.lower && stop[j] <= joint.upper) continue;
     return fail(ErrorCode::invalid,
                 "start velocity: joint '{}' would stop at {:.4g}, beyond its limit {:.4g}: {:.4g} "
                 "after the start",
-                joint.name, stop[j], stop[j] < joint.lower ? joint.lower : joint.upper,
-                std::abs(stop[j] - start[j]));
+                joint.name, stop[j], stop[j] < joint.lower ? joint.lower : joint.upper, turn);
   }
   return stop;
 }

@@ -78,6 +78,19 @@ TEST_SUITE("flow") {
     CHECK(wrong->plan.message.find("got 1 values, expected 3") != std::string::npos);
   }
 
+  TEST_CASE("velocities as small as noise of encoders are planned and timed") {
+    for (const double speed : {1e-12, 1e-6, 1e-3, 1e-2}) {
+      CAPTURE(speed);
+      const Problem problem = arm_beside(kBetween, {speed, -speed, 0});
+      const SolveSettings settings = settings_within(problem.robot);
+      const auto result = solve(problem, nullptr, settings);
+      REQUIRE(result->plan.is_solved());
+      const auto motion =
+          make_trajectory(problem, settings, result->plan.path, *settings.plan.limits);
+      CHECK_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+    }
+  }
+
   TEST_CASE("a start velocity of zeros changes nothing") {
     const Problem still = arm_beside(kBetween, {});
     const SolveSettings settings = settings_within(still.robot);

@@ -45,7 +45,8 @@ TEST_SUITE("law") {
           i % 2 == 0 ? random_limits(empty.robot(), rng) : random_jerk_limits(empty.robot(), rng);
       const auto velocity = random_velocity(limits, std::pow(10, rng.uniform(-3, 0)), rng);
       const auto stop = stopping_point(empty.robot(), path.front(), velocity, limits);
-      if (!stop) continue;  // beyond a joint's range
+      if (!stop) continue;                  // beyond a joint's range
+      if (*stop == path.front()) continue;  // at rest
       ++count;
       path.insert(path.begin() + 1, empty.robot().normalized(*stop));
       const auto motion = timed_from(empty, path, velocity, limits);
@@ -91,6 +92,19 @@ TEST_SUITE("unit") {
     const double stop_s = 0.6,
                  rest_s = timed_from(empty, {path[1], path[2]}, {}, kTwos, 0)->duration_s();
     CHECK(duration_s < 0.95 * (stop_s + rest_s));
+  }
+
+  TEST_CASE("velocities whose stop is shorter than two micrometres count as rest") {
+    const EmptyScene empty(gantry());
+    const RateLimits ones{{1, 1, 1}, {1, 1, 1}};
+    const Path path = {{-1, 0, 1}, {0, 1, 1}};
+    const double rest_s = timed_from(empty, path, {}, ones)->duration_s();
+    for (const double speed : {1e-12, 1e-6, 1e-3}) {
+      CHECK(stopping_point(gantry(), path[0], {0, speed, 0}, ones).value() == path[0]);
+      const auto motion = timed_from(empty, path, {0, speed, 0}, ones);
+      REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+      CHECK(motion->duration_s() == rest_s);
+    }
   }
 
   TEST_CASE("start velocities that cannot be met are refused with the reason") {
