@@ -549,7 +549,7 @@ void Alternatives::finish(LocalState state, int alternative, const Configuration
     if (Obstacle* obstacle = after.scene.find(stage(i).object)) {
       // Contact with the hand is allowed while it takes or leaves the object only.
       const Obstacle* before = run_.task.scene.find(stage(i).object);
-      if (before != nullptr) obstacle->may_touch = before->may_touch;
+      obstacle->may_touch = before != nullptr ? before->may_touch : std::vector<std::string>();
     }
   }
   candidate.after = state.world;

@@ -111,7 +111,7 @@ class ContactExit {
     Transform pose = robot.link_poses(line_.q)[as_index(*robot.find_link(line_.link))];
     const Vec3 way = line_.X_WL.translation - pose.translation;
     if (way.norm() == 0) return std::nullopt;
-    const double length = std::min(share * motions_.longest_stretch(), way.norm());
+    const double length = share * std::min(motions_.longest_stretch(), way.norm());
     pose.translation += length * way.normalized();
     auto inside = reach_nearby(checker(), line_.link, pose, line_.q);
     ++run_.states;

@@ -96,7 +96,13 @@ Result<World> detached(const World& world, const Stage& stage, const Configurati
   next.poses[stage.object] = X_WL * held.X_LO;
   next.robot = MNEME_TRY(world.robot.without_attached(stage.object));
   next.held.erase(stage.object);
-  for (Obstacle& other : next.scene.obstacles) std::erase(other.exact_links, stage.object);
+  for (Obstacle& other : next.scene.obstacles) {
+    std::erase(other.exact_links, stage.object);
+    std::erase(other.may_touch, stage.object);
+  }
+  std::erase_if(next.scene.exact_pairs, [&](const auto& pair) {
+    return pair.first == stage.object || pair.second == stage.object;
+  });
   MNEME_TRY(next.scene.add(std::move(obstacle)));
   return next;
 }
