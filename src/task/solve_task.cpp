@@ -217,7 +217,7 @@ Result<bool> TaskSearch::plan_move(std::size_t level) {
     levels_[level].entry = std::move(entry);
     return true;
   }
-  auto problem = std::make_shared<const Problem>(problem_of(level));
+  auto problem = std::make_shared<Problem>(problem_of(level));
   SolveSettings settings = run_.settings.solve;
   settings.plan.timeout_s = run_.remaining_s();
   settings.plan.max_iterations =
@@ -230,6 +230,8 @@ Result<bool> TaskSearch::plan_move(std::size_t level) {
     drops_.add(*groups_[level].move, {DropReason::path, solved.plan.message});
     return false;
   }
+  // The scene as it was checked: with pairs that count by exact geometry only.
+  if (solved.scene) problem->scene = *std::move(solved.scene);
   entry.problem = std::move(problem);
   entry.path = std::move(solved.plan.path);
   entry.path.back() = run_.task.robot.turned_near(entry.problem->goals.front(), entry.path.back());
