@@ -109,11 +109,12 @@ bool Alternatives::wants_reason(int line) const {
 
 const Stage& Alternatives::stage(int i) const { return run_.task.stages[as_index(i)]; }
 
-/// Objects may touch the links that take them, or that they leave, during the whole group.
+/// Objects may touch the links that take them where a line ends.
 World Alternatives::with_touch(World world) const {
   for (const int i : group_.local) {
     const Stage& at = stage(i);
-    if (at.kind == StageKind::attach) allow_touch(world.scene, at.object, at.may_touch);
+    if (at.kind != StageKind::attach) continue;
+    let_touch_at_ends(world.scene, at.object, at.may_touch, run_.settings.solve.allow_at_ends);
   }
   return world;
 }
@@ -402,6 +403,11 @@ std::vector<Configuration> Alternatives::solve_kinematics(int alternative) {
           ->solve(goal, near, settings, may_touch ? nullptr : &checker, kVerificationMargin);
   run_.states += reached.solutions.size() + reached.blocked.size();
   if (!reached.solutions.empty()) return std::move(reached.solutions);
+  // A held object may be near what it is put on: the move decides by exact geometry.
+  if (!may_touch && run_.may_touch_at_ends(touched_->world) && !reached.blocked.empty()) {
+    reached.blocked.resize(std::min(reached.blocked.size(), as_index(run_.branches())));
+    return std::move(reached.blocked);
+  }
   if (reached.blocked.empty()) {
     drops_.add(failing_stage(), {DropReason::kinematics, fmt::format("link '{}'", goal.link)});
   } else {
@@ -491,13 +497,15 @@ void Alternatives::run_from(std::size_t position, LocalState state, int alternat
     }
     auto next = after_stage(state.world->world, stage(i), state.q);
     if (!next) return drops_.add(i, {DropReason::attach, next.error().message});
-    const bool is_detach = stage(i).kind == StageKind::detach;
-    if (is_detach) {
-      allow_touch(next->scene, stage(i).object,
-                  state.world->world.held.at(stage(i).object).may_touch);
+    if (stage(i).kind == StageKind::detach) {
+      let_touch_at_ends(next->scene, stage(i).object,
+                        state.world->world.held.at(stage(i).object).may_touch,
+                        run_.settings.solve.allow_at_ends);
     }
     auto checked = check_world(*std::move(next), run_);
     if (!checked) return drops_.add(i, {DropReason::contact, checked.error().message});
+    if (!may_stand(run_, *checked, state.q))
+      return drop_in_contact(i, (*checked)->checker, state.q);
     state.stages.push_back({i, state.world, {state.q}});
     state.world = *std::move(checked);
   }
@@ -545,13 +553,8 @@ void Alternatives::finish(LocalState state, int alternative, const Configuration
   candidate.end = state.q;
   candidate.anchor = anchor;
   World after = state.world->world;
-  for (const int i : group_.local) {
-    if (Obstacle* obstacle = after.scene.find(stage(i).object)) {
-      // Contact with the hand is allowed while it takes or leaves the object only.
-      const Obstacle* before = run_.task.scene.find(stage(i).object);
-      obstacle->may_touch = before != nullptr ? before->may_touch : std::vector<std::string>();
-    }
-  }
+  // The hand may touch what it takes or leaves in this group only.
+  after.scene.end_contacts = run_.task.scene.end_contacts;
   candidate.after = state.world;
   if (!(after.scene == state.world->world.scene)) {
     auto checked = check_world(std::move(after), run_);

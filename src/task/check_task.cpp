@@ -7,6 +7,7 @@
 #include "task/groups.h"
 #include "task/world.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -65,9 +66,22 @@ class TaskCheck {
       case StageKind::allow:
         return check_allow(stage);
       case StageKind::gripper:
-        return with_joint_values(task_.robot, stage.values).map([](const Robot&) {});
+        return check_gripper(stage);
     }
     return {};
+  }
+
+  Result<void> check_gripper(const Stage& stage) const {
+    for (const Joint& joint : task_.robot.joints()) {
+      const auto value = stage.values.find(joint.name);
+      if (value == stage.values.end() || joint.type == JointType::continuous) continue;
+      constexpr double kTolerance = 1e-5;
+      const double given = value->second;
+      if (given >= joint.lower - kTolerance && given <= joint.upper + kTolerance) continue;
+      return fail(ErrorCode::invalid, "joint '{}' is to be at {}, beyond its limits [{}, {}]",
+                  joint.name, given, joint.lower, joint.upper);
+    }
+    return with_joint_values(task_.robot, stage.values).map([](const Robot&) {});
   }
 
   Result<void> check_link(const std::string& link, std::string_view what) const {
@@ -112,7 +126,8 @@ class TaskCheck {
     }
     for (const Transform& pose : choice.poses) {
       const Eigen::Matrix3d& R = pose.rotation;
-      const bool is_rotation = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < 1e-6;
+      const bool is_rotation = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < 1e-6 &&
+                               R.col(0).cross(R.col(1)).dot(R.col(2)) > 0;
       if (pose.translation.allFinite() && is_rotation) continue;
       return fail(ErrorCode::invalid, "one of its poses is no rotation and position");
     }
@@ -140,8 +155,10 @@ class TaskCheck {
     if (has_direction && !(std::abs(stage.direction.norm() - 1) < 1e-6)) {
       return fail(ErrorCode::invalid, "its direction is no unit vector");
     }
-    if (has_direction && !(stage.distance > 0 && std::isfinite(stage.distance))) {
-      return fail(ErrorCode::invalid, "its distance is {} m, expected more than 0", stage.distance);
+    constexpr double kFarthest = 100;  // metres
+    if (has_direction && !(stage.distance > 0 && stage.distance <= kFarthest)) {
+      return fail(ErrorCode::invalid, "its distance is {} m, expected more than 0 and at most {}",
+                  stage.distance, kFarthest);
     }
     return {};
   }

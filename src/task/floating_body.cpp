@@ -79,6 +79,11 @@ std::optional<FloatingBody> FloatingBody::make(std::vector<Link> links, Scene sc
   const auto robot = make_robot(std::move(parts));
   if (!robot) return std::nullopt;
   scene.exact_pairs.clear();
+  // Contact that is allowed at the ends of a line is no reason to drop a pose there.
+  for (const EndContact& contact : std::exchange(scene.end_contacts, {})) {
+    if (Obstacle* other = scene.find(contact.second)) other->may_touch.push_back(contact.first);
+    if (Obstacle* other = scene.find(contact.first)) other->may_touch.push_back(contact.second);
+  }
   for (Obstacle& obstacle : scene.obstacles) {
     obstacle.exact_links.clear();
     std::erase_if(obstacle.may_touch,

@@ -190,6 +190,14 @@ tl::expected<FollowedLine, Failure> follow_out_of_contact(TaskRun& run,
 
 }  // namespace
 
+bool may_stand(TaskRun& run, const CheckedWorldPtr& world, const Configuration& q) {
+  ++run.states;
+  if (is_clear_by_exact_geometry(world->checker, q)) return true;
+  if (!run.may_touch_at_ends(world->world)) return false;
+  const LineTask here{"", q, {}, false};
+  return ContactExit(run, world, here).may_begin();
+}
+
 tl::expected<FollowedLine, Failure> follow_line(TaskRun& run, const CheckedWorldPtr& world,
                                                 const LineTask& line) {
   tl::expected<FollowedLine, Failure> followed;

@@ -73,6 +73,10 @@ struct LineTask {
   bool has_reason = true;  ///< the failure names bodies, which costs more than the test
 };
 
+/// True if the robot may be at `q`: free, by exact geometry where spheres touch, or in contact that
+/// a line may leave.
+[[nodiscard]] bool may_stand(TaskRun& run, const CheckedWorldPtr& world, const Configuration& q);
+
 struct FollowedLine {
   CheckedWorldPtr world;  ///< as checked
   Path path;              ///< from `q` on, or up to `q` unless LineTask::is_start

@@ -127,7 +127,9 @@ Result<World> with_allowed(const World& world, const Stage& stage) {
   World next = world;
   for (const auto& [first, second] : stage.pairs) {
     const bool is_obstacle = next.scene.find(second) != nullptr;
-    allow_touch(next.scene, is_obstacle ? second : first, {is_obstacle ? first : second});
+    std::vector<std::string>& touching = next.scene.find(is_obstacle ? second : first)->may_touch;
+    const std::string& name = is_obstacle ? first : second;
+    if (std::ranges::count(touching, name) == 0) touching.push_back(name);
   }
   return next;
 }
@@ -213,12 +215,10 @@ Result<World> after_stage(const World& world, const Stage& stage, const Configur
   return world;
 }
 
-void allow_touch(Scene& scene, const std::string& object, const std::vector<std::string>& links) {
-  Obstacle* obstacle = scene.find(object);
-  if (obstacle == nullptr) return;
-  for (const std::string& link : links) {
-    if (std::ranges::count(obstacle->may_touch, link) == 0) obstacle->may_touch.push_back(link);
-  }
+void let_touch_at_ends(Scene& scene, const std::string& object,
+                       const std::vector<std::string>& links, double stretch) {
+  if (stretch == 0) return;
+  for (const std::string& link : links) scene.end_contacts.push_back({link, object, stretch});
 }
 
 std::vector<Transform> link_targets(const World& world, const PoseChoice& choice,

@@ -63,8 +63,9 @@ using WorldPtr = std::shared_ptr<const World>;
 /// Largest distance of an object from the links that take it, metres.
 inline constexpr double kFarthestAttach = 0.05;
 
-/// Allows or forbids contact of links with the free object.
-void allow_touch(Scene& scene, const std::string& object, const std::vector<std::string>& links);
+/// Lets links touch the object at the ends of lines, within `stretch` metres of motion.
+void let_touch_at_ends(Scene& scene, const std::string& object,
+                       const std::vector<std::string>& links, double stretch);
 
 /// Returns where each pose of the choice brings its link, in the root link's frame. `start_poses`
 /// are the poses of links at the task's start. Precondition: check_task() accepts the task.

@@ -123,6 +123,48 @@ TEST_SUITE("flow") {
     CHECK(result.message.find("with 'box'") != std::string::npos);
   }
 
+  TEST_CASE("links in touch may not slide along the object before they take it") {
+    // From above, 16 mm and more beside a cup that is 5 mm too wide for the fingers on either side.
+    const std::string wide = replaced(kCell, "radius: 0.035", "radius: 0.063");
+    std::string stages = replaced(
+        kPickAndPlace, "attach: cup",
+        "attach: {object: cup, link: panda_hand, touch: [panda_leftfinger, panda_rightfinger]}");
+    stages = replaced(stages, "[-0.115, 0, 0]", "[0, 0, 0.14]");
+    stages = replaced(stages, "[0, 0.70710678, 0, 0.70710678]", "[1, 0, 0, 0]");
+    stages = replaced(stages, "to: 0.03, count: 3", "to: 0.01, count: 3");
+    const TaskResult result = solved(make_task(wide + stages));
+    CHECK(result.status == PlanStatus::invalid_goal);
+    CHECK(result.message.find("stage 'approach'") != std::string::npos);
+  }
+
+  TEST_CASE("what is held at the start may touch the hand no longer once it has left") {
+    const std::string attached =
+        "attached: [{name: ball, link: panda_hand, type: sphere, position: [0, 0, 0.115], radius: "
+        "0.03, touch: [panda_link6]}]\n";
+    const Task task = make_task(kCell + attached +
+                                "stages: [{detach: ball}, {line: {direction: [0, 0, -1], along: "
+                                "panda_hand, distance: 0.1}}, {move: [0.5, -0.785, 0, -2.356, 0, "
+                                "1.571, 0.785]}]\n");
+    const TaskResult result = solved(task);
+    check_plan(task, result);
+    const Scene& scene = result.stages[2].world->scene;
+    REQUIRE(scene.find("ball") != nullptr);
+    CHECK(scene.find("ball")->may_touch.empty());
+    CHECK(scene.end_contacts.empty());
+  }
+
+  TEST_CASE("contact that a stage allows is allowed from then on") {
+    const Task task = make_task(
+        kCell +
+        "stages: [{allow: [[panda_leftfinger, table]]}, {move: [0.5, -0.785, 0, -2.356, 0, "
+        "1.571, 0.785]}]\n");
+    const TaskResult result = solved(task);
+    check_plan(task, result);
+    CHECK(result.stages[0].world->scene.find("table")->may_touch.empty());
+    CHECK(result.stages[1].world->scene.find("table")->may_touch ==
+          std::vector<std::string>{"panda_leftfinger"});
+  }
+
   TEST_CASE("an object that is not near is not attached") {
     const TaskResult result = solved(make_task(kCell + "stages: [{attach: cup}]\n"));
     CHECK(result.status == PlanStatus::invalid_goal);

@@ -27,6 +27,12 @@ TEST_SUITE("unit") {
     REQUIRE_MESSAGE(task.has_value(), (task ? "" : task.error().message));
     const TaskResult result = solved(*task);
     check_plan(*task, result);
+    Task wrong = *task;
+    wrong.stages[0].values["grip"] = 0.6;
+    const auto refused = check_task(wrong);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().message ==
+          "stage 'gripper 1': joint 'grip' is to be at 0.6, beyond its limits [0, 0.05]");
     const Robot& robot = result.stages[1].world->robot;
     const auto grip = std::ranges::find(robot.joints(), "grip", &Joint::name);
     CHECK(grip->fixed_value == 0.03);
