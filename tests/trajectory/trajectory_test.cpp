@@ -134,7 +134,7 @@ TEST_SUITE("unit") {
       double last = INFINITY;
       for (const int rounds : {0, 2, 8, 40}) {
         const Trajectory motion = require_timed(empty, kTurn, limits, 1, rounds);
-        CHECK(motion.duration_s() <= last);
+        CHECK(motion.duration_s() <= 1.001 * last);  // barriers end within a percent
         CHECK(motion.at(0).position == kTurn.front());
         last = motion.duration_s();
         const auto flaw = trajectory_flaw(empty.robot(), kTurn, limits, 1, motion);
