@@ -124,7 +124,27 @@ class LinePlan {
     if (line_.frame.empty()) return Transform{};
     if (line_.frame == "world" && !robot_.find_link("world")) return Transform{};
     const auto frame = internal::as_index(MNEME_TRY(index_of(line_.frame, "frame")));
-    return frame == link_ ? result_.begin : poses[frame];
+    if (frame == link_) return result_.begin;
+    return line_.start ? find_frame_at_pose(frame, poses) : poses[frame];
+  }
+
+  /// The frame where only the link's pose is known, and not the joints.
+  [[nodiscard]] Result<Transform> find_frame_at_pose(std::size_t frame,
+                                                     const std::vector<Transform>& poses) const {
+    Configuration other = from_;
+    for (std::size_t j = 0; j < other.size(); ++j) other[j] += 0.1 + 0.01 * static_cast<double>(j);
+    const std::vector<Transform> moved = robot_.link_poses(other);
+    if (is_same(poses[frame], moved[frame])) return poses[frame];
+    const Transform X_LF = poses[link_].inverse() * poses[frame];
+    if (is_same(X_LF, moved[link_].inverse() * moved[frame])) return result_.begin * X_LF;
+    return refuse(
+        "the line's frame \"{}\" moves with the joints: for a line from a pose, expected a link "
+        "that is fixed to the base or to link \"{}\"",
+        line_.frame, robot_.links()[link_].name);
+  }
+
+  static bool is_same(const Transform& a, const Transform& b) {
+    return (a.translation - b.translation).norm() < 1e-9 && (a.rotation - b.rotation).norm() < 1e-9;
   }
 
   Result<void> find_ends() {

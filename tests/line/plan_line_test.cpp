@@ -147,6 +147,21 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("from a pose, a frame is known if it is fixed to the base or to the link") {
+    const Robot robot = shipped_robot("panda");
+    const CollisionChecker checker = require_checker(robot);
+    for (const std::string frame : {"panda_link0", "panda_link8"}) {
+      CAPTURE(frame);
+      Line line = line_by(kHand, Vec3(0.02, 0, 0.05));
+      line.frame = frame;
+      line.start = pose_at(robot, kHand, kReady).pose;
+      const LineResult result = require_line(checker, line, Configuration(kReady.size(), 0.1));
+      const Eigen::Matrix3d axes = pose_at(robot, frame, kReady).pose.rotation;
+      CHECK((result.end.translation - line.start->translation - axes * line.displacement).norm() <
+            1e-9);
+    }
+  }
+
   TEST_CASE("the only tip of the group is the default link") {
     const Robot robot = shipped_robot("ur5");
     const LineResult result = require_line(require_checker(robot), line_by("", Vec3(0, 0.05, 0)),
@@ -298,6 +313,12 @@ TEST_SUITE("unit") {
           "the line's link \"panda_hnd\" is no link of robot panda; did you mean 'panda_hand'?");
     check([](Line& line, auto&) { line.frame = "table"; },
           "the line's frame \"table\" is no link of robot panda");
+    check(
+        [](Line& line, auto&) {
+          line.frame = "panda_link5";
+          line.start = Transform{};
+        },
+        "the line's frame \"panda_link5\" moves with the joints");
     check([](Line& line, auto&) { line.displacement.setZero(); }, "has no length");
     check([&](Line& line, auto&) { line.target = pose_at(robot, kHand, kReady).pose; },
           "has no length");
