@@ -139,7 +139,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "rrt_connect: share of the work that escape walks may take: small steps from the newest "
         "node that pull a limb back along itself, off all obstacles. Work is counted by what is "
         "computed, not timed. At 1 a planner may make no progress; 0 turns walks off. "
-        "Default: the robot's (0.5 for a planar arm, 0.2 otherwise).");
+        "Default: the robot's (0.7 for a planar arm, 0.2 otherwise).");
   visit("walk-after", s.walk_after, std::uint64_t{0}, ~std::uint64_t{0},
         "rrt_connect: iterations before the first escape walk, so that easy problems do not pay "
         "for walks. Default: the robot's (0 for a planar arm, 3000 otherwise).");

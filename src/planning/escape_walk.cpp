@@ -8,7 +8,7 @@
 namespace mneme::internal {
 namespace {
 
-constexpr double kPlanarShare = 0.5, kSpatialShare = 0.2;
+constexpr double kPlanarShare = 0.7, kSpatialShare = 0.2;
 constexpr std::uint64_t kPlanarStart = 0, kSpatialStart = 3000;
 constexpr int kLongestWalk = 30;
 constexpr int kCandidates = 16;  ///< per step: a vector costs as much as one state

@@ -137,7 +137,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("walks take the share of the work that the settings say, or that suits the robot") {
     CHECK(std::abs(share_of_walks(threaded_world(), walking(0.5)) - 0.5) < 0.015);
-    CHECK(std::abs(share_of_walks(threaded_world(), walking({}, {})) - 0.5) < 0.015);
+    CHECK(std::abs(share_of_walks(threaded_world(), walking({}, {})) - 0.7) < 0.015);
     CHECK(std::abs(share_of_walks(reaching_world(), walking({})) - 0.2) < 0.015);
     CHECK(std::abs(share_of_walks(reaching_world(), walking(0.05)) - 0.05) < 0.015);
     CHECK(count_due(reaching_world(), walking(1, {}), 3000) == 0);
