@@ -248,7 +248,7 @@ void bind_experience(py::module_& module) {
           [](const Memory& self, double timeout) {
             const std::shared_ptr<Database> database = self.get();
             const py::gil_scoped_release release;
-            return database->flush(timeout);
+            unwrap(database->flush(timeout));
           },
           py::arg("timeout") = 30.0,
           "Waits, at most timeout seconds, until what plan() has remembered is stored. Raises\n"

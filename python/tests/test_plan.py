@@ -232,7 +232,7 @@ def test_control_c_ends_batches_checks_and_trajectories(robot, problem):
     plan = mneme.plan(problem)
     calls = (lambda: checker.is_valid(many),
              lambda: checker.is_path_free(plan.path, resolution=1e-5),
-             lambda: plan.trajectory(dt=1e-3, velocity_scale=0.001, acceleration_scale=0.001))
+             lambda: plan.trajectory(dt=1e-3, velocity_scale=0.002, acceleration_scale=0.001))
     for call in calls:
         timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
         timer.start()
