@@ -42,7 +42,8 @@ class TaskTracer {
     }
     whole_ = stages.front();
     keep_bare_links();
-    for (const auto& [name, object] : objects_) {
+    for (const auto& [key, object] : objects_) {
+      const std::string& name = key;
       whole_.links.push_back(object.link);
       whole_.looks.push_back(object.looks);
       whole_.carriers.push_back(object.carrier);

@@ -25,7 +25,7 @@ TEST_SUITE("flow") {
     CHECK(complete_in_bash("mneme db ver") == "verify\n");
     CHECK(complete_in_bash("mneme plan scene.yaml --timeo") == "--timeout\n");
     CHECK(complete_in_bash("mneme robot info --package") == "--package-path\n");
-    CHECK(has_text(complete_in_bash("mneme \"\""), "demo plan learn db"));
+    CHECK(has_text(complete_in_bash("mneme \"\""), "demo plan line learn db"));
     CHECK(complete_in_bash("mneme plan sce") == "\n");
     CHECK(complete_in_bash("mneme nonsense --timeo") == "\n");
   }

@@ -110,7 +110,8 @@ TEST_SUITE("unit") {
         "<child link=\"arm\"/><axis xyz=\"0 0 1\"/></joint></robot>");
     const ProgramRun run =
         run_program({"robot", "check", cart, "--q", "0", "--fix", "base/x=1,base/y=-2"});
-    CHECK_MESSAGE(has_text(run.out, "tip arm at 1.000000, -2.000000, 0.000000"), run.out + run.err);
+    CHECK_MESSAGE(has_text(run.out, "tip arm at 1.000000, -2.000000, 0.000000"),
+                  (run.out + run.err));
     check_bad_inputs({
         {{"robot", "check", cart, "--q", "0", "--fix", "base/x"}, 2, {"--fix", "JOINT=VALUE"}},
         {{"robot", "check", cart, "--q", "0", "--fix", "base/x=one"}, 2, {"base/x=one"}},
