@@ -155,7 +155,9 @@ TEST_SUITE("unit") {
       Line line = line_by(kHand, Vec3(0.02, 0, 0.05));
       line.frame = frame;
       line.start = pose_at(robot, kHand, kReady).pose;
-      const LineResult result = require_line(checker, line, Configuration(kReady.size(), 0.1));
+      Configuration elsewhere = kReady;
+      elsewhere[0] += 0.5;
+      const LineResult result = require_line(checker, line, elsewhere);
       const Eigen::Matrix3d axes = pose_at(robot, frame, kReady).pose.rotation;
       CHECK((result.end.translation - line.start->translation - axes * line.displacement).norm() <
             1e-9);
