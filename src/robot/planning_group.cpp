@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <ranges>
 #include <utility>
 
 namespace mneme::internal {
@@ -106,9 +105,10 @@ Result<int> find_free_joint(std::span<const Joint> joints, const std::string& na
   if (found == joints.end()) {
     fault = fmt::format("there is no joint '{}'", name);
   } else if (found->held) {
+    std::vector<std::string> values;
+    for (const auto& value : held_values(*found, {})) values.push_back(value.first);
     fault = fmt::format("joint '{0}' is {1}: its fixed values are {2}", name,
-                        found->held->is_planar ? "planar" : "floating",
-                        fmt::join(std::views::keys(held_values(*found, {})), ", "));
+                        found->held->is_planar ? "planar" : "floating", fmt::join(values, ", "));
   } else if (found->type == JointType::fixed) {
     fault = fmt::format("joint '{}' is fixed", name);
   } else if (found->mimic) {

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <ranges>
 #include <span>
 
 namespace mneme::internal {
@@ -43,10 +42,12 @@ MoveitFrames::MoveitFrames(const Input& scene, const MoveitState& state) {
   }
   if (state.poses.empty()) return;
   if (state.poses.size() > 1) {
+    std::vector<std::string> joints;
+    for (const auto& pose : state.poses) joints.push_back(pose.first);
     scene.fail(ErrorCode::unsupported,
                "multi_dof_joint_state: expected one virtual joint that carries the robot's root "
                "link, got {}",
-               fmt::join(std::views::keys(state.poses), ", "));
+               fmt::join(joints, ", "));
   }
   const bool is_planning_frame = frame.empty() || frame == planning_frame_;
   const auto known = X_PF_.find(frame);
