@@ -155,7 +155,6 @@ class Campaign {
     const auto off = test::measure_deviation(problem.robot, link, result, options_.states);
     tally.position = std::max(tally.position, off.position);
     tally.rotation = std::max(tally.rotation, off.rotation);
-    CheckCounters counters;
     const bool is_off = off.position > result.line.position_deviation + 1e-9 ||
                         off.rotation > result.line.rotation_deviation + 1e-7;
     const bool is_free =
