@@ -47,12 +47,13 @@ PlannedTask plan_task(const Task& task, const py::object& database, const py::kw
   Keywords own("plan_task", arguments);
   own.apply(settings);
   py::kwargs rest;
-  for (const auto& [key, value] : arguments) {
+  for (const auto& argument : arguments) {
+    const auto key = argument.first.cast<std::string>();
     bool is_own = false;
     visit_settings(settings, [&](std::string_view flag, auto&, auto, auto, std::string_view) {
-      is_own = is_own || keyword_of(flag) == key.cast<std::string>();
+      is_own = is_own || keyword_of(flag) == key;
     });
-    if (!is_own) rest[key] = value;
+    if (!is_own) rest[argument.first] = argument.second;
   }
   const bool has_database = !database.is_none();
   settings.solve =
