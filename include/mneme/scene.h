@@ -56,7 +56,9 @@ class ObstacleNames {
  public:
   ObstacleNames() = default;
   ObstacleNames(const ObstacleNames&) {}
-  ObstacleNames& operator=(const ObstacleNames&) { return *this = ObstacleNames(); }
+  ObstacleNames& operator=(const ObstacleNames&) {  // NOLINT(bugprone-unhandled-self-assignment)
+    return *this = ObstacleNames();
+  }
   ObstacleNames(ObstacleNames&&) noexcept = default;
   ObstacleNames& operator=(ObstacleNames&&) noexcept = default;
   ~ObstacleNames() = default;
@@ -145,7 +147,7 @@ struct FramedScene {
 /// Returns MoveIt's planning scene as YAML, which load_framed_scene() reads back to the same scene.
 /// Errors: a shape other than spheres, boxes and cylinders; an obstacle with `may_touch`; an empty
 /// `frame`.
-[[nodiscard]] Result<std::string> to_moveit_yaml(const FramedScene& scene);
+[[nodiscard]] Result<std::string> to_moveit_yaml(const FramedScene& framed);
 
 /// Returns a planar scene with a sphere in the plane z = 0 per circle; rows are x, y, radius.
 [[nodiscard]] Scene make_circle_scene(std::string name,

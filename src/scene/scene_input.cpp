@@ -30,11 +30,11 @@ std::optional<std::string> SceneBuilder::add(const std::string& name, const std:
   if (!(bound.center.norm() + bound.radius <= kFarthestShape)) {
     return fmt::format("expected a shape within {} m of the origin", kFarthestShape);
   }
-  const bool is_new_body = !body.empty() && bodies_.count(body) == 0;
-  if (is_new_body && names_.count(body) != 0) {
+  const bool is_new_body = !body.empty() && !bodies_.contains(body);
+  if (is_new_body && names_.contains(body)) {
     return fmt::format("expected a unique body name, got \"{}\", which names an obstacle", body);
   }
-  if (body.empty() && bodies_.count(name) != 0) {
+  if (body.empty() && bodies_.contains(name)) {
     return fmt::format("expected a unique name, got \"{}\", which names a body", name);
   }
   if (!name.empty() && !names_.insert(name).second) {
