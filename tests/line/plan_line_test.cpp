@@ -59,8 +59,9 @@ const std::pair<const char*, const char*> kArms[] = {
 
 TEST_SUITE("law") {
   TEST_CASE("lines from random configurations are free and stay within their bounds") {
-    for (const auto& [name, link] : kArms) {
-      CAPTURE(std::string(name));
+    for (const auto& arm : kArms) {
+      const std::string name = arm.first, link = arm.second;
+      CAPTURE(name);
       const Robot robot = shipped_robot(name);
       const CollisionChecker checker = require_checker(robot);
       Rng rng(3);
@@ -365,8 +366,9 @@ TEST_SUITE("unit") {
 
 TEST_SUITE("oracle") {
   TEST_CASE("lines that an exhaustive search over branches finds are found") {
-    for (const auto& [name, link] : {std::pair("panda", "panda_hand"), std::pair("ur5", "tool0")}) {
-      CAPTURE(std::string(name));
+    for (const auto& arm : {std::pair("panda", "panda_hand"), std::pair("ur5", "tool0")}) {
+      const std::string name = arm.first, link = arm.second;
+      CAPTURE(name);
       const Robot robot = shipped_robot(name);
       Scene scene;
       REQUIRE(scene.add(

@@ -99,7 +99,8 @@ TEST_SUITE("law") {
         const Robot robot = held(cart(type, axis), values).value();
         const Joint& joint = robot.joints()[0];
         REQUIRE(joint.held);
-        for (const auto& [name, value] : internal::held_values(joint, joint.held->pose)) {
+        for (const auto& [key, value] : internal::held_values(joint, joint.held->pose)) {
+          const std::string& name = key;
           CAPTURE(name);
           CHECK(value == doctest::Approx(values.contains(name) ? values.at(name) : 0));
         }

@@ -49,7 +49,8 @@ TEST_SUITE("flow") {
     ServiceSettings settings;
     settings.longest_plan_s = 2;  // spheres for slivers take longer
     const RunningService running(settings);
-    for (const auto& [name, triangles] : hostile_triangles()) {
+    for (const auto& [key, triangles] : hostile_triangles()) {
+      const std::string name = key;
       CAPTURE(name);
       const bool has_numbers = name == "points" || name == "tiny" || name == "slivers";
       for (const bool is_attached : {false, true}) {
