@@ -19,6 +19,8 @@ constexpr int kBisections = 60;
 /// its square.
 constexpr double kSlowerCorner = 0.6;
 constexpr int kCornerAttempts = 6;
+/// Share of a leg's length that counts as rounding.
+constexpr double kSameLength = 1e-6;
 
 /// A change of velocity whose acceleration grows for `ramp_s`, stays, and shrinks for `ramp_s`.
 struct Change {
@@ -26,6 +28,9 @@ struct Change {
 
   /// The greatest acceleration is the change of velocity times this.
   [[nodiscard]] double steepness() const { return 1 / (duration_s - ramp_s); }
+  [[nodiscard]] Change slowed(double factor) const {
+    return {factor * duration_s, factor * ramp_s};
+  }
   /// The distance, after half of the change, from where the velocity before would have led, divided
   /// by the change of velocity.
   [[nodiscard]] double half_way() const {
@@ -238,9 +243,10 @@ class SmoothMotion {
   [[nodiscard]] double duration_s() const {
     double duration_s = 0;
     for (std::size_t i = 0; i < legs_.size(); ++i) {
-      const auto [begin, peak, end, from, steady] = profile(i);
-      duration_s += along_[i].change(begin, peak).duration_s + (peak > 0 ? steady / peak : 0) +
-                    along_[i].change(peak, end).duration_s;
+      const auto [begin, peak, end, from, steady, slower] = profile(i);
+      const double changing_s =
+          along_[i].change(begin, peak).duration_s + along_[i].change(peak, end).duration_s;
+      duration_s += slower * changing_s + (peak > 0 ? steady / peak : 0);
     }
     for (const SmoothCorner& corner : corners_) {
       duration_s += corner.change_at(corner.share).duration_s;
@@ -311,35 +317,40 @@ class SmoothMotion {
   }
 
   /// Speeds along a leg: it changes from `begin` to `peak`, stays for `steady` metres or radians,
-  /// and changes to `end`, from `from` on.
+  /// and changes to `end`, from `from` on. Changes take `slower` times as long as limits allow.
   struct LegProfile {
-    double begin = 0, peak = 0, end = 0, from = 0, steady = 0;
+    double begin = 0, peak = 0, end = 0, from = 0, steady = 0, slower = 1;
   };
-  /// Accelerates to the greatest speed that the leg allows, and decelerates.
+  /// Accelerates to the greatest speed that the leg allows, and decelerates. A leg that is longer
+  /// than its change by rounding has a slower change, not an opposite one first.
   [[nodiscard]] LegProfile profile(std::size_t i) const {
     const LegLimits& along = along_[i];
     const double begin = begin_speed(i), end = end_speed(i), from = begin_reach(i);
     const double length = legs_[i].length - from - end_reach(i);
-    const double peak = greatest(std::max(begin, end), along.speed, [&](double speed) {
-      return along.reach(begin, speed) + along.reach(speed, end) <= length;
-    });
-    const double steady = length - along.reach(begin, peak) - along.reach(peak, end);
-    return {begin, peak, end, from, std::max(0.0, steady)};
+    const auto reach = [&](double speed) {
+      return along.reach(begin, speed) + along.reach(speed, end);
+    };
+    const double least = std::max(begin, end), needed = reach(least);
+    if (needed > 0 && length <= (1 + kSameLength) * needed) {
+      return {begin, least, end, from, 0, std::max(1.0, length / needed)};
+    }
+    const double peak =
+        greatest(least, along.speed, [&](double speed) { return reach(speed) <= length; });
+    return {begin, peak, end, from, std::max(0.0, length - reach(peak))};
   }
 
   void add_leg(std::size_t i, std::vector<JerkPiece>& pieces) const {
     const Leg& leg = legs_[i];
     const LegLimits& along = along_[i];
-    const auto [begin, peak, end, from, steady] = profile(i);
-    const double slow_down_at = leg.length - end_reach(i) - along.reach(peak, end);
-    add_change(leg, along, from, begin, peak, pieces);
+    const auto [begin, peak, end, from, steady, slower] = profile(i);
+    const double slow_down_at = leg.length - end_reach(i) - slower * along.reach(peak, end);
+    add_change(leg, along.change(begin, peak).slowed(slower), from, begin, peak, pieces);
     add(leg, slow_down_at - steady, peak, 0, 0, peak > 0 ? steady / peak : 0, pieces);
-    add_change(leg, along, slow_down_at, peak, end, pieces);
+    add_change(leg, along.change(peak, end).slowed(slower), slow_down_at, peak, end, pieces);
   }
 
-  static void add_change(const Leg& leg, const LegLimits& along, double from, double begin,
+  static void add_change(const Leg& leg, const Change& change, double from, double begin,
                          double end, std::vector<JerkPiece>& pieces) {
-    const Change change = along.change(begin, end);
     const double a = (end - begin) * change.steepness(), ramp = change.ramp_s;
     if (!(change.duration_s > 0)) return;
     const double jerk = ramp > 0 ? a / ramp : 0, steady = change.duration_s - 2 * ramp;

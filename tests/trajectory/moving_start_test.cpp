@@ -94,6 +94,25 @@ TEST_SUITE("unit") {
     CHECK(duration_s < 0.95 * (stop_s + rest_s));
   }
 
+  TEST_CASE("a motion that only stops decelerates from its first moment on") {
+    const EmptyScene empty(gantry());
+    const RateLimits without_jerk{{2, 2, 2}, {4, 4, 4}};
+    for (const RateLimits& limits : {kTwos, without_jerk}) {
+      const Configuration start = {-1, 0, 1};
+      const auto stop = stopping_point(empty.robot(), start, {1.9, 0, 0}, limits);
+      REQUIRE(stop.has_value());
+      for (const Path& path : {Path{start, *stop}, Path{start, *stop, {-1, 1, 1}}}) {
+        const auto motion = timed_from(empty, path, {1.9, 0, 0}, limits);
+        REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+        const bool jumps = limits.jerk.empty();
+        CHECK(motion->at(0).acceleration[0] == doctest::Approx(jumps ? -4 : 0).epsilon(1e-6));
+        for (const double time_s : {1e-9, 1e-8, 1e-7, 1e-6}) {
+          CHECK(motion->at(time_s).acceleration[0] < 0);
+        }
+      }
+    }
+  }
+
   TEST_CASE("velocities whose stop is shorter than two micrometres count as rest") {
     const EmptyScene empty(gantry());
     const RateLimits ones{{1, 1, 1}, {1, 1, 1}};
