@@ -1,14 +1,17 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/files.h"
 #include "mesh/line_reader.h"
+#include "mesh/mesh_file.h"
 #include "mesh/surface_builder.h"
 
 #include <algorithm>
+#include <filesystem>
 
 namespace mneme::internal {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 84, kFacetBytes = 50;
+constexpr std::size_t kTitleBytes = 80, kHeaderBytes = 84, kFacetBytes = 50;
 
 void read_text(std::string_view bytes, SurfaceBuilder& surface) {
   LineReader lines(bytes, surface.source());
@@ -42,9 +45,10 @@ void read_text(std::string_view bytes, SurfaceBuilder& surface) {
   if (is_open) lines.fail_file(ErrorCode::parse, "ends within a facet");
 }
 
-/// A binary file states its number of triangles after 80 bytes. Bytes after these are ignored.
+/// A binary file states its number of triangles after its title. Bytes after these are ignored.
 void read_binary_facets(std::string_view bytes, SurfaceBuilder& surface) {
-  const auto stated = static_cast<std::size_t>(read_binary(bytes.data() + 80, {'U', 4}, false));
+  const auto stated =
+      static_cast<std::size_t>(read_binary(bytes.data() + kTitleBytes, {'U', 4}, false));
   if (bytes.size() < kHeaderBytes + kFacetBytes * stated) {
     throw_failure(ErrorCode::parse, "{}: ends before the {} triangles that it announces",
                   surface.source(), stated);
@@ -74,6 +78,15 @@ void read_stl(std::string_view bytes, SurfaceBuilder& surface) {
                   surface.source());
   }
   read_binary_facets(bytes, surface);
+}
+
+bool is_empty_stl(const std::string& path) {
+  if (lower_case(std::filesystem::path(path).extension().string()) != ".stl") return false;
+  const Result<std::string> bytes = read_regular_file(path, kHeaderBytes);
+  if (!bytes) return false;
+  const auto is_zero = [](char byte) { return byte == 0; };
+  if (bytes->size() == kTitleBytes) return std::ranges::all_of(*bytes, is_zero);
+  return bytes->size() == kHeaderBytes && std::ranges::all_of(bytes->substr(kTitleBytes), is_zero);
 }
 
 }  // namespace mneme::internal

@@ -3,6 +3,7 @@
 #include "robot/urdf_reader.h"
 
 #include "base/as_index.h"
+#include "mesh/mesh_file.h"
 #include "robot/robot_tree.h"
 #include "robot/xml_reader.h"
 
@@ -90,6 +91,9 @@ void add_mesh(XmlReader& xml, const MeshFinder& meshes, const XmlElement& mesh,
   }
   if (!unknown.empty()) {
     xml.tolerate(mesh, fmt::format("no package '{}', took files above the URDF", unknown), name);
+  }
+  if (is_empty_stl(*path)) {
+    return xml.tolerate(mesh, "the mesh has no triangles and is ignored", name);
   }
   link.solids.push_back(MeshFile{*std::move(path), scale, pose});
 }

@@ -491,6 +491,20 @@ TEST_SUITE("unit") {
     CHECK(std::get<MeshFile>(mirrored.solids.at(0)).scale == Vec3(0.1, -1, 2));
   }
 
+  TEST_CASE("binary STL files without triangles are left aside, cut ones are not") {
+    const test::TemporaryDirectory directory;
+    const auto solids = [&](const std::string& bytes) {
+      test::write_file(directory / "a.stl", bytes);
+      return read_link(R"(<mesh filename="a.stl"/>)", directory / "r.urdf").solids.size();
+    };
+    const std::string zeros(80, '\0');
+    CHECK(solids(zeros) == 0);
+    CHECK(solids(std::string(80, 'x') + std::string(4, '\0')) == 0);
+    CHECK(solids(std::string(80, 'x')) == 1);
+    CHECK(solids(zeros + std::string("\1\0\0\0", 4)) == 1);
+    CHECK(solids(zeros.substr(1)) == 1);
+  }
+
   TEST_CASE("a link may have several collisions of different kinds") {
     std::string text = with_geometry(R"(<box size="1 1 1"/>)");
     const std::string more = R"(<collision><geometry><cylinder radius="1" length="1"/></geometry>
