@@ -79,8 +79,35 @@ Configuration free_configuration(const CollisionChecker& checker, Rng& rng) {
   }
 }
 
+/// Returns the joint, and its value, that every way from start to goal must pass and at which none
+/// of 2000 random states of the others is valid: no proof, but a sign that there is no way. Empty
+/// if there is none.
+std::string apart_by(const CollisionChecker& checker, const Configuration& start,
+                     const Configuration& goal, Rng& rng) {
+  constexpr int kValues = 32, kStates = 2000;
+  const Robot& robot = checker.robot();
+  const auto is_blocked = [&](std::size_t joint, double value) {
+    for (int k = 0; k < kStates; ++k) {
+      Configuration q = test::sampled_configuration(robot, rng);
+      q[joint] = value;
+      if (checker.is_valid(std::span<const double>(q))) return false;
+    }
+    return true;
+  };
+  for (std::size_t j = 0; j < start.size(); ++j) {
+    const Joint& joint = robot.group_joint(static_cast<int>(j));
+    if (joint.type == JointType::continuous) continue;
+    for (int i = 1; i < kValues; ++i) {
+      const double value = start[j] + (goal[j] - start[j]) * i / kValues;
+      if (is_blocked(j, value)) return fmt::format("{} at {:.2f}", joint.name, value);
+    }
+  }
+  return {};
+}
+
 struct Tally {
   int solved = 0;
+  int apart = 0;  ///< unsolved, start and goal are held apart by one joint
   int touching = 0;
   std::vector<double> times_s;  ///< of planning; infinite without a path
 };
@@ -93,14 +120,20 @@ Result<Tally> plan_pairs(const std::string& file, const Robot& robot, const Opti
   Tally tally;
   for (int i = 0; i < options.pairs; ++i) {
     Problem problem{"pair", robot, {}, {"empty", {}}, free_configuration(checker, rng), {}, {}};
-    problem.goals = {free_configuration(checker, rng)};
+    const Configuration goal = free_configuration(checker, rng);
+    problem.goals = {goal};
     SolveSettings settings;
     settings.plan.timeout_s = options.timeout_s;
     const SolveResult result = MNEME_TRY(solve(problem, nullptr, settings));
     const bool is_solved = result.plan.is_solved();
     tally.times_s.push_back(is_solved ? result.planning_time_s
                                       : std::numeric_limits<double>::infinity());
-    if (!is_solved) continue;
+    if (!is_solved) {
+      const std::string joint = apart_by(checker, problem.start, goal, rng);
+      tally.apart += joint.empty() ? 0 : 1;
+      fmt::print("  unsolved: pair {}{}{}\n", i, joint.empty() ? "" : ": apart by ", joint);
+      continue;
+    }
     ++tally.solved;
     const std::string contact = contact_on(result.plan.path, oracle, pairs, robot, options.step);
     if (contact.empty()) continue;
@@ -156,11 +189,12 @@ bool run(const std::string& file, const Options& options) {
     fmt::print("  WRONG: {}: {}\n", file, tally.error().message);
     return false;
   }
-  fmt::print("{:28} {:6} {:6.1f} {:6} {:7} {:8.2f} {:8.2f} {:8.2f} {:8}\n",
+  fmt::print("{:28} {:6} {:6.1f} {:6} {:7} {:6} {:8.2f} {:8.2f} {:8.2f} {:8}\n",
              std::filesystem::path(file).stem().string(), loaded->robot.joint_count(), load_s,
              loaded->robot.exact_pairs().size(), fmt::format("{}/{}", tally->solved, options.pairs),
-             1e3 * quantile(tally->times_s, 0.5), 1e3 * quantile(tally->times_s, 0.95),
-             1e3 * quantile(tally->times_s, 1), tally->touching);
+             tally->apart, 1e3 * quantile(tally->times_s, 0.5),
+             1e3 * quantile(tally->times_s, 0.95), 1e3 * quantile(tally->times_s, 1),
+             tally->touching);
   std::fflush(stdout);
   return tally->touching == 0;
 }
@@ -190,8 +224,8 @@ int main(int argc, char** argv) {
     for (const std::string& file : options.files) is_right &= mneme::soak::compare(file, options);
     return is_right ? 0 : 1;
   }
-  fmt::print("{:28} {:>6} {:>6} {:>6} {:>7} {:>8} {:>8} {:>8} {:>8}\n", "robot", "joints", "load s",
-             "exact", "solved", "p50 ms", "p95 ms", "max ms", "touching");
+  fmt::print("{:28} {:>6} {:>6} {:>6} {:>7} {:>6} {:>8} {:>8} {:>8} {:>8}\n", "robot", "joints",
+             "load s", "exact", "solved", "apart", "p50 ms", "p95 ms", "max ms", "touching");
   for (const std::string& file : options.files) is_right &= mneme::soak::run(file, options);
   return is_right ? 0 : 1;
 }
