@@ -7,6 +7,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <system_error>
 #include <utility>
 
 namespace mneme::internal {
@@ -39,6 +44,37 @@ std::string escape_bytes(std::string_view text) {
   }
   return result;
 }
+
+#ifdef __cpp_lib_to_chars
+
+std::from_chars_result number_from(const char* begin, const char* end, double& value) {
+  return std::from_chars(begin, end, value);
+}
+
+#else
+
+std::from_chars_result number_from(const char* begin, const char* end, double& value) {
+  // strtod() reads more than from_chars(): spaces, a plus sign and hexadecimal digits.
+  const auto is_of_number = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' || c == '+';
+  };
+  std::string text(begin, std::find_if_not(begin, end, is_of_number));
+  if (text.empty() || text.front() == '+') return {begin, std::errc::invalid_argument};
+  const std::size_t x = text.find_first_of("xX");
+  if (x != text.npos) text.resize(x);
+  char* stop = nullptr;
+  errno = 0;
+  const double number = std::strtod(text.c_str(), &stop);
+  if (stop == text.c_str()) return {begin, std::errc::invalid_argument};
+  const char* const reached = begin + (stop - text.c_str());
+  // Numbers below the least normal one are numbers, too.
+  const bool is_out_of_range = number == 0 || std::isinf(number);
+  if (errno == ERANGE && is_out_of_range) return {reached, std::errc::result_out_of_range};
+  value = number;
+  return {reached, std::errc()};
+}
+
+#endif
 
 std::string escape_csv(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);

@@ -4,6 +4,7 @@
 /// UTF-8, fields of CSV files, costly XML, and names similar to a misspelt one.
 #pragma once
 
+#include <charconv>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -23,6 +24,12 @@ struct CodePoint {
 [[nodiscard]] std::optional<std::u32string> decode_utf8(std::string_view text);
 /// Returns `text` with each NUL and each byte that is not UTF-8 written as in "\\xff".
 [[nodiscard]] std::string escape_bytes(std::string_view text);
+
+/// As std::from_chars(), which libc++ lacks for floating point before version 20.
+std::from_chars_result number_from(const char* begin, const char* end, double& value);
+inline std::from_chars_result number_from(const char* begin, const char* end, std::size_t& value) {
+  return std::from_chars(begin, end, value);
+}
 
 /// Returns a field of a CSV file (RFC 4180), quoted if necessary.
 [[nodiscard]] std::string escape_csv(std::string_view text);

@@ -32,8 +32,16 @@ class Threads {
 
  private:
   struct Shared;
+  /// Joins when destroyed, as std::jthread does, which libc++ lacks.
+  struct JoiningThread : std::thread {
+    using std::thread::thread;
+    JoiningThread(JoiningThread&&) = default;
+    ~JoiningThread() {
+      if (joinable()) join();
+    }
+  };
   std::shared_ptr<Shared> shared_;
-  std::vector<std::jthread> threads_;
+  std::vector<JoiningThread> threads_;
 };
 
 /// Returns the value of the flag; false for a null pointer.

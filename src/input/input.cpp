@@ -3,6 +3,7 @@
 #include "input/input.h"
 
 #include "base/fail.h"
+#include "base/text.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -31,7 +32,7 @@ std::optional<double> parse_yaml_number(std::string_view text) {
   }
   double magnitude = 0;
   const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, magnitude);
+  const auto [stop, error] = number_from(text.data(), end, magnitude);
   return error == std::errc() && stop == end ? std::optional(sign * magnitude) : std::nullopt;
 }
 

@@ -14,7 +14,6 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -116,7 +115,7 @@ class DaeReader {
       if (begin == rest.npos) return numbers;
       rest.remove_prefix(begin + (rest[begin] == '+' ? 1 : 0));
       Number number{};
-      const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+      const auto [end, error] = number_from(rest.data(), rest.data() + rest.size(), number);
       if (error != std::errc()) fail(element, "expected numbers, got \"{}\"", rest.substr(0, 20));
       numbers.push_back(number);
       rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mesh/line_reader.h"
 
+#include "base/text.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -9,6 +11,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <map>
 
 namespace mneme::internal {
@@ -107,7 +110,7 @@ std::size_t LineReader::read_count(std::string_view word, std::size_t most) cons
 double LineReader::read_number(std::string_view word) const {
   if (word.starts_with('+')) word.remove_prefix(1);
   double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const auto [end, error] = number_from(word.data(), word.data() + word.size(), value);
   if (error == std::errc::result_out_of_range) return std::nan("");
   if (error != std::errc() || end != word.data() + word.size()) {
     fail(ErrorCode::parse, "expected a number, got \"{}\"", excerpt(word));
@@ -154,7 +157,9 @@ PlyHeader read_ply_header(LineReader& lines) {
       if (header.elements.size() == kMostElements)
         lines.fail(ErrorCode::parse, "too many elements");
       header.elements.push_back(
-          {std::string(words[1]), lines.read_count(words[2], std::size_t{1} << 40), {}});
+          {std::string(words[1]),
+           lines.read_count(words[2], std::numeric_limits<std::uint32_t>::max()),
+           {}});
     } else if (words[0] == "property" && !header.elements.empty()) {
       auto& properties = header.elements.back().properties;
       if (properties.size() == kMostProperties) lines.fail(ErrorCode::parse, "too many properties");

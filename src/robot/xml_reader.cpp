@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <optional>
@@ -50,7 +49,7 @@ std::optional<double> parse_number(std::string_view word) {
   // XML allows a plus sign, which from_chars does not.
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   double value = 0;
-  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const auto [end, code] = number_from(word.data(), word.data() + word.size(), value);
   const bool is_number = code == std::errc() && end == word.data() + word.size();
   return is_number && !std::isnan(value) ? std::optional(value) : std::nullopt;
 }

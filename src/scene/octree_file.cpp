@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/fail.h"
 #include "base/files.h"
+#include "base/text.h"
 #include "geometry/axis_box.h"
 #include "scene/compound_files.h"
 #include "input/input.h"
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cstring>
 
 namespace mneme::internal {
@@ -166,7 +166,7 @@ OctreeFormat read_header(std::string_view& rest, const std::string& source) {
                     source);
     if (const auto value = value_of(line, "id"); !value.empty()) id = value;
     if (const auto value = value_of(line, "res"); !value.empty()) {
-      std::from_chars(value.data(), value.data() + value.size(), format.resolution);
+      number_from(value.data(), value.data() + value.size(), format.resolution);
     }
   }
   format.is_colored = id == "ColorOcTree";

@@ -7,6 +7,10 @@
 #include <fmt/format.h>
 
 #include <sys/stat.h>
+#include <cmath>
+#include <system_error>
+#include <tuple>
+#include <utility>
 
 namespace mneme::test {
 namespace {
@@ -78,6 +82,35 @@ TEST_SUITE("unit") {
     CHECK_FALSE(internal::find_costly_xml("<!-- does not end"));
     CHECK(internal::find_costly_xml("<!-- ' -->" + element(101)) ==
           "has an element with more than 100 attributes");
+  }
+
+  TEST_CASE("numbers end where other text begins, and are left alone if there is none") {
+    const auto read = [](std::string_view text, double& value) {
+      const auto [end, error] =
+          internal::number_from(text.data(), text.data() + text.size(), value);
+      return std::pair(end - text.data(), error);
+    };
+    double value = 7;
+    for (const std::string_view none : {"", "+1", " 1", "x", "-", "."}) {
+      CHECK(read(none, value) == std::pair(std::ptrdiff_t{0}, std::errc::invalid_argument));
+    }
+    CHECK(value == 7);
+    CHECK(read("1e999", value) == std::pair(std::ptrdiff_t{5}, std::errc::result_out_of_range));
+    CHECK(value == 7);
+    const std::tuple<std::string_view, double, int> numbers[] = {{"-0.25", -0.25, 5},
+                                                                 {"1.5e-3,2", 1.5e-3, 6},
+                                                                 {"0x10", 0, 1},
+                                                                 {"2e", 2, 1},
+                                                                 {"3 4", 3, 1},
+                                                                 {"0.1", 0.1, 3},
+                                                                 {"4.9e-324", 4.9e-324, 8},
+                                                                 {"1-2", 1, 1},
+                                                                 {"inf", HUGE_VAL, 3}};
+    for (const auto& [text, expected, size] : numbers) {
+      CAPTURE(text);
+      CHECK(read(text, value) == std::pair(std::ptrdiff_t{size}, std::errc()));
+      CHECK(value == expected);
+    }
   }
 
   TEST_CASE("what is not UTF-8 or holds a NUL is refused, and can be escaped") {
