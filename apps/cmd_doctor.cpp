@@ -120,14 +120,6 @@ Result<std::string> try_memory(const Problem& problem) {
                      1e3 * result->gl.learning_time_s);
 }
 
-std::vector<Isa> available_isas() {
-  std::vector<Isa> isas;
-  for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
-    if (is_available(isa)) isas.push_back(isa);
-  }
-  return isas;
-}
-
 std::vector<Finding> examine() {
   const auto directory_of = [](const std::string& path) {
     return std::filesystem::path(path).parent_path().string();

@@ -59,9 +59,7 @@ void bind_base(py::module_& module) {
       "available_isas",
       [] {
         std::vector<std::string> names;
-        for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
-          if (is_available(isa)) names.emplace_back(to_string(isa));
-        }
+        for (const Isa isa : available_isas()) names.emplace_back(to_string(isa));
         return names;
       },
       "Returns the instruction sets that this machine can run, slowest first.");

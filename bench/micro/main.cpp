@@ -59,10 +59,8 @@ int run(const Input& input) {
 }  // namespace
 
 std::vector<Isa> measured_isas() {
-  std::vector<Isa> isas;
-  for (const Isa isa : {Isa::avx512, Isa::avx2, Isa::sse, Isa::scalar}) {
-    if (is_available(isa)) isas.push_back(isa);
-  }
+  std::vector<Isa> isas = available_isas();
+  std::ranges::reverse(isas);
   return isas;
 }
 

@@ -173,12 +173,15 @@ class Rng {
 /// on threads and order.
 [[nodiscard]] std::uint64_t derive_seed(std::uint64_t seed, std::uint64_t task);
 
-/// The instruction sets that the kernels are compiled for.
-enum class Isa { automatic, scalar, sse, avx2, avx512 };
+/// The instruction sets that the kernels are compiled for: x86-64 has sse, avx2 and avx512, ARM has
+/// neon, WebAssembly has wasm. A build for WebAssembly has no scalar kernels.
+enum class Isa { automatic, scalar, sse, avx2, avx512, neon, wasm };
 
-/// Returns the instruction set that MNEME_ISA names (scalar, sse, avx2, avx512) if this machine has
-/// it, otherwise the best one of this machine.
+/// Returns the instruction set that MNEME_ISA names if this machine has it, otherwise the best one
+/// of this machine.
 [[nodiscard]] Isa default_isa();
+/// Returns the instruction sets that this machine can run, from the slowest to the fastest.
+[[nodiscard]] std::vector<Isa> available_isas();
 /// Returns true if this machine can run `isa`.
 [[nodiscard]] bool is_available(Isa isa);
 [[nodiscard]] std::string_view to_string(Isa isa);

@@ -16,39 +16,42 @@ struct NamedIsa {
 };
 
 // From the worst to the best.
-constexpr std::array<NamedIsa, 4> kIsas{{{Isa::scalar, "scalar", HWY_SCALAR},
+constexpr std::array<NamedIsa, 6> kIsas{{{Isa::scalar, "scalar", HWY_SCALAR},
                                          {Isa::sse, "sse", HWY_SSE4},
                                          {Isa::avx2, "avx2", HWY_AVX2},
-                                         {Isa::avx512, "avx512", HWY_AVX3}}};
+                                         {Isa::avx512, "avx512", HWY_AVX3},
+                                         {Isa::neon, "neon", HWY_NEON},
+                                         {Isa::wasm, "wasm", HWY_WASM}}};
 
 bool is_available(const NamedIsa& entry) {
-  // The query takes tens of microseconds on virtual machines.
-  static const std::int64_t supported = hwy::SupportedTargets();
-  return entry.isa == Isa::scalar || (supported & entry.target) != 0;
-}
-
-Isa best_isa() {
-  Isa best = Isa::scalar;
-  for (const NamedIsa& entry : kIsas) {
-    if (is_available(entry)) best = entry.isa;
-  }
-  return best;
+  // The query takes tens of microseconds on virtual machines. It leaves out the scalar kernels,
+  // which every machine can run.
+  static const std::int64_t supported = hwy::SupportedTargets() | HWY_SCALAR;
+  return (supported & HWY_TARGETS & entry.target) != 0;
 }
 
 std::string available_names() {
   std::string names(to_string(Isa::automatic));
-  for (const NamedIsa& entry : kIsas) {
-    if (is_available(entry)) names.append(", ").append(entry.name);
-  }
+  for (const Isa isa : available_isas()) names.append(", ").append(to_string(isa));
   return names;
 }
 
 }  // namespace
 
+std::vector<Isa> available_isas() {
+  std::vector<Isa> isas;
+  for (const NamedIsa& entry : kIsas) {
+    if (is_available(entry)) isas.push_back(entry.isa);
+  }
+  return isas;
+}
+
 Isa default_isa() {
   const char* name = std::getenv("MNEME_ISA");
   const Isa wanted = parse_isa(name == nullptr ? "" : name).value_or(Isa::automatic);
-  return wanted == Isa::automatic ? best_isa() : wanted;
+  if (wanted != Isa::automatic) return wanted;
+  static const Isa best = available_isas().back();
+  return best;
 }
 
 bool is_available(Isa isa) {

@@ -9,6 +9,7 @@
 #include "hwy/targets.h"
 
 #include <cstdint>
+#include <iterator>
 
 namespace mneme::internal {
 
@@ -21,6 +22,10 @@ namespace mneme::internal {
       return HWY_AVX2;
     case Isa::sse:
       return HWY_SSE4;
+    case Isa::neon:
+      return HWY_NEON;
+    case Isa::wasm:
+      return HWY_WASM;
     case Isa::scalar:
       return HWY_SCALAR;
     case Isa::automatic:
@@ -33,12 +38,13 @@ namespace mneme::internal {
 
 /// Defines `TYPE NAME(Isa isa)`, which calls the instance of FUNCTION() that was compiled for
 /// `isa`. Place it at the end of a kernel's file, in the HWY_ONCE part.
-#define MNEME_EXPORT(TYPE, NAME, FUNCTION)                    \
-  namespace mneme::internal {                                 \
-  HWY_EXPORT(FUNCTION);                                       \
-  TYPE NAME(Isa isa) {                                        \
-    hwy::ChosenTarget target;                                 \
-    target.Update(target_of(isa));                            \
-    return HWY_DISPATCH_TABLE(FUNCTION)[target.GetIndex()](); \
-  }                                                           \
+#define MNEME_EXPORT(TYPE, NAME, FUNCTION)                                                    \
+  namespace mneme::internal {                                                                 \
+  HWY_EXPORT(FUNCTION);                                                                       \
+  TYPE NAME(Isa isa) {                                                                        \
+    hwy::ChosenTarget target;                                                                 \
+    target.Update(target_of(isa));                                                            \
+    const auto& table = HWY_DISPATCH_TABLE(FUNCTION);                                         \
+    return table[std::size(table) == 1 ? 0 : target.GetIndex()](); /* 1: built for one isa */ \
+  }                                                                                           \
   }  // namespace mneme::internal

@@ -8,7 +8,8 @@
 namespace mneme {
 namespace {
 
-constexpr Isa kAll[] = {Isa::automatic, Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512};
+constexpr Isa kAll[] = {Isa::automatic, Isa::scalar, Isa::sse, Isa::avx2,
+                        Isa::avx512,    Isa::neon,   Isa::wasm};
 
 }  // namespace
 

@@ -9,7 +9,6 @@
 #include "collision/clearance.h"
 #include "tables/make_tables.h"
 #include "geometry/random_shapes.h"
-#include "support/isas.h"
 #include "support/support.h"
 
 #include <algorithm>

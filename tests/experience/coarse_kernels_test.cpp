@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/coarse_kernels.h"
 #include "engines/fixtures.h"
-#include "support/isas.h"
 
 #include <algorithm>
 #include <limits>

@@ -3,7 +3,6 @@
 #include "mneme/spheres.h"
 
 #include "goal/posed_robots.h"
-#include "support/isas.h"
 #include "support/planar_memory.h"
 
 #include <Eigen/Geometry>

@@ -3,7 +3,6 @@
 #include "planning/planner_flow.h"
 #include "planning/planning_fixture.h"
 #include "planning/escape_walk.h"
-#include "support/isas.h"
 
 #include <algorithm>
 #include <atomic>

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "support/isas.h"
 #include "support/support.h"
 #include "planning/nearest_kernels.h"
 

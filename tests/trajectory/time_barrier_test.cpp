@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/time_barrier.h"
-#include "support/isas.h"
 
 #include <algorithm>
 #include <cmath>
