@@ -263,21 +263,6 @@ inline constexpr std::size_t kMaxTraceBytes = std::size_t{256} << 20;
 [[nodiscard]] Result<std::string> to_page(std::string_view json, const std::string& source,
                                           std::string_view beside = {});
 
-/// The page at `/` of a service, which requests plans from the service.
-struct LivePage {
-  std::string html;
-  /// Point clouds, meshes and octrees of the page's problem, which the service keeps as the scene
-  /// kLivePageScene. Requests of the page name that scene.
-  Scene kept = {};
-};
-inline constexpr const char* kLivePageScene = "page";
-/// Returns the robot in an empty scene at the first free configuration among the states of its
-/// SRDF, the middle of its limits, and random ones.
-[[nodiscard]] Problem resting_problem(const Robot& robot, const std::string& robot_path);
-/// Returns a live page that begins with `problem`. Errors: as make_trace().
-[[nodiscard]] Result<LivePage> make_live_page(Problem problem, bool has_memory,
-                                              const TraceSettings& settings = {});
-
 /// An input file.
 struct ReadFile {
   std::string what;  ///< the file's role in messages, such as "the memory"

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/collision.h"
 #include "mneme/goal.h"
-#include "mneme/report.h"
+#include "mneme/live.h"
 
 #include "base/as_index.h"
+#include "live/planner_files.h"
+#include "report/trace.h"
 #include "robot/kinematics.h"
 
 #include <Eigen/Geometry>
@@ -160,6 +162,31 @@ Json allow_json(const Scene& scene) {
   return pairs;
 }
 
+/// Moves clouds, meshes and octrees of the scene, which requests do not contain, to the end.
+/// Returns them.
+Scene kept_of(Scene& scene) {
+  auto& obstacles = scene.obstacles;
+  const auto kept =
+      std::stable_partition(obstacles.begin(), obstacles.end(), std::not_fn(has_compound));
+  Scene result;
+  result.obstacles.assign(kept, obstacles.end());
+  return result;
+}
+
+/// The trace of a live page. As in a plan's scene, `kept` stands behind the other obstacles.
+Result<Json> live_trace(const Problem& problem, const Scene& kept, bool has_memory,
+                        const TraceSettings& settings) {
+  const PlanTrace trace = MNEME_TRY(make_trace(problem, {}, nullptr, 0, settings));
+  auto json = Json::parse(to_json(trace));
+  json["live"] = {{"start", problem.start},
+                  {"has_memory", has_memory},
+                  {"scene", kept.obstacles.empty() ? Json() : Json(kLivePageScene)},
+                  {"allow", allow_json(problem.scene)},
+                  {"tips", tips_json(problem, trace)},
+                  {"welds", welds_json(problem.robot, trace.links)}};
+  return json;
+}
+
 }  // namespace
 }  // namespace internal
 
@@ -175,22 +202,18 @@ Problem resting_problem(const Robot& robot, const std::string& robot_path) {
 
 Result<LivePage> make_live_page(Problem problem, bool has_memory, const TraceSettings& settings) {
   LivePage page;
-  // As in a plan's scene: obstacles of the request come before the kept ones.
-  auto& obstacles = problem.scene.obstacles;
-  const auto kept = std::stable_partition(obstacles.begin(), obstacles.end(),
-                                          std::not_fn(internal::has_compound));
-  page.kept.obstacles.assign(kept, obstacles.end());
-  const PlanTrace trace = MNEME_TRY(make_trace(problem, {}, nullptr, 0, settings));
-  auto json = internal::Json::parse(to_json(trace));
-  json["live"] = {
-      {"start", problem.start},
-      {"has_memory", has_memory},
-      {"scene", page.kept.obstacles.empty() ? internal::Json() : internal::Json(kLivePageScene)},
-      {"allow", internal::allow_json(problem.scene)},
-      {"tips", internal::tips_json(problem, trace)},
-      {"welds", internal::welds_json(problem.robot, trace.links)}};
+  page.kept = internal::kept_of(problem.scene);
+  const auto json = MNEME_TRY(internal::live_trace(problem, page.kept, has_memory, settings));
   page.html = MNEME_TRY(to_page(json.dump(), "the page of the service"));
   return page;
+}
+
+Result<std::string> make_offline_page(Problem problem, const PlannerModule& module,
+                                      const TraceSettings& settings) {
+  const Scene kept = internal::kept_of(problem.scene);
+  auto json = MNEME_TRY(internal::live_trace(problem, kept, false, settings));
+  json["live"]["planner"] = internal::planner_json(problem);
+  return internal::to_page_with(internal::planner_elements(module), json.dump(), problem.name);
 }
 
 }  // namespace mneme

@@ -4,9 +4,11 @@
 /// The parts of a trace's page: a robot reduced to points, and the page of the viewer.
 #pragma once
 
+#include "mneme/base.h"
 #include "mneme/robot.h"
 
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -31,5 +33,9 @@ class Skeleton {
 
 /// Returns the page of the viewer (viewer/dist/viewer.html) without a trace.
 [[nodiscard]] std::string_view viewer_page();
+/// As to_page(), with more elements of HTML before the trace.
+[[nodiscard]] Result<std::string> to_page_with(std::string_view elements, std::string_view json,
+                                               const std::string& source,
+                                               std::string_view beside = {});
 
 }  // namespace mneme::internal

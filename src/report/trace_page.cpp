@@ -18,6 +18,7 @@ namespace {
 using PlainJson = nlohmann::json;
 
 constexpr std::string_view kTitlePlace = "<!--mneme-title-->";
+constexpr std::string_view kElementsPlace = "<!--mneme-elements-->";
 constexpr std::string_view kTracePlace = "<!--mneme-trace-->";
 constexpr int kMaxTraceDepth = 64;
 /// The members that the page needs, with their types.
@@ -131,11 +132,9 @@ Result<void> add_beside(PlainJson& trace, std::string_view text, const std::stri
 }
 
 }  // namespace
-}  // namespace internal
 
-Result<std::string> to_page(std::string_view json, const std::string& source,
-                            std::string_view beside) {
-  using namespace internal;
+Result<std::string> to_page_with(std::string_view elements, std::string_view json,
+                                 const std::string& source, std::string_view beside) {
   PlainJson trace = MNEME_TRY(parse_trace(json, source));
   if (!beside.empty()) {
     MNEME_TRY(add_beside(trace, beside, source));
@@ -143,8 +142,15 @@ Result<std::string> to_page(std::string_view json, const std::string& source,
   const std::string title = trace.at("problem").get<std::string>() + ", " +
                             trace.at("robot").get<std::string>() + " - mneme";
   // The trace comes last, so that its text is not searched for places.
-  return replaced(replaced(viewer_page(), kTitlePlace, escape_markup(title)), kTracePlace,
-                  script_text(trace));
+  const std::string titled = replaced(viewer_page(), kTitlePlace, escape_markup(title));
+  return replaced(replaced(titled, kElementsPlace, elements), kTracePlace, script_text(trace));
+}
+
+}  // namespace internal
+
+Result<std::string> to_page(std::string_view json, const std::string& source,
+                            std::string_view beside) {
+  return internal::to_page_with("", json, source, beside);
 }
 
 }  // namespace mneme

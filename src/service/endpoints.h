@@ -4,6 +4,7 @@
 /// The endpoints without HTTP: from the body of a request to the body of its answer.
 #pragma once
 
+#include "mneme/live.h"
 #include "mneme/report.h"
 #include "mneme/service.h"
 

@@ -78,6 +78,9 @@ TEST_SUITE("flow") {
     check_bad_inputs(
         {{{"view"}, 2, {"TRACE"}},
          {{"view", files / "no.json"}, 2, {"--output"}},
+         {{"view", "--live", files / "p.html"}, 2, {"--live", "--problem, --robot"}},
+         {{"view", files / "no.json", "--live", files / "p.html"}, 2, {"--live", "no trace"}},
+         {{"view", "--robot", "panda"}, 2, {"--live"}},
          {{"view", files / "no.json", "-o", files / "p.html"},
           1,
           {files / "no.json", "mneme-trace"}},

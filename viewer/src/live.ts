@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/** The page of a service: the goal of the hand and obstacles can be dragged, and each release is planned. */
+/** The page of a service, or one that plans by itself: the goal of the hand and obstacles can be dragged, and each release is planned. */
 import {
   Group, Matrix4, Mesh, MeshBasicMaterial, Object3D, Plane, Raycaster, SphereGeometry, Vector2, Vector3,
 } from "three";
 import { TransformControls } from "three/examples/jsm/controls/TransformControls.js";
 import { el, seconds } from "./elements";
+import { OwnPlanner, type Reply } from "./own_planner";
 import { geometryOf, poseMatrix, poseOf } from "./shapes";
 import { SolidRobot } from "./solid_robot";
 import { pathColor } from "./theme";
@@ -77,11 +78,13 @@ function requested(name: string, shape: Shape): object {
 }
 
 /** As fetch(), whose own words for a service that has gone tell nobody what to do. */
-async function reach(path: string, options: RequestInit & { signal: AbortSignal }): Promise<Response> {
+async function reachService(path: string, body: string | null, signal: AbortSignal): Promise<Reply> {
+  const options = body === null ? {} : { method: "POST", headers: { "Content-Type": "application/json" }, body };
   try {
-    return await fetch(path, options);
+    const response = await fetch(path, { ...options, signal });
+    return { status: response.status, json: await response.json() };
   } catch (error) {
-    if (options.signal.aborted) throw error;
+    if (signal.aborted) throw error;
     throw new Error("the service does not answer: restart it, then reload the page");
   }
 }
@@ -103,11 +106,19 @@ export class LivePage {
   private readonly bar = el("div", { id: "edit" });
   private running: AbortController | null = null;
   private reached: number[] | null = null;
+  private readonly reach: typeof reachService;
   /** Plans that have been shown. */
   count = 0;
 
   constructor(private readonly viewer: Viewer, private readonly first: Trace, private readonly live: Live) {
     this.start = live.start;
+    const { planner } = live;
+    if (planner) {
+      const own = new OwnPlanner(planner);
+      this.reach = (path, body, signal) => own.reach(path, body, signal);
+    } else {
+      this.reach = reachService;
+    }
     this.hasBeside = live.has_memory;
     this.goal = poseMatrix(live.tips[0]?.pose ?? [0, 0, 0, 0, 0, 0, 1]);
     this.bodies = first.obstacles.filter(({ shapes }) => shapes.every(isMovable))
@@ -174,14 +185,11 @@ export class LivePage {
   }
 
   private async ask(sampler: string | null, signal: AbortSignal): Promise<{ answer: Answer; trace: Trace }> {
-    const response = await reach("/v1/plan", {
-      method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(this.request(sampler)), signal,
-    });
-    const answer = await response.json();
-    if (!response.ok) throw new Error(answer.error?.message ?? `the service answers ${response.status}`);
-    const traced = await reach(`/v1/plans/${answer.id}/trace`, { signal });
-    if (!traced.ok) throw new Error("the service has no trace of the plan");
-    return { answer, trace: this.adopted(await traced.json()) };
+    const { status, json: answer } = await this.reach("/v1/plan", JSON.stringify(this.request(sampler)), signal);
+    if (status !== 200) throw new Error(answer.error?.message ?? `the service answers ${status}`);
+    const traced = await this.reach(`/v1/plans/${answer.id}/trace`, null, signal);
+    if (traced.status !== 200) throw new Error("the service has no trace of the plan");
+    return { answer, trace: this.adopted(traced.json) };
   }
 
   /** A trace of a plan with the links of the first one, which may have more: those that are only seen. */

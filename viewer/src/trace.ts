@@ -135,6 +135,8 @@ export interface Live {
   tips: { link: string; pose: Pose; carries: { link: number; pose: Pose }[] }[];
   /** Links that are only seen, in the frame of the one that carries them; traces of plans lack them. */
   welds: { link: number; to: number; pose: Pose }[];
+  /** In a page that plans by itself: the files that its module opens, and the problem's address among them. */
+  planner?: { files: { path: string; text: string }[]; problem: string };
 }
 
 /** What the distance of a primitive's keys is measured in. */
