@@ -174,6 +174,13 @@ class Database {
   /// inserts at most K / price rows in K iterations.
   [[nodiscard]] bool earns_row(std::uint64_t iterations, std::uint64_t price);
 
+  /// Books what a query spent on a kind of memory and what the kind saved it, in checked states.
+  /// The account belongs to this object and is not stored.
+  void book(std::string_view kind, std::uint64_t spent, std::uint64_t saved);
+  /// Returns how far `kind` has paid: 1 while it has saved what it spent beyond a credit, otherwise
+  /// less, down to 0.05.
+  [[nodiscard]] double trust(std::string_view kind) const;
+
   /// Reads rows that other processes added, and drops rows that they set aside. Results of find()
   /// stay valid. Returns the number of new rows. Cost: one small query if nothing changed. Errors:
   /// io, corrupt; then nothing changed in memory.

@@ -4,6 +4,7 @@
 
 #include "base/text.h"
 #include "experience/index_file.h"
+#include "experience/kind_accounts.h"
 #include "engines/open_store.h"
 #include "store/row_check.h"
 #include "experience/row_loader.h"
@@ -106,7 +107,8 @@ struct Database::State {
   const bool is_writable;
   const std::unique_ptr<std::atomic<bool>> stop;  // stores point to it
   std::atomic<std::uint64_t> iterations = 0;      ///< since a row was earned
-  const std::string index_file;                   // empty: none
+  internal::KindAccounts accounts;
+  const std::string index_file;  // empty: none
   internal::RowLoader rows;
 
   std::mutex writing;
@@ -486,6 +488,12 @@ bool Database::earns_row(std::uint64_t iterations, std::uint64_t price) {
     }
   }
 }
+
+void Database::book(std::string_view kind, std::uint64_t spent, std::uint64_t saved) {
+  state_->accounts.book(kind, spent, saved);
+}
+
+double Database::trust(std::string_view kind) const { return state_->accounts.trust(kind); }
 
 Result<std::int64_t> Database::refresh() {
   const std::lock_guard writing(state_->writing);
