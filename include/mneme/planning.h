@@ -212,15 +212,27 @@ class SearchLimit {
   [[nodiscard]] virtual bool may_go_on(std::uint64_t iterations) = 0;
 };
 
+/// A remembered motion at a place.
+struct PlacedMotion {
+  std::vector<float> rows;  ///< configurations, row by row; they may be in contact
+  int row = 0;              ///< number of the motion in its source
+};
+
 /// Remembered motions at the places where they fit into the scene. Belongs to one search.
 class MotionSource {
  public:
   virtual ~MotionSource() = default;
-  /// Looks for the places of one more remembered motion and appends the motion at each of them,
-  /// configurations row by row. The configurations may be in contact. Adds the checked states to
-  /// `counters`. Returns false once no motion is left.
-  [[nodiscard]] virtual bool find_more(std::vector<std::vector<float>>& placed,
+  /// Looks for the places of one more remembered motion and appends the motion at each of them.
+  /// Adds the checked states to `counters`. Returns false once no motion is left.
+  [[nodiscard]] virtual bool find_more(std::vector<PlacedMotion>& placed,
                                        CheckCounters& counters) = 0;
+  /// Returns the share of the usual effort to take: 1, less if motions have hardly paid so far.
+  [[nodiscard]] virtual double trust() const { return 1; }
+  /// Receives the outcome of the search: the states that find_more() checked, and PlacedMotion::row
+  /// of the motions that the path follows.
+  virtual void report(std::uint64_t states, std::span<const int> followed) {
+    static_cast<void>(states), static_cast<void>(followed);
+  }
 };
 
 /// One call of a planner. All that it refers to must outlive the task.

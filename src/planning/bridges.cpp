@@ -9,7 +9,7 @@ namespace mneme::internal {
 namespace {
 
 /// Iterations before the first motion: easy problems do not pay for memory.
-constexpr std::uint64_t kFirstBridge = 1000;
+constexpr double kFirstBridge = 1000;
 /// Probability of appending a motion instead of growing a tree: at first, and where motions were
 /// tried in vain.
 constexpr double kBridgeShare = 0.1, kLeastBridgeShare = 0.01;
@@ -21,14 +21,15 @@ constexpr double kFindingShare = 0.3;
 }  // namespace
 
 Bridges::Bridges(PlannerRun& run)
-    : run_(run), rng_(run.make_rng(RngStream::bridges)), is_more_left_(run.motions() != nullptr) {}
+    : run_(run),
+      rng_(run.make_rng(RngStream::bridges)),
+      is_more_left_(run.motions() != nullptr),
+      trust_(is_more_left_ ? run.motions()->trust() : 0) {}
 
 bool Bridges::is_due() {
-  if (run_.iterations() < kFirstBridge) return false;
-  if (is_more_left_ &&
-      static_cast<double>(finding_) < kFindingShare * static_cast<double>(run_.work())) {
-    find_more();
-  }
+  if (static_cast<double>(run_.iterations()) * trust_ < kFirstBridge) return false;
+  const double allowed = kFindingShare * trust_ * static_cast<double>(run_.work());
+  if (is_more_left_ && static_cast<double>(finding_) < allowed) find_more();
   return !motions_.empty() && rng_.uniform() < share_;
 }
 
@@ -43,23 +44,25 @@ void Bridges::adapt_share() {
 
 void Bridges::find_more() {
   const std::uint64_t before = run_.work();
-  std::vector<std::vector<float>> found;
+  std::vector<PlacedMotion> found;
   CheckCounters counters;
   is_more_left_ = run_.motions()->find_more(found, counters);
   run_.count(counters);
-  for (const std::vector<float>& rows : found) add_free_stretches(rows);
+  for (const PlacedMotion& placed : found) add_free_stretches(placed);
   finding_ += run_.work() - before;
+  found_with_ += counters.states;
   if (!found.empty()) adapt_share();
 }
 
 /// Cuts a motion where it is in contact.
-void Bridges::add_free_stretches(std::span<const float> rows) {
+void Bridges::add_free_stretches(const PlacedMotion& placed) {
+  const std::span<const float> rows(placed.rows);
   const std::size_t joints = run_.start().size();
   std::vector<std::uint8_t> is_free(rows.size() / joints);
   run_.check_states(rows, is_free);
   FloatPath states;
   const auto finish = [&] {
-    if (states.size() > 1) motions_.push_back({.states = std::move(states)});
+    if (states.size() > 1) motions_.push_back({.row = placed.row, .states = std::move(states)});
     states.clear();
   };
   for (std::size_t i = 0; i < is_free.size(); ++i) {
@@ -80,6 +83,16 @@ Bridges::Motion* Bridges::choose(std::size_t graph) {
     if (left < 0) return &motion;
   }
   return nullptr;
+}
+
+void Bridges::report(const FloatPath& path) const {
+  if (run_.motions() == nullptr) return;
+  std::vector<int> followed;
+  for (const Motion& motion : motions_) {
+    const std::vector<float>& middle = motion.states[motion.states.size() / 2];
+    if (std::ranges::find(path, middle) != path.end()) followed.push_back(motion.row);
+  }
+  run_.motions()->report(found_with_, followed);
 }
 
 int Bridges::append(Tree& tree, int graph) {

@@ -30,9 +30,12 @@ class Bridges {
   /// Connects `tree`, number `graph`, to an end of a random motion that it does not hold, and
   /// appends the motion. Returns the last new node, or -1 if the end is not reached.
   int append(Tree& tree, int graph);
+  /// Tells the source what the search has found, and which motions `path` follows; empty: no path.
+  void report(const FloatPath& path) const;
 
  private:
   struct Motion {
+    int row = 0;                             ///< PlacedMotion::row
     FloatPath states;                        ///< joined by free motions
     std::array<double, 2> weights = {1, 1};  ///< per tree; 0: in it
   };
@@ -40,12 +43,14 @@ class Bridges {
   void find_more();
   void adapt_share();
   [[nodiscard]] Motion* choose(std::size_t graph);
-  void add_free_stretches(std::span<const float> rows);
+  void add_free_stretches(const PlacedMotion& placed);
 
   PlannerRun& run_;
   Rng rng_;
   bool is_more_left_;
-  std::uint64_t finding_ = 0;  ///< work of finding motions
+  double trust_;                  ///< MotionSource::trust()
+  std::uint64_t finding_ = 0;     ///< work of finding motions
+  std::uint64_t found_with_ = 0;  ///< states checked to find them
   std::vector<Motion> motions_;
   double share_ = 0;  ///< of iterations that append
 };

@@ -32,19 +32,27 @@ class RrtConnect {
   }
 
   PlanResult solve() {
+    const bool is_solved = search();
+    bridges_.report(is_solved ? path_ : FloatPath());
+    return is_solved ? run_.finish(node_count()) : run_.give_up(node_count());
+  }
+
+ private:
+  /// False once a limit is reached.
+  bool search() {
     for (;;) {
       for (std::size_t i = run_.take_further_goals(); i < run_.goals().size(); ++i) {
         goal_tree_.add(run_.goals()[i], -1);
       }
       if (bridges_.is_due()) {
-        if (run_.begin_iterations() == 0) return run_.give_up(node_count());
-        if (is_solved_by_bridge()) return run_.finish(node_count());
+        if (run_.begin_iterations() == 0) return false;
+        if (is_solved_by_bridge()) return true;
         continue;
       }
       const bool is_forward = start_tree_.size() <= goal_tree_.size();
       Tree& growing = is_forward ? start_tree_ : goal_tree_;
       Tree& other = is_forward ? goal_tree_ : start_tree_;
-      if (!growth_.sample_steps(growing)) return run_.give_up(node_count());
+      if (!growth_.sample_steps(growing)) return false;
       for (int i = 0; i < growth_.size(); ++i) {
         const int node = growth_.take(i, growing);
         if (node < 0) {
@@ -55,7 +63,7 @@ class RrtConnect {
         growth_.settle(i, facing < 0 ? SampleOutcome::extended : SampleOutcome::connected);
         if (facing < 0) continue;
         if (is_path_verified(is_forward ? node : facing, is_forward ? facing : node)) {
-          return run_.finish(node_count());
+          return true;
         }
         // The start nodes of later steps may have been removed.
         while (++i < growth_.size()) growth_.settle(i, SampleOutcome::rejected);
@@ -63,7 +71,6 @@ class RrtConnect {
     }
   }
 
- private:
   /// Appends a remembered motion to a tree; true if this leads to a path.
   bool is_solved_by_bridge() {
     const int graph = bridges_.choose_tree();

@@ -13,7 +13,7 @@ namespace {
 /// Gives one list of motions per call.
 class ScriptedMotions final : public MotionSource {
  public:
-  using Rows = std::vector<std::vector<float>>;
+  using Rows = std::vector<PlacedMotion>;
   explicit ScriptedMotions(std::vector<Rows> lists, std::uint64_t work_per_call = 0)
       : lists_(std::move(lists)), work_per_call_(work_per_call) {}
   bool find_more(Rows& placed, CheckCounters& counters) override {
@@ -22,12 +22,20 @@ class ScriptedMotions final : public MotionSource {
     placed = lists_[calls_++];
     return calls_ < lists_.size();
   }
+  [[nodiscard]] double trust() const override { return trusted_; }
+  void report(std::uint64_t, std::span<const int> followed) override {
+    followed_.assign(followed.begin(), followed.end());
+  }
+  void trust_only(double share) { trusted_ = share; }
   [[nodiscard]] std::size_t calls() const { return calls_; }
+  [[nodiscard]] const std::vector<int>& followed() const { return followed_; }
 
  private:
   std::vector<Rows> lists_;
   std::uint64_t work_per_call_;
   std::size_t calls_ = 0;
+  double trusted_ = 1;
+  std::vector<int> followed_;
 };
 
 /// A ball before a hole that leaves it 2 mm.
@@ -61,12 +69,13 @@ TEST_SUITE("flow") {
   TEST_CASE("a motion through a hole saves the search for it") {
     const World world = narrow_hole();
     const PlanResult without = plan_with_motions(world, nullptr);
-    ScriptedMotions motions({{through_the_hole(0.3f)}});
+    ScriptedMotions motions({{{through_the_hole(0.3f), 7}}});
     const PlanResult with = plan_with_motions(world, &motions);
     REQUIRE(with.is_solved());
     CHECK(with.iterations < 2000);
     CHECK(with.iterations * 5 < without.iterations);
-    ScriptedMotions again({{through_the_hole(0.3f)}});
+    CHECK(motions.followed() == std::vector<int>{7});
+    ScriptedMotions again({{{through_the_hole(0.3f), 7}}});
     CHECK(plan_with_motions(world, &again).path == with.path);
   }
 
@@ -75,10 +84,11 @@ TEST_SUITE("flow") {
     std::vector<float> rows = through_the_hole(0.3f);
     const std::vector<float> blocked = through_the_hole(0.3f, 0.5f);
     rows.insert(rows.end(), blocked.begin(), blocked.end());
-    ScriptedMotions motions({{blocked, rows}});
+    ScriptedMotions motions({{{blocked, 1}, {rows, 2}}});
     const PlanResult result = plan_with_motions(world, &motions);
     REQUIRE(result.is_solved());
     CHECK(result.iterations < 4000);
+    CHECK(motions.followed() == std::vector<int>{2});
   }
 
   TEST_CASE("motions are looked for late, and for a share of the work") {
@@ -96,6 +106,19 @@ TEST_SUITE("flow") {
     CHECK(few > 1);
     CHECK(10 * (few - 1) <= many);
     CHECK(many <= 10 * few);
+  }
+
+  TEST_CASE("motions that have hardly paid are looked for later, and less") {
+    const auto calls = [](double trust) {
+      ScriptedMotions useless(std::vector<ScriptedMotions::Rows>(10000), 10'000'000);
+      useless.trust_only(trust);
+      (void)plan_with_motions(narrow_hole(), &useless);
+      CHECK(useless.followed().empty());
+      return useless.calls();
+    };
+    const std::size_t trusted = calls(1), mistrusted = calls(0.1);
+    CHECK(mistrusted >= 1);
+    CHECK(5 * mistrusted < trusted);
   }
 }
 
