@@ -54,8 +54,8 @@ class MotionFinder {
   /// The checker must outlive the finder.
   explicit MotionFinder(const CollisionChecker& checker);
 
-  /// Returns the places where `motion` fits, ascending. Adds the checked states to `counters`.
-  /// Cost: 20 to 50 vectors of states.
+  /// Returns the places where `motion` fits, ascending. Adds to states and work of
+  /// `counters`. Cost: 20 to 50 vectors of states.
   [[nodiscard]] std::vector<float> find(const RememberedPath& motion, CheckCounters& counters);
   /// Returns the waypoints of `motion` at `place`, row by row.
   [[nodiscard]] std::vector<float> placed(const RememberedPath& motion, float place) const;
@@ -78,7 +78,7 @@ class MotionFinder {
                              ///< most come first
   std::vector<float> rows_;
   std::vector<std::uint8_t> is_free_;
-  std::uint64_t states_ = 0;
+  CheckCounters counters_;
 };
 
 }  // namespace mneme::internal

@@ -151,8 +151,7 @@ void MotionFinder::keep(std::vector<float>& places, std::size_t state, double ex
     if (carrier_ >= 0) rows_[rows_.size() - joints_ + static_cast<std::size_t>(carrier_)] += place;
   }
   is_free_.resize(places.size());
-  checker_.check_states(rows_, is_free_, extra_margin);
-  states_ += places.size();
+  checker_.check_states(rows_, is_free_, counters_, extra_margin);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < places.size(); ++i) {
     if ((is_free_[i] != 0) == is_free) places[kept++] = places[i];
@@ -170,8 +169,7 @@ double MotionFinder::free_share(std::span<const float> rows, float place, double
     }
   }
   is_free_.resize(rows.size() / joints_);
-  checker_.check_states(rows_, is_free_, extra_margin);
-  states_ += is_free_.size();
+  checker_.check_states(rows_, is_free_, counters_, extra_margin);
   const auto free = std::ranges::count_if(is_free_, [](std::uint8_t one) { return one != 0; });
   return static_cast<double>(free) / static_cast<double>(is_free_.size());
 }
@@ -186,7 +184,7 @@ bool MotionFinder::fits(const RememberedPath& motion, float place) {
 
 std::vector<float> MotionFinder::find(const RememberedPath& motion, CheckCounters& counters) {
   std::vector<float> found;
-  states_ = 0;
+  counters_ = {};
   read(motion);
   std::vector<float> places = core_.empty() ? std::vector<float>() : coarse_places(motion);
   for (std::size_t i = 0; i < std::min(core_size(), kCoarseStates) && !places.empty(); ++i) {
@@ -206,7 +204,8 @@ std::vector<float> MotionFinder::find(const RememberedPath& motion, CheckCounter
       break;
     }
   }
-  counters.states += states_;
+  counters.states += counters_.states;
+  counters.work += counters_.work;
   return found;
 }
 
