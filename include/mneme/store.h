@@ -50,6 +50,8 @@ struct RememberedPath {
 /// Kind of the rows that hold choices of tasks, one configuration per group of stages. No kind of
 /// memory for paths reads them.
 inline constexpr std::string_view kTaskRows = "tasks/1";
+/// Kind of the rows that remember searches in vain; each holds the start alone.
+inline constexpr std::string_view kUnsolvedRows = "unsolved/1";
 
 /// Where a row comes from, as text for people; the program never parses it. If two databases hold
 /// equal rows, a merge keeps the earlier provenance.

@@ -73,7 +73,8 @@ std::optional<std::string> describe_key_flaw(const std::string& kind,
 }
 
 bool holds_paths(std::string_view kind) {
-  return kind.starts_with("paths/") || kind.starts_with("motions/") || kind == kTaskRows;
+  return kind.starts_with("paths/") || kind.starts_with("motions/") || kind == kTaskRows ||
+         kind == kUnsolvedRows;
 }
 
 std::optional<std::string> KeySizes::check(std::string_view kind, std::size_t size) {
