@@ -82,7 +82,7 @@ class Replayer {
     // If memory fails, the search will report it.
     if (known) replay(*known);
     report_.time_s = stopwatch_.elapsed_s();
-    result_.states_checked = counters_.states;
+    report_.states = result_.states_checked = counters_.states;
     result_.motions_checked = counters_.motions;
     result_.planning_time_s =
         report_.time_s - result_.simplification_time_s - result_.verification_time_s;
@@ -106,6 +106,7 @@ class Replayer {
   Result<std::vector<Known>> find();
   Result<std::vector<Known>> find(double distance, std::size_t count);
   void replay(const std::vector<Known>& known);
+  [[nodiscard]] bool is_straight_free();
   [[nodiscard]] bool verify(Draft& draft, MotionEnds ends);
   [[nodiscard]] bool prove(std::span<const float> from, std::span<const float> to, MotionEnds ends);
   void measure(const Path& path);
@@ -172,6 +173,8 @@ void Replayer::replay(const std::vector<Known>& known) {
   };
   std::optional<Blocked> least;
   if (!known.empty()) {
+    report_.is_straight = is_straight_free();
+    if (report_.is_straight) return;
     if (task_.cell != nullptr) proven_ = &task_.cell->motions(verification());
     links_ = ProvenMotions::of_links(task_.checker, verification());
   }
@@ -197,6 +200,14 @@ void Replayer::replay(const std::vector<Known>& known) {
   if (!repair(least->draft, least->blocks)) return;
   report_.is_repaired = true;
   take(std::move(least->draft.path), *least->known);
+}
+
+/// True if planning will need no search, because the straight motion to a goal is free.
+bool Replayer::is_straight_free() {
+  const std::vector<float> start = to_floats(task_.ends.start);
+  return std::ranges::any_of(task_.ends.goals, [&](const Configuration& goal) {
+    return task_.checker.is_motion_valid(start, to_floats(goal), counters_);
+  });
 }
 
 /// Verifies the motions that have not passed yet; true if all have then. `ends`: whether the path
@@ -400,6 +411,7 @@ void Replayer::take(Path path, const Known& known) {
   result_.path = std::move(path);
   report_.row = known.match.experience->id;
   report_.distance = known.distance();
+  report_.planning_states = known.match.experience->path().planning_states.value_or(0);
 }
 
 }  // namespace
