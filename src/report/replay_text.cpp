@@ -36,6 +36,7 @@ std::vector<Contact> find_what_blocks(const Problem& problem, const Replay& repl
 
 std::string describe_replay(const Problem& problem, const Replay& replay) {
   if (replay.time_s == 0) return {};
+  if (replay.is_straight) return "not replayed: the straight motion is free";
   if (replay.is_hit() && !replay.is_repaired) {
     return fmt::format("replayed row {}, {:.3f} rad away", replay.row, replay.distance);
   }
@@ -48,8 +49,7 @@ std::string describe_replay(const Problem& problem, const Replay& replay) {
     return fmt::format("not replayed: the nearest known task is {:.3f} rad away", *replay.nearest);
   }
   const std::vector<Contact> contacts = find_what_blocks(problem, replay);
-  const auto is_row = [&](const BlockedPath& path) { return path.row == replay.row; };
-  const auto repaired = std::ranges::find_if(replay.blocked, is_row);
+  const auto repaired = std::ranges::find(replay.blocked, replay.row, &BlockedPath::row);
   const bool is_hit = repaired != replay.blocked.end();
   const std::size_t i = is_hit ? static_cast<std::size_t>(repaired - replay.blocked.begin()) : 0;
   return fmt::format("{} row {}, {}", is_hit ? "repaired" : "not replayed:", replay.blocked[i].row,
