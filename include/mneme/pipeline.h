@@ -54,7 +54,7 @@ struct SolveSettings {
   double component_growth = 0.5;
   double learn_budget_s = 0;
   std::optional<int> remember_after;
-  double replay = 0;
+  std::optional<double> replay;
   std::optional<double> resolution;
   double margin = 0;
   double start_tolerance = 0.05;
@@ -112,7 +112,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "last insertion; 0: after each solved problem. Default: never.");
   visit("replay", s.replay, 0.0, 1e6,
         "Before any search, try remembered paths whose ends are closer to the query's than this "
-        "(key distance, radians), deformed and repaired. 0: none; 0.5 suits tasks that repeat.");
+        "(radians), deformed and repaired. 0: none. Default: 0.5 unless a kind is chosen.");
   visit("resolution", s.resolution, 1e-4, 10.0,
         "Largest L2 joint distance between checked states of a motion, radians. Default: the "
         "robot's (0.02 for a planar arm, 1/32 otherwise).");
@@ -133,7 +133,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
 
 /// Returns the settings; those that are not set get the values of `memory_mode`. MemoryMode::paper:
 /// constant lambda of 0.5, sigma 0.1, similarity 3, all matches, all components from the start,
-/// means moved by symmetry only and not checked, no escape walks, no anchored samples.
+/// means moved by symmetry only and not checked, no escape walks, no anchored samples, no replay.
 [[nodiscard]] SolveSettings with_memory_mode(SolveSettings settings);
 
 /// Returns what the settings allow at the ends of a path, for is_path_free().
@@ -247,6 +247,13 @@ struct SolveResult {
 /// database of another robot.
 [[nodiscard]] Result<SolveResult> solve(const Problem& problem, Database* database,
                                         const SolveSettings& settings);
+
+/// Learns more from a problem whose search was long, in time that nothing else needs. Plans it
+/// twice more from other seeds and remembers the paths. Looks for the places of all motions of the
+/// memory in its scene: later queries of this process know them. Ends some milliseconds after
+/// `plan.cancel` is set. Errors: those of solve().
+[[nodiscard]] Result<void> study(const Problem& problem, Database& database,
+                                 const SolveSettings& settings);
 
 /// Settings of plan_many().
 struct ManySettings {

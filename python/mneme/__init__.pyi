@@ -685,7 +685,7 @@ def plan(
     component_growth: float = 0.5,
     learn_budget: float = 0.0,
     remember_after: Optional[int] = None,
-    replay: float = 0.0,
+    replay: Optional[float] = None,
     resolution: Optional[float] = None,
     margin: float = 0.0,
     start_tolerance: float = 0.05,

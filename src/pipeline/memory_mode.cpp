@@ -39,6 +39,7 @@ SolveSettings with_memory_mode(SolveSettings settings) {
   set(settings.drop_invalid_means, false);
   set(settings.retarget, false);
   set(settings.retrieve_after, 0);
+  set(settings.replay, 0.0);
   set(settings.first_components, 1e9);
   set(settings.plan.walk, 0.0);
   if (settings.plan.anchor == PlanSettings().anchor) settings.plan.anchor = 0;

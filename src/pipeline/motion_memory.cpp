@@ -12,11 +12,15 @@ namespace {
 
 bool holds_motions(const KindSettings& kind) { return kind.kind->is_placed_by_checking; }
 
+const MemoryKind& kind_of_motions(const Query& query) {
+  return *std::ranges::find_if(query.kinds, holds_motions)->kind;
+}
+
 /// All rows of motions, the most expensive searches first. A database that cannot be read has none:
 /// motions are a hint.
 std::vector<std::shared_ptr<const Experience>> read_motions(const Query& query) {
   std::vector<std::shared_ptr<const Experience>> rows;
-  const MemoryKind& kind = *std::ranges::find_if(query.kinds, holds_motions)->kind;
+  const MemoryKind& kind = kind_of_motions(query);
   const std::vector<PrimitiveKey> anywhere = {
       PrimitiveKey(static_cast<std::size_t>(kind.key_size(query.problem.robot)), 0.0)};
   auto found =
@@ -38,35 +42,50 @@ bool MotionMemory::is_used(const Query& query) {
          std::ranges::any_of(query.kinds, holds_motions);
 }
 
-void MotionMemory::load(std::vector<std::vector<float>>& placed) {
+double MotionMemory::trust() const {
+  const Query& query = resolved_.query;
+  return query.database->trust(kind_of_motions(query).version);
+}
+
+void MotionMemory::load(std::vector<PlacedMotion>& placed) {
   finder_.emplace(resolved_.checker);
   const MotionPlaces known = resolved_.cell ? resolved_.cell->places().copy() : MotionPlaces();
   for (auto& row : read_motions(resolved_.query)) {
-    const ContentHash content = EncodedRow(*row).content();
-    if (const auto places = known.find(content); places != known.end()) {
-      place(row->path(), places->second, placed);
-    } else {
-      rows_.push_back({content, std::move(row)});
-    }
+    rows_.push_back({EncodedRow(*row).content(), std::move(row)});
+  }
+  const auto unknown = std::ranges::stable_partition(
+      rows_, [&](const Row& row) { return known.contains(row.content); });
+  next_ = rows_.size() - unknown.size();
+  for (std::size_t i = 0; i < next_; ++i) place(i, known.at(rows_[i].content), placed);
+}
+
+void MotionMemory::place(std::size_t row, const std::vector<float>& places,
+                         std::vector<PlacedMotion>& placed) const {
+  for (const float one : places) {
+    placed.push_back({finder_->placed(rows_[row].experience->path(), one), static_cast<int>(row)});
   }
 }
 
-void MotionMemory::place(const RememberedPath& motion, const std::vector<float>& places,
-                         std::vector<std::vector<float>>& placed) const {
-  for (const float one : places) placed.push_back(finder_->placed(motion, one));
-}
-
-bool MotionMemory::find_more(std::vector<std::vector<float>>& placed, CheckCounters& counters) {
+bool MotionMemory::find_more(std::vector<PlacedMotion>& placed, CheckCounters& counters) {
   if (!finder_) {
     load(placed);
   } else if (next_ < rows_.size()) {
-    const Row& row = rows_[next_++];
-    const RememberedPath& motion = row.experience->path();
-    std::vector<float> places = finder_->find(motion, counters);
-    place(motion, places, placed);
-    found_.emplace(row.content, std::move(places));
+    const std::size_t row = next_++;
+    std::vector<float> places = finder_->find(rows_[row].experience->path(), counters);
+    place(row, places, placed);
+    found_.places.emplace(rows_[row].content, std::move(places));
   }
   return next_ < rows_.size();
+}
+
+void MotionMemory::report(std::uint64_t states, std::span<const int> followed) {
+  const MemoryKind& kind = kind_of_motions(resolved_.query);
+  found_.kind = kind.version;
+  found_.states = states;
+  for (const int row : followed) {
+    const RememberedPath& motion = rows_[static_cast<std::size_t>(row)].experience->path();
+    found_.saved += motion.planning_states.value_or(kind.least_work);
+  }
 }
 
 }  // namespace mneme::internal

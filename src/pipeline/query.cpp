@@ -26,8 +26,24 @@ Result<void> check_robot(const Robot& robot, const Database& database) {
   return refuse_robot(database.info().url, database.signature(), wanted);
 }
 
+/// Distance of replay for tasks that repeat, radians.
+constexpr double kRepeated = 0.5;
+
 bool replays(const MemoryKind* kind) { return kind->can_replay(); }
 bool is_placed(const MemoryKind* kind) { return kind->is_placed_by_checking; }
+
+/// The distance of replay: kRepeated by default if whole paths are remembered and the choice of
+/// memory is left to the database.
+double replay_distance(const Database& database, const SamplerEntry& sampler,
+                       const SolveSettings& settings) {
+  if (settings.replay) return *settings.replay;
+  if (settings.memory.kind || !sampler.uses_memory || settings.learn_budget_s > 0) return 0;
+  const bool holds_paths = std::ranges::any_of(database.kinds(), [](const KindInfo& info) {
+    const MemoryKind* const kind = memory_kind_of(info.kind);
+    return kind != nullptr && replays(kind);
+  });
+  return holds_paths ? kRepeated : 0;
+}
 
 /// Returns the kind of the settings; otherwise the known kinds in the database; otherwise, for an
 /// empty or missing (null) database, the robot's default. Replay adds a kind that can replay.
@@ -39,7 +55,9 @@ Result<std::vector<const MemoryKind*>> choose_kinds(const Robot& robot, const Da
     return kinds;
   }
   std::vector<KindInfo> held = database == nullptr ? std::vector<KindInfo>() : database->kinds();
-  std::erase_if(held, [](const KindInfo& info) { return info.kind == kTaskRows; });
+  std::erase_if(held, [](const KindInfo& info) {
+    return info.kind == kTaskRows || info.kind == kUnsolvedRows;
+  });
   for (const KindInfo& info : held) {
     if (const MemoryKind* kind = memory_kind_of(info.kind)) kinds.push_back(kind);
   }
@@ -89,7 +107,7 @@ KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
   complete.widening = {settings.first_components.value_or(defaults.first_components),
                        settings.component_growth / std::max(complete.lambda, 1e-3)};
   complete.max_gap = settings.memory.max_gap.value_or(defaults.max_gap);
-  complete.replay = replays(&kind) ? settings.replay : 0;
+  complete.replay = replays(&kind) ? settings.replay.value_or(0) : 0;
   return complete;
 }
 
@@ -140,7 +158,7 @@ Result<void> check_constraints(const PlannerEntry& planner, const Problem& probl
 Result<void> check_replay(const SolveSettings& settings) {
   if (!settings.memory.kind) return {};
   const MemoryKind* kind = MNEME_TRY(find_memory_kind(*settings.memory.kind));
-  if (settings.replay == 0 || replays(kind)) return {};
+  if (settings.replay.value_or(0) == 0 || replays(kind)) return {};
   return fail(ErrorCode::invalid,
               "setting 'replay': memory of the kind '{}' holds no whole paths, expected the kind "
               "paths",
@@ -201,6 +219,7 @@ Result<Query> make_query(const Problem& problem, Database* database,
   MNEME_TRY(check_learning(*sampler, settings));
   if (!is_memory_used(*sampler, settings)) return query;
   MNEME_TRY(check_robot(problem.robot.without_attached(), *database));
+  query.settings.replay = replay_distance(*database, *sampler, query.settings);
   query.kinds = MNEME_TRY(complete_kinds(problem.robot, database, query.settings));
   query.database = database;
   return query;

@@ -3,7 +3,6 @@
 #include "pipeline/race.h"
 
 #include "base/threads.h"
-#include "pipeline/motion_memory.h"
 
 #include <algorithm>
 #include <atomic>
@@ -55,7 +54,7 @@ class CountingSampler final : public Sampler {
 };
 
 Result<PlanResult> search(const RaceTask& task, const Sampler& sampler,
-                          const PlanSettings& settings, SearchLimit* limit, MotionPlaces& places) {
+                          const PlanSettings& settings, SearchLimit* limit, FoundMotions& found) {
   const ResolvedQuery& resolved = task.resolved;
   MotionMemory motions(resolved);
   const Query& query = resolved.query;
@@ -67,7 +66,7 @@ Result<PlanResult> search(const RaceTask& task, const Sampler& sampler,
       query.planner.plan({resolved.checker, resolved.ends, sampler, settings, shorten_and_verify,
                           valid_states, further_goals ? &*further_goals : nullptr, limit,
                           MotionMemory::is_used(query) ? &motions : nullptr});
-  places = motions.take_found();
+  found = motions.take_found();
   return planned;
 }
 
@@ -82,7 +81,7 @@ class Race {
     threads_.join();
     Entrant& first = winner();
     if (!*first.planned) return tl::unexpected(first.planned->error());
-    RaceResult result{**std::move(first.planned), first.samples, std::move(first.places)};
+    RaceResult result{**std::move(first.planned), first.samples, std::move(first.found)};
     if (plan_settings().observer != nullptr) show(first);
     return result;
   }
@@ -111,7 +110,7 @@ class Race {
     bool is_beaten = false;  ///< True: paths found later do not count.
     std::uint64_t samples = 0;
     std::optional<Result<PlanResult>> planned;
-    MotionPlaces places;
+    FoundMotions found;
 
    private:
     Race& race_;
@@ -136,7 +135,7 @@ class Race {
 
   void run(Entrant& entrant) {
     const CountingSampler sampler(task_.sampler, entrant.samples);
-    entrant.planned = search(task_, sampler, settings_of(entrant.index), &entrant, entrant.places);
+    entrant.planned = search(task_, sampler, settings_of(entrant.index), &entrant, entrant.found);
     if (!entrant.has_path()) return;
     const std::uint64_t rank = entrant.rank((*entrant.planned)->iterations);
     std::uint64_t best = best_.load();
@@ -177,8 +176,8 @@ class Race {
     PlanSettings settings = settings_of(entrant.index);
     settings.timeout_s = timeout_s_;
     settings.observer = plan_settings().observer;
-    MotionPlaces places;
-    static_cast<void>(search(task_, task_.sampler, settings, nullptr, places));
+    FoundMotions ignored;
+    static_cast<void>(search(task_, task_.sampler, settings, nullptr, ignored));
   }
 
   const RaceTask& task_;
@@ -197,7 +196,7 @@ Result<RaceResult> race(const RaceTask& task) {
   PlanSettings settings = task.resolved.query.settings.plan;
   settings.timeout_s = task.resolved.query.remaining_s();
   RaceResult result;
-  result.plan = MNEME_TRY(search(task, task.sampler, settings, nullptr, result.places));
+  result.plan = MNEME_TRY(search(task, task.sampler, settings, nullptr, result.found));
   return result;
 }
 

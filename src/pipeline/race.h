@@ -4,7 +4,7 @@
 /// Simultaneous searches for one query from different seeds.
 #pragma once
 
-#include "pipeline/resolve_goals.h"
+#include "pipeline/motion_memory.h"
 
 #include <cstdint>
 #include <limits>
@@ -21,7 +21,7 @@ struct RaceResult {
   PlanResult plan;  ///< of the winner; its counts do not include other searches
   /// Number of samples of the winner; the largest value if it was the only search.
   std::uint64_t samples = std::numeric_limits<std::uint64_t>::max();
-  MotionPlaces places;  ///< of remembered motions that it has looked for
+  FoundMotions found;
 };
 
 /// Runs SolveSettings::threads searches. The others begin after kAlone iterations of the first one;

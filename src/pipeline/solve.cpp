@@ -14,6 +14,7 @@
 #include "pipeline/race.h"
 #include "pipeline/remember.h"
 #include "pipeline/resolve_goals.h"
+#include "pipeline/unsolved.h"
 #include "replay/replay.h"
 
 #include <algorithm>
@@ -51,7 +52,13 @@ Result<Recalled> recall(const Query& query, const MemoryQuery& memory_query,
   return recalled;
 }
 
-/// Returns the replayed path of a known task, or the work without a path.
+/// Only a query that may change the memory changes how later ones are planned.
+bool may_change_memory(const Query& query) {
+  return query.database != nullptr && query.settings.remember_after.has_value();
+}
+
+/// Returns the replayed path of a known task, or the work without a path. Where tasks have not
+/// repeated so far, only nearer ones are tried.
 PlanResult replay(const ResolvedQuery& resolved, Replay& report) {
   const Query& query = resolved.query;
   const auto kind = std::ranges::find_if(query.kinds, [](const auto& k) { return k.replay > 0; });
@@ -59,9 +66,25 @@ PlanResult replay(const ResolvedQuery& resolved, Replay& report) {
   PlanSettings settings = query.settings.plan;
   settings.timeout_s = query.remaining_s();
   const MemoryQuery ends = memory_query(query.problem, resolved.ends.start, resolved.ends.goals);
-  return internal::replay({*query.database, *kind->kind, kind->max_gap, kind->replay, ends,
-                           resolved.ends, resolved.checker, resolved.cell.get(), settings},
-                          report);
+  const double distance = kind->replay * query.database->trust(kind->kind->version);
+  PlanResult replayed =
+      internal::replay({*query.database, *kind->kind, kind->max_gap, distance, ends, resolved.ends,
+                        resolved.checker, resolved.cell.get(), settings},
+                       report);
+  if (may_change_memory(query)) {
+    const bool is_hit = report.is_hit();
+    query.database->book(kind->kind->version, report.states,
+                         is_hit ? std::max(report.planning_states, report.states) : 0);
+  }
+  return replayed;
+}
+
+/// Keeps what a search has learned about the memory's motions.
+void note_motions(const ResolvedQuery& resolved, const internal::FoundMotions& found) {
+  const Query& query = resolved.query;
+  if (!may_change_memory(query)) return;
+  if (resolved.cell) resolved.cell->places().add(found.places);
+  query.database->book(found.kind, found.states, found.saved);
 }
 
 /// Counts the work of a failed replay as planning; its iterations are in the report.
@@ -147,20 +170,23 @@ Result<SolveResult> solve_as_given(const Problem& problem, Database* database,
   } else if (PlanResult replayed = replay(resolved, result.replay); replayed.is_solved()) {
     result.plan = std::move(replayed);
     improve(resolved, *make_uniform_sampler(problem.robot), result);
+  } else if (auto unsolved = internal::find_unsolved(query)) {
+    result.plan = *std::move(unsolved);
+    add_work(replayed, result.replay.time_s, result.plan);
   } else {
     MemorySampler memory(resolved, recall);
     const auto sampler = MNEME_TRY(memory.make());
     RaceResult planned = MNEME_TRY(internal::race({resolved, *sampler}));
     MNEME_TRY(memory.check(planned.samples));
     const std::uint64_t planning_states = planned.plan.states_checked;
-    // Only a query that may change the memory changes how later ones are planned.
-    if (query.settings.remember_after && resolved.cell) resolved.cell->places().add(planned.places);
+    note_motions(resolved, planned.found);
     result.plan = std::move(planned.plan);
     result.plan.planning_time_s += memory.time_s();
     improve(resolved, *sampler, result);
     result.gl = memory.take(planned.samples);
     add_work(replayed, result.replay.time_s, result.plan);
     result.remembered = remember(resolved, result.plan, planning_states);
+    remember_unsolved(resolved, result.plan);
   }
   result.plan.path = resolved.given.completed(problem.robot, std::move(result.plan.path));
   result.plan.path = unwrapped(problem.robot, std::move(result.plan.path), problem.start);

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/pipeline.h"
 
-#include "support/planar_memory.h"
+#include "support/enclosed_arm.h"
+#include "support/kinds.h"
 
 namespace mneme::test {
 namespace {
@@ -55,6 +56,39 @@ struct UselessMemory {
   static constexpr std::uint64_t kSeeds = 6;
 };
 
+/// Passages of one arm, and a memory of other passages.
+struct ForeignPassages {
+  Robot robot = panda();
+  Path motion = bent_motion();
+  Scene scene = enclose(robot, motion, 3);
+  TemporaryDirectory directory;
+  Database memory =
+      Database::open(directory / "m.db", make_signature(robot), OpenMode::create).value();
+  SolveSettings settings;
+
+  ForeignPassages() {
+    settings.plan.walk = 0;
+    settings.plan.timeout_s = 600;
+    settings.plan.max_iterations = 30'000;
+    settings.remember_after = 1'000'000'000;  // the account alone changes
+  }
+  void learn(const Path& path, const Scene& among) {
+    auto rows = learn_from_paths({robot, among}, std::vector<Path>{path}, of_kind("motions"));
+    REQUIRE(rows.has_value());
+    REQUIRE(memory.insert(*std::move(rows)).has_value());
+  }
+  /// States that a query checks, in the passage turned by `angle`.
+  double states(Database* database, double angle) {
+    const Path there = turned(motion, angle);
+    const Problem problem{"turned",      robot,          "", turned(scene, angle),
+                          there.front(), {there.back()}, {}};
+    settings.plan.seed = static_cast<std::uint64_t>(100 + 10 * angle);
+    const auto result = solve(problem, database, settings);
+    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+    return static_cast<double>(result->plan.states_checked);
+  }
+};
+
 }  // namespace
 
 TEST_SUITE("flow") {
@@ -66,6 +100,33 @@ TEST_SUITE("flow") {
     // 0.8 would take five times as many.
     const std::uint64_t bound = uniform + uniform / 2 + UselessMemory::kSeeds * 15001;
     CHECK(memory.iterations(0.8, 0.2) <= bound);
+  }
+
+  TEST_CASE("motions of other passages cost ever less, until their own come back") {
+    ForeignPassages passages;
+    for (int i = 0; i < 10; ++i) {
+      Path other = bent_motion(0.03 * i);
+      for (Configuration& q : other) q[3] += 0.9, q[5] -= 0.8;
+      passages.learn(other, enclose(passages.robot, other, 50 + static_cast<std::uint64_t>(i)));
+    }
+    const auto regret = [&](double first_angle) {
+      double with = 0, without = 0;
+      for (int i = 0; i < 4; ++i) {
+        const double angle = first_angle + 0.4 * i;
+        const double alone = passages.states(nullptr, angle);
+        const double remembering = passages.states(&passages.memory, angle);
+        without += alone;
+        with += remembering;
+      }
+      return with / without - 1;
+    };
+    const double first = regret(-1.8), then = regret(-0.2);
+    CHECK(passages.memory.trust("motions/1") < 0.6);
+    CHECK(first > 0);
+    passages.memory.book("motions/1", 1'000'000, 0);
+    CHECK(regret(-0.2) <= std::min(0.03, then));
+    passages.memory.book("motions/1", 0, 1'000'000);
+    CHECK(regret(-0.2) > 0.03);
   }
 }
 

@@ -1,0 +1,53 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/pipeline.h"
+
+#include "base/threads.h"
+#include "pipeline/motion_memory.h"
+#include "pipeline/resolve_goals.h"
+
+#include <algorithm>
+
+namespace mneme {
+namespace {
+
+/// Further searches of a problem: each takes another way through a passage.
+constexpr std::uint64_t kSearches = 2;
+constexpr std::uint64_t kStudyTask = std::uint64_t{1} << 60;
+/// Seconds between two looks at the cancel flag while rows are stored.
+constexpr double kPatience = 0.02;
+
+/// Keeps the places of all motions for later queries in the scene.
+Result<void> place_motions(const Problem& problem, Database& database,
+                           const SolveSettings& settings) {
+  const internal::Query query = MNEME_TRY(internal::make_query(problem, &database, settings));
+  const internal::ResolvedQuery resolved = MNEME_TRY(internal::resolve_goals(query));
+  if (resolved.cell == nullptr || !internal::MotionMemory::is_used(query)) return {};
+  internal::MotionMemory motions(resolved);
+  std::vector<PlacedMotion> placed;
+  CheckCounters counters;
+  while (!query.is_over() && motions.find_more(placed, counters)) placed.clear();
+  resolved.cell->places().add(motions.take_found().places);
+  return {};
+}
+
+}  // namespace
+
+Result<void> study(const Problem& problem, Database& database, const SolveSettings& given) {
+  SolveSettings settings = given;
+  settings.replay = 0;
+  settings.remember_after = 0;
+  settings.plan.observer = nullptr;
+  const auto is_cancelled = [&] { return internal::is_set(settings.plan.cancel); };
+  for (std::uint64_t i = 0; i < kSearches && !is_cancelled(); ++i) {
+    settings.plan.seed = derive_seed(given.plan.seed, kStudyTask + i);
+    MNEME_TRY(solve(problem, &database, settings));
+  }
+  while (!is_cancelled() && database.queued_rows().waiting > 0) {
+    static_cast<void>(database.flush(kPatience));
+  }
+  if (is_cancelled()) return {};
+  return place_motions(problem, database, settings);
+}
+
+}  // namespace mneme
