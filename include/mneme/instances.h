@@ -203,6 +203,38 @@ inline constexpr std::string_view kComposedVersion = "composed/1";
                                                                 const ComposedSettings& settings,
                                                                 std::uint64_t seed);
 
+/// Settings of make_blocked_instances().
+struct BlockedSettings {
+  const std::atomic<bool>* cancel = nullptr;
+  std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
+};
+
+/// A problem without a path. Its proof: a shape of `link` that `joint` moves, and no other joint
+/// except along the axis, contains a point of a post where `joint` is at one of `angles`. Each path
+/// from start to goal passes one of them.
+struct BlockedInstance {
+  Scene scene;  ///< the posts
+  Configuration start;
+  Configuration goal;
+  std::string joint, link;
+  std::vector<double> angles;  ///< per post; two for a continuous joint
+};
+
+struct BlockedInstances {
+  std::vector<BlockedInstance> instances;
+  int dropped = 0;  ///< candidates without free ends on both sides
+};
+
+/// Version of make_blocked_instances(): changes whenever the same arguments give other instances.
+inline constexpr std::string_view kBlockedVersion = "blocked/1";
+
+/// Random infeasible instances, each with a proof. Start and goal are free. Deterministic for equal
+/// robot, seed and instruction set. Errors: a robot without a turning joint (SymmetricJoints), or
+/// whose turning joint alone moves no shape off its axis; no free ends.
+[[nodiscard]] Result<BlockedInstances> make_blocked_instances(const Robot& robot, int count,
+                                                              const BlockedSettings& settings,
+                                                              std::uint64_t seed);
+
 /// Settings of make_task_instance().
 struct TaskInstanceSettings {
   int grasps = 500, placements = 50;  ///< numbers of alternatives, each at least 1
