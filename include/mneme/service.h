@@ -42,6 +42,7 @@ struct ServiceSettings {
   int traces = 32;
   std::uint64_t nodes = 1000000;
   std::optional<int> remember_after;  ///< SolveSettings::remember_after of all plans
+  bool learn_idle = false;
   double refresh_s = 1;
   /// A problem of the service's robot. The page at `/` begins with this problem. Requests without a
   /// scene and obstacles use its scene. Null: no obstacles, and the robot at rest.
@@ -74,6 +75,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("remember-after", s.remember_after, 0, 1000000000,
         "insert the experience of solved problems once this many iterations have accumulated since "
         "the last insertion");
+  visit("learn-idle", s.learn_idle, false, true,
+        "study problems whose search was long while no request is at work, so that the next ones "
+        "of the cell are faster; needs remember-after");
   visit("refresh", s.refresh_s, 1e-3, 1e6,
         "seconds between two searches for new rows of other processes");
 }

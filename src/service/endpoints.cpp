@@ -99,6 +99,12 @@ Endpoints::Endpoints(const Robot& robot, std::shared_ptr<Database> database,
       queue_(settings.threads, settings.queue) {
   // Fills the caches of the robot, so that the first client does not wait for them.
   static_cast<void>(CollisionChecker::make(robot_, {}));
+  if (settings_.learn_idle) learner_ = std::make_unique<IdleLearner>(database_);
+}
+
+void Endpoints::set_stopping() {
+  is_stopping_ = true;
+  if (learner_ != nullptr) learner_->stop();
 }
 
 Result<void> Endpoints::keep_scene_of_page() {
@@ -204,6 +210,7 @@ class Endpoints::Work {
 };
 
 Answer Endpoints::in_turn(const Call& call, const std::function<Answer(Work&)>& work) {
+  const IdleLearner::Request request(learner_.get());
   Work granted(call, queue_, settings_.longest_plan_s);
   if (!granted.has_turn()) return no_turn(call.is_cancelled);
   try {
@@ -262,6 +269,9 @@ Answer Endpoints::plan_in_turn(const Call& call, Work& work) {
   const Result<TimedPath> timed = time_path(*request, result);
   if (!timed) return refusal(timed.error());
   work.end_turn();
+  if (learner_ != nullptr && request->may_remember && !outcome->cell) {
+    learner_->offer(request->problem, request->settings, result.plan);
+  }
   return answer_plan(*std::move(request), *std::move(outcome), std::move(recorder),
                      measures ? &*measures : nullptr, *timed);
 }
@@ -422,7 +432,8 @@ Answer Endpoints::metrics_text(const Call& call) {
   const std::string text =
       metrics_.text({database_ == nullptr ? 0 : database_->size(),
                      database_ == nullptr ? QueuedRows() : database_->queued_rows(),
-                     settings_.threads, queue_.waiting(), call.connections, scenes_.count()});
+                     settings_.threads, queue_.waiting(), call.connections, scenes_.count(),
+                     learner_ == nullptr ? 0 : learner_->finished()});
   return {200, text, "text/plain; version=0.0.4"};
 }
 

@@ -8,6 +8,7 @@
 #include "mneme/report.h"
 #include "mneme/service.h"
 
+#include "service/idle_learner.h"
 #include "service/metrics.h"
 #include "service/plan_queue.h"
 #include "service/requests.h"
@@ -78,8 +79,8 @@ class Endpoints {
   void refresh_memory();
   /// Stores queued rows as far as `patience_s` allows, and ends calls that wait for a server.
   void leave_memory(double patience_s);
-  /// Makes health() report "stopping".
-  void set_stopping() { is_stopping_ = true; }
+  /// Makes health() report "stopping" and ends learning in idle time.
+  void set_stopping();
 
  private:
   /// A plan whose trace can be requested.
@@ -123,6 +124,7 @@ class Endpoints {
   std::string write_failure_;  ///< empty after a successful insertion
   std::map<std::uint64_t, std::shared_ptr<const TracedPlan>> traces_;
   std::uint64_t last_trace_ = 0;
+  std::unique_ptr<IdleLearner> learner_;  ///< null: learns from requests alone
 };
 
 }  // namespace mneme::internal

@@ -76,6 +76,8 @@ void add_gauges(std::string& text, const ServiceGauges& gauges) {
   add_single(text, "mneme_memory_rows", "gauge", "Rows of the memory.", gauges.memory_rows);
   add_single(text, "mneme_remembered_waiting", "gauge", "Rows of plans that wait to be stored.",
              gauges.queued.waiting);
+  add_single(text, "mneme_studied_total", "counter",
+             "Problems that were studied while no request was at work.", gauges.studied);
   add_single(text, "mneme_threads", "gauge", "Plans that can run at a time.", gauges.threads);
   add_single(text, "mneme_waiting", "gauge", "Requests that wait for a thread.", gauges.waiting);
   add_single(text, "mneme_connections", "gauge", "Open connections.", gauges.connections);

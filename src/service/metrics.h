@@ -26,6 +26,7 @@ struct ServiceGauges {
   int waiting = 0;
   int connections = 0;
   std::size_t scenes = 0;
+  std::uint64_t studied = 0;  ///< problems, in idle time
 };
 
 /// Counts since the start of a service.

@@ -202,6 +202,9 @@ Result<void> check(const ServiceSettings& settings, bool has_memory) {
   if (settings.remember_after && !has_memory) {
     return fail(ErrorCode::invalid, "remember-after needs a database");
   }
+  if (settings.learn_idle && !settings.remember_after) {
+    return fail(ErrorCode::invalid, "learn-idle needs remember-after");
+  }
   return internal::check_ranges(settings);
 }
 
