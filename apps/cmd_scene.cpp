@@ -262,6 +262,7 @@ void add_scene(CLI::App& program, Action& action) {
   add_convert(group, action);
   add_scene_threaded(group, action);
   add_scene_enclosed(group, action);
+  add_scene_blocked(group, action);
   add_scene_composed(group, action);
   add_scene_repeat(group, action);
   add_vary(group, action);

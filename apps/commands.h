@@ -73,6 +73,7 @@ void add_robot_ik(CLI::App& group, Action& action);
 void add_robot_spheres(CLI::App& group, Action& action);
 void add_robot_srdf(CLI::App& group, Action& action);
 void add_scene_enclosed(CLI::App& group, Action& action);
+void add_scene_blocked(CLI::App& group, Action& action);
 void add_scene_composed(CLI::App& group, Action& action);
 void add_scene_threaded(CLI::App& group, Action& action);
 void add_scene_repeat(CLI::App& group, Action& action);

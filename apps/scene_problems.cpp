@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme scene threaded, enclosed, composed, repeat: compact files of random problems that have a
-/// path.
+/// mneme scene threaded, enclosed, composed, blocked, repeat: compact files of random problems,
+/// with a path or a proof that there is none.
 #include "mneme/benchmark.h"
 #include "mneme/instances.h"
 #include "mneme/planning.h"
@@ -177,6 +177,41 @@ Result<ExitCode> run_enclosed(const EnclosedOptions& given) {
        {"dropped", made.dropped}},
       fmt::format("{} in {}", counted(made.instances.size(), "instance", "instances"),
                   options.output));
+}
+
+struct BlockedOptions : GeneratorOptions {
+  BlockedSettings settings;
+};
+
+/// Each problem with the proof that it has no path.
+Json to_json(const BlockedOptions& options, const Robot& robot, const BlockedInstances& made) {
+  Json file;
+  for (std::size_t i = 0; i < made.instances.size(); ++i) {
+    const BlockedInstance& instance = made.instances[i];
+    const std::string name = fmt::format("b{}_{:04}", options.seed, i);
+    const Problem problem{name, robot, "", instance.scene, instance.start, {instance.goal}, {}};
+    append_problem(problem, options.robot, file)["blocked"] = {
+        {"joint", instance.joint}, {"angles", instance.angles}, {"link", instance.link}};
+  }
+  file["generator"] = kBlockedVersion;
+  return file;
+}
+
+Result<ExitCode> run_blocked(const BlockedOptions& given) {
+  BlockedOptions options = given;
+  const Robot robot =
+      MNEME_TRY(load_named_robot(options.robot, options.robot_options, std::array{options.output}));
+  Progress progress("blocking");
+  watch(options, progress, options.settings);
+  const auto made =
+      MNEME_TRY(make_blocked_instances(robot, options.count, options.settings, options.seed));
+  return write_problems(
+      options, to_json(options, robot, made),
+      {{"generator", kBlockedVersion},
+       {"instances", made.instances.size()},
+       {"dropped", made.dropped}},
+      fmt::format("{} without a path in {}",
+                  counted(made.instances.size(), "instance", "instances"), options.output));
 }
 
 struct ComposedOptions : GeneratorOptions {
@@ -408,6 +443,18 @@ void add_scene_composed(CLI::App& group, Action& action) {
   add_number(command, "--boxes", settings.boxes, 1, kMaxBoxes,
              "boxes of a module, if there is room");
   add_range(command, "--size", settings.size, "full extents of a box, metres");
+}
+
+void add_scene_blocked(CLI::App& group, Action& action) {
+  const auto options = std::make_shared<BlockedOptions>();
+  options->robot = "panda";
+  options->count = 100;
+  CLI::App& command = add_generator(group, action, "blocked",
+                                    "Write random problems without a path, each with a proof",
+                                    "scene blocked --robot panda --seed 1 -n 100 -o blocked.json",
+                                    options, run_blocked, kMostEnclosed);
+  command.add_option("--robot", options->robot, "URDF file or name (default panda)");
+  add_robot_flags(command, options->robot_options);
 }
 
 void add_scene_repeat(CLI::App& group, Action& action) {

@@ -451,20 +451,23 @@ TEST_SUITE("unit") {
         run_program({"plan", problem, "--db", files / "own.db", "--remember-after", "0", "--json"});
     REQUIRE_MESSAGE(first.exit_code == 0, first.err);
     CHECK(Json::parse(first.out)["remembered"] == "queued");
-    const ProgramRun again =
-        run_program({"plan", problem, "--db", files / "own.db", "--retrieve-after", "0", "--json"});
+    const ProgramRun again = run_program({"plan", problem, "--db", files / "own.db", "--replay",
+                                          "0", "--retrieve-after", "0", "--json"});
     REQUIRE_MESSAGE(again.exit_code == 0, again.err);
-    const ProgramRun words =
-        run_program({"plan", problem, "--db", files / "own.db", "--retrieve-after", "0"});
+    const ProgramRun words = run_program(
+        {"plan", problem, "--db", files / "own.db", "--replay", "0", "--retrieve-after", "0"});
     CHECK(
         has_text(words.out, "\n  query to goal 1: 1 match, similarity error 0.000 to 0.000 rad^2"));
     CHECK(Json::parse(again.out)["retrieved"] > 0);
     const ProgramRun uniform = run_program(
         {"plan", problem, "--db", files / "own.db", "--sampler", "uniform", "--replay", "0.5"});
     CHECK(has_text(uniform.out, "\nknown task  replayed row 1, 0.000 rad away\n"));
+    const ProgramRun automatic = run_program({"plan", problem, "--db", files / "own.db"});
+    CHECK(has_text(automatic.out, "\nknown task  replayed row 1, 0.000 rad away\n"));
     CHECK_FALSE(std::filesystem::exists(files / "own.db.index"));
-    const ProgramRun small = run_program({"plan", problem, "--db", files / "own.db", "--json",
-                                          "--retrieve-after", "0", "--db-memory", "0"});
+    const ProgramRun small =
+        run_program({"plan", problem, "--db", files / "own.db", "--json", "--replay", "0",
+                     "--retrieve-after", "0", "--db-memory", "0"});
     REQUIRE_MESSAGE(small.exit_code == 0, small.err);
     CHECK(std::filesystem::exists(files / "own.db.index"));
     CHECK(Json::parse(small.out)["path"] == Json::parse(again.out)["path"]);
