@@ -12,6 +12,7 @@ SHAPES = {1: "box", 2: "sphere", 3: "cylinder"}
 ERROR_CODES = {"solved": 1, "timeout": -6, "iteration_limit": -1, "node_limit": -1, "cancelled": -7, "invalid_start": -10,
                "invalid_goal": -12}
 FAILURE = 99999
+NO_IK_SOLUTION = -31
 ROTATION_VECTOR_SHARE = 2 / math.pi  # a cone so much narrower has no longer rotation vectors
 
 
@@ -262,3 +263,47 @@ def to_plan_response(answer, joints, group):
     return {"group_name": group, "planning_time": answer["total_time_s"],
             "trajectory": {"joint_trajectory": {"joint_names": list(joints), "points": points}},
             "error_code": {"val": ERROR_CODES.get(answer["status"], FAILURE)}}
+
+
+def to_ik_request(request, scene, joints, links=None):
+    """The body of POST /v1/ik for a PositionIKRequest in a PlanningScene. The search begins at the request's state.
+
+    Obstacles are left out unless avoid_collisions is set; the robot never touches itself.
+    """
+    if any(value for name, value in (request.get("constraints") or {}).items() if name != "name"):
+        raise Unsupported("constraints of inverse kinematics are not supported")
+    if request.get("pose_stamped_vector"):
+        raise Unsupported("expected pose_stamped, the pose of one link, got pose_stamped_vector")
+    link = request.get("ik_link_name")
+    if not link:
+        raise Unsupported("expected ik_link_name, the link that pose_stamped is for")
+    stands_for = dict(links or {})
+    stamped = request["pose_stamped"]
+    position, q = pose_of(stamped.get("pose"))
+    goal = {"link": link, "position": position, "quat_xyzw": q}
+    frame = (stamped.get("header") or {}).get("frame_id", "")
+    if frame:
+        goal["frame"] = stands_for.get(frame, frame)
+    attached = attached_of(scene)
+    body = {"joints": list(joints), "goal": goal,
+            "near": start_of({"start_state": request.get("robot_state")}, scene, joints)}
+    if request.get("avoid_collisions"):
+        refuse_what_no_request_says({}, scene)
+        obstacles, frame = obstacles_of(scene)
+        body["obstacles"] = obstacles
+        if frame:
+            body["frame"] = stands_for.get(frame, frame)
+        allowed = allowed_of(scene, obstacles, attached)
+        if allowed:
+            body["allow"] = allowed
+    if attached:
+        body["attached"] = attached
+    return body
+
+
+def to_ik_response(answer, joints):
+    """The fields of a response of GetPositionIK: the solution nearest to the start."""
+    if not answer["solutions"]:
+        return {"error_code": {"val": NO_IK_SOLUTION}}
+    nearest = min(answer["solutions"], key=lambda solution: solution["distance"])
+    return {"solution": {"joint_state": {"name": list(joints), "position": nearest["q"]}}, "error_code": {"val": 1}}
