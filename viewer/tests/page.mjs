@@ -53,7 +53,7 @@ export async function open(browser, file, { width = 960, height = 600, theme = "
   page.on("request", (request) => {
     const url = request.url();
     const isOwn = isServed ? new URL(url).origin === new URL(address).origin : url === address;
-    if (!isOwn && !url.startsWith("data:")) complaints.push(url);
+    if (!isOwn && !/^(data|blob):/.test(url)) complaints.push(url);
   });
   await page.goto(address, { timeout: 120000 });
   await page.waitForSelector(ready, { timeout: 120000 });
