@@ -38,7 +38,7 @@ struct PlannerModule {
 [[nodiscard]] Result<PlannerModule> find_planner_module();
 /// Returns a live page that begins with `problem` and plans in the browser, without a service and
 /// memory. Pairs of links that exact geometry decides are not checked there. Errors: as
-/// make_trace().
+/// make_trace(); unsupported for attached objects with meshes.
 [[nodiscard]] Result<std::string> make_offline_page(Problem problem, const PlannerModule& module,
                                                     const TraceSettings& settings = {});
 

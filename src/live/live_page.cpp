@@ -210,6 +210,12 @@ Result<LivePage> make_live_page(Problem problem, bool has_memory, const TraceSet
 
 Result<std::string> make_offline_page(Problem problem, const PlannerModule& module,
                                       const TraceSettings& settings) {
+  for (const ApproximatedObject& carried : problem.robot.attached()) {
+    if (carried.object.meshes.empty()) continue;
+    return fail(ErrorCode::unsupported,
+                "attached object '" + carried.object.name +
+                    "': a page that plans by itself reads no mesh; use boxes and cylinders");
+  }
   const Scene kept = internal::kept_of(problem.scene);
   auto json = MNEME_TRY(internal::live_trace(problem, kept, false, settings));
   json["live"]["planner"] = internal::planner_json(problem);

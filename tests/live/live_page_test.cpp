@@ -64,6 +64,18 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("an attached mesh, which the page could not read, is refused by name") {
+    Problem problem = load_problem(find_scene("shelf/thick.yaml").value()).value();
+    AttachedObject part{.name = "part", .link = "gripper_link", .shapes = {}};
+    part.meshes.push_back({.path = "part.stl"});
+    ApproximatedObject carried{.object = part, .spheres = {{{0, 0, 0}, 0.01}}, .capsules = {}};
+    problem.robot = problem.robot.with_attached({carried}).value();
+    const auto page = make_offline_page(problem, {"script", "module"});
+    REQUIRE_FALSE(page.has_value());
+    CHECK(page.error().code == ErrorCode::unsupported);
+    CHECK(page.error().message.find("'part'") != std::string::npos);
+  }
+
   TEST_CASE("the bytes of the module stand in the page, and no link to another file") {
     const Robot robot = load_robot(find_robot("panda").value()).value();
     const auto page = make_offline_page(resting_problem(robot, ""), {"script", "module"});
