@@ -215,6 +215,7 @@ Result<Query> make_query(const Problem& problem, Database* database,
   const PlannerEntry* planner = MNEME_TRY(find_planner(settings.planner));
   MNEME_TRY(check_constraints(*planner, problem));
   Query query{problem, nullptr, with_memory_mode(settings), *planner, *sampler, {}, {}};
+  query.is_replay_asked = settings.replay.has_value();
   if (database == nullptr) return query;
   MNEME_TRY(check_learning(*sampler, settings));
   if (!is_memory_used(*sampler, settings)) return query;

@@ -37,6 +37,7 @@ struct Query {
   std::vector<KindSettings> kinds;  ///< empty without a database
   /// Measures the time limit. Started by make_query(), and again once the scene is prepared.
   mutable Stopwatch stopwatch = {};
+  bool is_replay_asked = false;  ///< True: the settings name the distance of replay.
 
   [[nodiscard]] CheckerSettings checker_settings() const;
   /// True once the time limit is reached or the call is cancelled.

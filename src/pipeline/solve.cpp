@@ -69,7 +69,7 @@ PlanResult replay(const ResolvedQuery& resolved, Replay& report) {
   const double distance = kind->replay * query.database->trust(kind->kind->version);
   PlanResult replayed =
       internal::replay({*query.database, *kind->kind, kind->max_gap, distance, ends, resolved.ends,
-                        resolved.checker, resolved.cell.get(), settings},
+                        resolved.checker, resolved.cell.get(), settings, !query.is_replay_asked},
                        report);
   if (may_change_memory(query)) {
     const bool is_hit = report.is_hit();

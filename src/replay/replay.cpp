@@ -173,7 +173,7 @@ void Replayer::replay(const std::vector<Known>& known) {
   };
   std::optional<Blocked> least;
   if (!known.empty()) {
-    report_.is_straight = is_straight_free();
+    report_.is_straight = task_.is_straight_first && is_straight_free();
     if (report_.is_straight) return;
     if (task_.cell != nullptr) proven_ = &task_.cell->motions(verification());
     links_ = ProvenMotions::of_links(task_.checker, verification());
