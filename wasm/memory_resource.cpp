@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What the headers of libc++ 16 declare and emscripten's library of libc++ 13 lacks: memory resources.
+// What the headers of libc++ 16 declare and emscripten's library of libc++ 13 lacks: memory
+// resources.
 #include <memory_resource>
 
 #include <new>

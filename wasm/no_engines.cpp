@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Stands for the room engines: a module in a browser has no database. Also for the page of the viewer, which contains
-// the module instead.
+// Stands for the room engines: a module in a browser has no database. Also for the page of the
+// viewer, which contains the module instead.
 #include "base/fail.h"
 #include "engines/open_store.h"
 #include "report/trace.h"
@@ -21,6 +21,9 @@ Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode, cons
 }
 Result<OpenedStore> open_store_of(const std::string& url, const RobotSignature&, OpenMode,
                                   const OpenOptions&) {
+  return refuse(url);
+}
+Result<OpenedStore> inspect_store(const std::string& url, const OpenOptions&) {
   return refuse(url);
 }
 Error with_advice(Error error, const std::string&) { return error; }

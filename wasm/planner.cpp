@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The C interface of the WebAssembly module: the endpoints of the service, without HTTP. One problem
-/// is open at a time. Texts are UTF-8 and end with NUL.
+/// The C interface of the WebAssembly module: the endpoints of the service, without HTTP. One
+/// problem is open at a time. Texts are UTF-8 and end with NUL.
 #include "mneme/live.h"
 #include "mneme/problem.h"
 #include "mneme/report.h"
@@ -53,8 +53,7 @@ Result<nlohmann::json> open_problem(const std::string& where) {
   settings.threads = 1;
   settings.shown = std::make_shared<const Problem>(problem);
   LivePage page = MNEME_TRY(make_live_page(problem, false));
-  auto endpoints =
-      std::make_unique<Endpoints>(problem.robot, nullptr, settings, std::move(page));
+  auto endpoints = std::make_unique<Endpoints>(problem.robot, nullptr, settings, std::move(page));
   MNEME_TRY(endpoints->keep_scene_of_page());
   planner().endpoints = std::move(endpoints);
   return nlohmann::json{{"robot", problem.robot.name()},
