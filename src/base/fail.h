@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -25,6 +26,13 @@ template <class First, class... Rest>
 }  // namespace mneme
 
 namespace mneme::internal {
+
+/// Returns a function for Result::map_error() that puts `where` before the message.
+[[nodiscard]] inline auto naming(std::string where) {
+  return [where = std::move(where)](const Error& error) {
+    return Error{error.code, fmt::format("{}: {}", where, error.message)};
+  };
+}
 
 /// Thrown by readers of input; without_throwing() turns it into an Error.
 struct InputFailure {

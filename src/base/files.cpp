@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/files.h"
 
-#include <fmt/format.h>
+#include "base/fail.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -21,19 +21,19 @@ namespace {
 Result<std::string> read_all(const UniqueFile& file, const std::string& path,
                              std::size_t max_bytes) {
   if (file == nullptr) {
-    return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+    return fail(ErrorCode::io, "{}: cannot be read: {}", path, std::strerror(errno));
   }
   std::string text;
   std::array<char, 65536> block;
   while (const std::size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
     text.append(block.data(), count);
     if (text.size() > max_bytes) {
-      return fail(ErrorCode::unsupported,
-                  fmt::format("{}: expected a file of at most {} bytes", path, max_bytes));
+      return fail(ErrorCode::unsupported, "{}: expected a file of at most {} bytes", path,
+                  max_bytes);
     }
   }
   if (std::ferror(file.get()) != 0) {
-    return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
+    return fail(ErrorCode::io, "{}: cannot be read: {}", path, std::strerror(errno));
   }
   return text;
 }
@@ -74,7 +74,7 @@ Result<std::string> read_regular_file(const std::string& path, std::size_t max_b
   const UniqueFile file(::fdopen(descriptor, "rb"));
   struct stat status {};
   if (::fstat(descriptor, &status) == 0 && !S_ISREG(status.st_mode)) {
-    return fail(ErrorCode::io, fmt::format("{}: expected a regular file", path));
+    return fail(ErrorCode::io, "{}: expected a regular file", path);
   }
   return read_all(file, path, max_bytes);
 }
@@ -96,7 +96,7 @@ Result<NewFile> NewFile::create(const std::string& path) {
   }
   const int alone = open_alone(file.written_path_);
   if (alone < 0 && errno == EWOULDBLOCK) {
-    return fail(ErrorCode::io, fmt::format("{}: is being written by another process", path));
+    return fail(ErrorCode::io, "{}: is being written by another process", path);
   }
   if (alone >= 0) file.file_.reset(::fdopen(alone, "wb"));
   if (file.file_ == nullptr || ::ftruncate(alone, 0) != 0) return file.error();
@@ -125,8 +125,8 @@ Result<void> NewFile::finish() {
 }
 
 tl::unexpected<Error> NewFile::error() const {
-  return fail(ErrorCode::io, fmt::format("{}: cannot be written: {}", path_,
-                                         std::generic_category().message(errno)));
+  return fail(ErrorCode::io, "{}: cannot be written: {}", path_,
+              std::generic_category().message(errno));
 }
 
 void sync_directory_of(const std::string& path) {

@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/base.h"
 
+#include "base/fail.h"
 #include "base/files.h"
-
-#include <fmt/format.h>
 
 #include <dlfcn.h>
 #include <algorithm>
@@ -102,10 +101,8 @@ Result<std::string> find_scene(const std::string& name) {
     tried += (tried.empty() ? "" : ", ") + directory + "/scenes";
   }
   return fail(
-      ErrorCode::io,
-      fmt::format(
-          "there is no scene '{}' in {}", name,
-          tried.empty() ? "share/mneme/scenes: the installation of mneme is incomplete" : tried));
+      ErrorCode::io, "there is no scene '{}' in {}", name,
+      tried.empty() ? "share/mneme/scenes: the installation of mneme is incomplete" : tried);
 }
 
 std::string_view version() { return MNEME_VERSION; }

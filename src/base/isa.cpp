@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/base.h"
 
+#include "base/fail.h"
+
 #include <hwy/targets.h>
 
 #include <cstdlib>
@@ -73,11 +75,11 @@ Result<Isa> parse_isa(std::string_view name) {
   for (const NamedIsa& entry : kIsas) {
     if (entry.name != name) continue;
     if (is_available(entry)) return entry.isa;
-    return fail(ErrorCode::unsupported, "this machine lacks the instruction set '" +
-                                            std::string(name) + "'; it has: " + available_names());
+    return fail(ErrorCode::unsupported, "this machine lacks the instruction set '{}'; it has: {}",
+                name, available_names());
   }
-  return fail(ErrorCode::invalid, "unknown instruction set '" + std::string(name) +
-                                      "'; expected one of: " + available_names());
+  return fail(ErrorCode::invalid, "unknown instruction set '{}'; expected one of: {}", name,
+              available_names());
 }
 
 }  // namespace mneme

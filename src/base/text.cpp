@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <utf8.h>
 
@@ -122,6 +123,12 @@ std::size_t skip_no_tag(std::string_view text, std::size_t begin) {
 }
 
 }  // namespace
+
+std::string utc_text(std::time_t seconds) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(seconds));
+}
+
+std::string current_time() { return utc_text(std::time(nullptr)); }
 
 std::optional<std::string> find_costly_xml(std::string_view text) {
   std::size_t parts = 0, attributes = 0;

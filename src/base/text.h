@@ -1,14 +1,17 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// UTF-8, fields of CSV files, costly XML, and names similar to a misspelt one.
+/// Numbers, UTF-8, fields of CSV files, costly XML, times, and names similar to a misspelt one.
 #pragma once
 
 #include <charconv>
+#include <concepts>
 #include <cstddef>
+#include <ctime>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace mneme::internal {
@@ -27,8 +30,18 @@ struct CodePoint {
 
 /// As std::from_chars(), which libc++ lacks for floating point before version 20.
 std::from_chars_result number_from(const char* begin, const char* end, double& value);
-inline std::from_chars_result number_from(const char* begin, const char* end, std::size_t& value) {
+template <std::integral Number>
+std::from_chars_result number_from(const char* begin, const char* end, Number& value) {
   return std::from_chars(begin, end, value);
+}
+/// Returns `text` as a number, read by number_from(). Returns nothing for any other text and for
+/// numbers out of range.
+template <class Number>
+[[nodiscard]] std::optional<Number> parse_number(std::string_view text) {
+  Number number{};
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = number_from(text.data(), end, number);
+  return error == std::errc() && stop == end ? std::optional(number) : std::nullopt;
 }
 
 /// Returns a field of a CSV file (RFC 4180), quoted if necessary.
@@ -39,6 +52,11 @@ inline std::from_chars_result number_from(const char* begin, const char* end, st
 /// Returns what tinyxml2 would take very long or very much memory for, such as "has an element with
 /// more than 100 attributes", or nothing.
 [[nodiscard]] std::optional<std::string> find_costly_xml(std::string_view text);
+
+/// Returns a time in seconds since 1970 as UTC in ISO 8601, such as "2026-01-31T12:00:00Z".
+[[nodiscard]] std::string utc_text(std::time_t seconds);
+/// Returns utc_text() of now.
+[[nodiscard]] std::string current_time();
 
 /// Returns the number of letters to insert, delete or replace to turn `a` into `b`. Case does not
 /// count.

@@ -16,6 +16,12 @@ namespace mneme::test {
 namespace {
 
 TEST_SUITE("unit") {
+  TEST_CASE("times are UTC in ISO 8601") {
+    CHECK(internal::utc_text(1769860800) == "2026-01-31T12:00:00Z");
+    CHECK(internal::current_time() > "2026-01-01T00:00:00Z");
+    CHECK(internal::current_time().size() == 20);
+  }
+
   TEST_CASE("a file is read byte for byte") {
     const TemporaryDirectory directory;
     std::string text("a\0b\r\n", 5);
