@@ -4,7 +4,6 @@
 
 #include "base/as_index.h"
 
-#include <algorithm>
 #include <numeric>
 
 namespace mneme::internal {

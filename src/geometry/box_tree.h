@@ -6,8 +6,6 @@
 
 #include "geometry/axis_box.h"
 
-#include <array>
-#include <cstdint>
 #include <limits>
 #include <vector>
 

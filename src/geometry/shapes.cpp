@@ -225,6 +225,15 @@ bool is_compound(const Shape& shape) {
       shape);
 }
 
+std::size_t part_count(const Shape& shape) {
+  return std::visit(
+      [](const auto& s) -> std::size_t {
+        if constexpr (requires { s.parts; }) return s.parts->list().size();
+        return 0;
+      },
+      shape);
+}
+
 std::vector<double> sizes_of(const Shape& shape) { return std::visit(Sizes{}, shape); }
 
 Shape resized(const Shape& shape, std::span<const double> sizes) {

@@ -15,6 +15,8 @@ namespace mneme::internal {
 
 /// True for points, meshes and octrees.
 [[nodiscard]] bool is_compound(const Shape& shape);
+/// Number of points, triangles or cubes of a compound shape; 0 for others.
+[[nodiscard]] std::size_t part_count(const Shape& shape);
 
 /// The point of a shape nearest to `p`; `p` itself inside.
 [[nodiscard]] Vec3 nearest_point(const Vec3& p, const Shape& shape);

@@ -9,8 +9,6 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <type_traits>
 
 namespace mneme::internal {
