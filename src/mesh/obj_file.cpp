@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
 #include "mesh/line_reader.h"
 #include "mesh/surface_builder.h"
-
-#include <charconv>
 
 namespace mneme::internal {
 namespace {
@@ -56,11 +55,8 @@ class ObjReader {
   /// 0.
   [[nodiscard]] const Vec3& corner(std::string_view word) const {
     const auto count = static_cast<std::ptrdiff_t>(vertices_.size());
-    const std::string_view digits = word.substr(0, word.find('/'));
-    std::ptrdiff_t index = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), index);
-    if (error != std::errc() || end != digits.data() + digits.size() || index == 0 ||
-        index > count || index < -count) {
+    const auto index = parse_number<std::ptrdiff_t>(word.substr(0, word.find('/'))).value_or(0);
+    if (index == 0 || index > count || index < -count) {
       lines_.fail(ErrorCode::parse, "a face has the vertex \"{}\", but there are {} before it",
                   excerpt(word), count);
     }
