@@ -41,6 +41,21 @@ bool is_within_limits(const Joint& joint, double value) {
 
 }  // namespace
 
+Configuration internal::random_configuration(const Robot& robot, Rng& rng) {
+  Configuration q;
+  for (const int i : robot.group()) {
+    q.push_back(rng.uniform(robot.joints()[as_index(i)].lower, robot.joints()[as_index(i)].upper));
+  }
+  return q;
+}
+
+Configuration internal::interpolate(const Robot& robot, std::span<const double> from,
+                                    std::span<const double> to, double fraction) {
+  Configuration q = robot.difference(from, to);
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] = from[i] + fraction * q[i];
+  return q;
+}
+
 Result<Configuration> Robot::configuration_of(const GivenConfiguration& given) const {
   if (const auto* q = std::get_if<Configuration>(&given)) return *q;
   const std::string& wanted = std::get<std::string>(given);

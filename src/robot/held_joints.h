@@ -9,7 +9,6 @@
 #include <map>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace mneme::internal {
 

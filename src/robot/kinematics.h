@@ -20,6 +20,13 @@ namespace mneme::internal {
 /// Radians or metres beyond a limit that count as a rounding error.
 inline constexpr double kLimitTolerance = 1e-5;
 
+/// Returns a configuration that is uniform between the limits of the group's joints.
+[[nodiscard]] Configuration random_configuration(const Robot& robot, Rng& rng);
+
+/// Returns the configuration at a fraction of the shortest motion; continuous joints are unwrapped.
+[[nodiscard]] Configuration interpolate(const Robot& robot, std::span<const double> from,
+                                        std::span<const double> to, double fraction);
+
 /// Returns the pose of the child link in the joint frame at `value`.
 [[nodiscard]] Transform joint_motion(const Joint& joint, double value);
 

@@ -28,9 +28,7 @@ std::string find_srdf(const std::string& urdf_path) {
 
 Result<Robot> make_from(Robot::Parts parts, const std::string& source,
                         const RobotOptions& options) {
-  return make_robot(std::move(parts), options).map_error([&](const Error& error) {
-    return Error{error.code, fmt::format("{}: {}", source, error.message)};
-  });
+  return make_robot(std::move(parts), options).map_error(internal::naming(source));
 }
 
 }  // namespace

@@ -203,9 +203,7 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
     model.states = std::move(sorted.states);
     return Robot(std::make_shared<const Robot::Model>(std::move(model)));
   };
-  return make().map_error([&](const Error& error) {
-    return Error{error.code, fmt::format("robot '{}': {}", name, error.message)};
-  });
+  return make().map_error(internal::naming(fmt::format("robot '{}'", name)));
 }
 
 }  // namespace mneme

@@ -9,7 +9,6 @@
 
 #include <tl/expected.hpp>
 
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>

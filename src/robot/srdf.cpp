@@ -23,130 +23,122 @@ class SrdfReader {
   SrdfReader(const std::string& source, bool strict)
       : xml_(source, strict ? XmlReader::Mode::strict : XmlReader::Mode::lenient) {}
 
-  Srdf read(std::string_view text);
+  Srdf read(std::string_view text) {
+    tinyxml2::XMLDocument document;
+    const XmlElement& robot = xml_.read_root(document, text, "robot");
+    if (const char* robot_name = robot.Attribute("name")) {
+      srdf_.robot = {robot_name, robot.GetLineNum()};
+    } else {
+      xml_.tolerate(robot, "no name", "attribute 'name' is missing");
+    }
+    xml_.check_children(robot, {},
+                        {"group", "group_state", "end_effector", "virtual_joint", "passive_joint",
+                         "joint_property", "link_sphere_approximation", "disable_collisions",
+                         "disable_default_collisions", "enable_collisions"});
+    for (const XmlElement* child : children(robot)) read_element(*child);
+    srdf_.warnings = xml_.warnings();
+    return std::move(srdf_);
+  }
 
  private:
-  void read_element(const XmlElement& element);
-  void read_group(const XmlElement& element);
-  void read_state(const XmlElement& element);
-  bool has_several_values(const XmlElement& joint);
-  SrdfName name(const XmlElement& element, const char* attribute);
-  SrdfPair pair(const XmlElement& element, const char* first, const char* second);
+  void read_element(const XmlElement& element) {
+    const std::string_view kind = element.Name();
+    if (kind == "group") {
+      read_group(element);
+    } else if (kind == "group_state") {
+      read_state(element);
+    } else if (kind == "end_effector") {
+      xml_.check_attributes(element, {"name", "parent_link", "group", "parent_group"});
+      srdf_.end_effectors.push_back(name(element, "group"));
+    } else if (kind == "virtual_joint") {
+      xml_.check_attributes(element, {"name", "type", "parent_frame", "child_link"});
+      const char* type = element.Attribute("type");
+      srdf_.virtual_joints.push_back(
+          {name(element, "name"), type == nullptr || std::string_view(type) == "fixed"});
+    } else if (kind == "passive_joint") {
+      xml_.check_attributes(element, {"name"});
+      srdf_.passive_joints.push_back(name(element, "name"));
+    } else if (kind == "disable_collisions") {
+      srdf_.disabled.push_back(pair(element, "link1", "link2"));
+    } else if (kind == "enable_collisions") {
+      srdf_.enabled.push_back(pair(element, "link1", "link2"));
+    } else if (kind == "disable_default_collisions") {
+      xml_.check_attributes(element, {"link"});
+      srdf_.disabled_links.push_back(name(element, "link"));
+    }
+  }
+
+  void read_group(const XmlElement& element) {
+    SrdfGroup group;
+    xml_.check_attributes(element, {"name"});
+    group.name = name(element, "name");
+    xml_.set_context(fmt::format("group '{}'", group.name.name));
+    const auto is_same = [&](const SrdfGroup& other) { return other.name.name == group.name.name; };
+    if (std::ranges::any_of(srdf_.groups, is_same)) {
+      xml_.fail(element.GetLineNum(), "it is defined twice");
+    }
+    xml_.check_children(element, {}, {"joint", "link", "chain", "group", "passive_joint"});
+    for (const XmlElement* child : children(element)) {
+      const std::string_view kind = child->Name();
+      if (kind == "chain") {
+        xml_.check_attributes(*child, {"base_link", "tip_link"});
+        group.chains.push_back(pair(*child, "base_link", "tip_link"));
+        continue;
+      }
+      xml_.check_attributes(*child, {"name"});
+      if (kind == "joint") group.joints.push_back(name(*child, "name"));
+      if (kind == "link") group.links.push_back(name(*child, "name"));
+      if (kind == "group") group.subgroups.push_back(name(*child, "name"));
+    }
+    xml_.set_context("");
+    srdf_.groups.push_back(std::move(group));
+  }
+
+  void read_state(const XmlElement& element) {
+    xml_.check_attributes(element, {"name", "group"});
+    SrdfState state{name(element, "name"), "", {}};
+    if (const char* group = element.Attribute("group")) {
+      state.group = group;
+    } else {
+      xml_.tolerate(element, "no group", "attribute 'group' is missing");
+    }
+    xml_.set_context(fmt::format("group_state '{}'", state.name.name));
+    xml_.check_children(element, {}, {"joint"});
+    for (const XmlElement* child : children(element, "joint")) {
+      xml_.check_attributes(*child, {"name", "value"});
+      SrdfName joint = name(*child, "name");
+      if (has_several_values(*child)) {
+        xml_.tolerate(*child,
+                      fmt::format("joint '{}' has several values and is ignored", joint.name),
+                      "value has several numbers, expected one");
+      } else {
+        state.joints.emplace_back(std::move(joint), xml_.number(*child, "value"));
+      }
+    }
+    xml_.set_context("");
+    srdf_.states.push_back(std::move(state));
+  }
+
+  /// As a planar or floating joint has.
+  bool has_several_values(const XmlElement& joint) {
+    const std::string value = xml_.text(joint, "value");
+    const std::size_t begin = value.find_first_not_of(" \t\n");
+    const std::size_t gap = value.find_first_of(" \t\n", begin);
+    return begin != value.npos && value.find_first_not_of(" \t\n", gap) != value.npos &&
+           gap != value.npos;
+  }
+
+  SrdfName name(const XmlElement& element, const char* attribute) {
+    return {xml_.text(element, attribute), element.GetLineNum()};
+  }
+
+  SrdfPair pair(const XmlElement& element, const char* first, const char* second) {
+    return {name(element, first), name(element, second)};
+  }
 
   XmlReader xml_;
   Srdf srdf_;
 };
-
-Srdf SrdfReader::read(std::string_view text) {
-  tinyxml2::XMLDocument document;
-  const XmlElement& robot = xml_.read_root(document, text, "robot");
-  if (const char* robot_name = robot.Attribute("name")) {
-    srdf_.robot = {robot_name, robot.GetLineNum()};
-  } else {
-    xml_.tolerate(robot, "no name", "attribute 'name' is missing");
-  }
-  xml_.check_children(robot, {},
-                      {"group", "group_state", "end_effector", "virtual_joint", "passive_joint",
-                       "joint_property", "link_sphere_approximation", "disable_collisions",
-                       "disable_default_collisions", "enable_collisions"});
-  for (const XmlElement* child : children(robot)) read_element(*child);
-  srdf_.warnings = xml_.warnings();
-  return std::move(srdf_);
-}
-
-void SrdfReader::read_element(const XmlElement& element) {
-  const std::string_view kind = element.Name();
-  if (kind == "group") {
-    read_group(element);
-  } else if (kind == "group_state") {
-    read_state(element);
-  } else if (kind == "end_effector") {
-    xml_.check_attributes(element, {"name", "parent_link", "group", "parent_group"});
-    srdf_.end_effectors.push_back(name(element, "group"));
-  } else if (kind == "virtual_joint") {
-    xml_.check_attributes(element, {"name", "type", "parent_frame", "child_link"});
-    const char* type = element.Attribute("type");
-    srdf_.virtual_joints.push_back(
-        {name(element, "name"), type == nullptr || std::string_view(type) == "fixed"});
-  } else if (kind == "passive_joint") {
-    xml_.check_attributes(element, {"name"});
-    srdf_.passive_joints.push_back(name(element, "name"));
-  } else if (kind == "disable_collisions") {
-    srdf_.disabled.push_back(pair(element, "link1", "link2"));
-  } else if (kind == "enable_collisions") {
-    srdf_.enabled.push_back(pair(element, "link1", "link2"));
-  } else if (kind == "disable_default_collisions") {
-    xml_.check_attributes(element, {"link"});
-    srdf_.disabled_links.push_back(name(element, "link"));
-  }
-}
-
-void SrdfReader::read_group(const XmlElement& element) {
-  SrdfGroup group;
-  xml_.check_attributes(element, {"name"});
-  group.name = name(element, "name");
-  xml_.set_context(fmt::format("group '{}'", group.name.name));
-  const auto is_same = [&](const SrdfGroup& other) { return other.name.name == group.name.name; };
-  if (std::ranges::any_of(srdf_.groups, is_same)) {
-    xml_.fail(element.GetLineNum(), "it is defined twice");
-  }
-  xml_.check_children(element, {}, {"joint", "link", "chain", "group", "passive_joint"});
-  for (const XmlElement* child : children(element)) {
-    const std::string_view kind = child->Name();
-    if (kind == "chain") {
-      xml_.check_attributes(*child, {"base_link", "tip_link"});
-      group.chains.push_back(pair(*child, "base_link", "tip_link"));
-      continue;
-    }
-    xml_.check_attributes(*child, {"name"});
-    if (kind == "joint") group.joints.push_back(name(*child, "name"));
-    if (kind == "link") group.links.push_back(name(*child, "name"));
-    if (kind == "group") group.subgroups.push_back(name(*child, "name"));
-  }
-  xml_.set_context("");
-  srdf_.groups.push_back(std::move(group));
-}
-
-void SrdfReader::read_state(const XmlElement& element) {
-  xml_.check_attributes(element, {"name", "group"});
-  SrdfState state{name(element, "name"), "", {}};
-  if (const char* group = element.Attribute("group")) {
-    state.group = group;
-  } else {
-    xml_.tolerate(element, "no group", "attribute 'group' is missing");
-  }
-  xml_.set_context(fmt::format("group_state '{}'", state.name.name));
-  xml_.check_children(element, {}, {"joint"});
-  for (const XmlElement* child : children(element, "joint")) {
-    xml_.check_attributes(*child, {"name", "value"});
-    SrdfName joint = name(*child, "name");
-    if (has_several_values(*child)) {
-      xml_.tolerate(*child, fmt::format("joint '{}' has several values and is ignored", joint.name),
-                    "value has several numbers, expected one");
-    } else {
-      state.joints.emplace_back(std::move(joint), xml_.number(*child, "value"));
-    }
-  }
-  xml_.set_context("");
-  srdf_.states.push_back(std::move(state));
-}
-
-/// As a planar or floating joint has.
-bool SrdfReader::has_several_values(const XmlElement& joint) {
-  const std::string value = xml_.text(joint, "value");
-  const std::size_t begin = value.find_first_not_of(" \t\n");
-  const std::size_t gap = value.find_first_of(" \t\n", begin);
-  return begin != value.npos && value.find_first_not_of(" \t\n", gap) != value.npos &&
-         gap != value.npos;
-}
-
-SrdfName SrdfReader::name(const XmlElement& element, const char* attribute) {
-  return {xml_.text(element, attribute), element.GetLineNum()};
-}
-
-SrdfPair SrdfReader::pair(const XmlElement& element, const char* first, const char* second) {
-  return {name(element, first), name(element, second)};
-}
 
 }  // namespace
 
@@ -179,17 +171,117 @@ class SrdfLookup {
     for (const SrdfGroup& group : srdf.groups) groups_.emplace(group.name.name, &group);
   }
 
-  void add_groups();
-  void add_states();
-  void add_allowed_pairs();
+  void add_groups() {
+    const std::set<std::string_view> end_effectors = names_of(srdf_.end_effectors);
+    const std::set<std::string_view> passive = names_of(srdf_.passive_joints);
+    std::set<std::string_view> moving_virtual;
+    for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
+      if (!joint.is_fixed) moving_virtual.insert(joint.name.name);
+    }
+    for (const SrdfGroup& group : srdf_.groups) {
+      const std::set<std::string> joints = all_joints(group);
+      JointGroup added{group.name.name, {}, end_effectors.contains(group.name.name)};
+      const auto moving = std::ranges::find_if(
+          joints, [&](const std::string& joint) { return moving_virtual.contains(joint); });
+      if (moving != joints.end()) added.virtual_joint = *moving;
+      for (const Joint& joint : parts_.joints) {
+        if (is_free(joint) && joints.contains(joint.name) && !passive.contains(joint.name)) {
+          added.joints.push_back(joint.name);
+        }
+      }
+      parts_.groups.push_back(std::move(added));
+    }
+  }
+
+  void add_states() {
+    for (const SrdfState& state : srdf_.states) {
+      NamedState added{state.name.name, state.group, {}};
+      for (const auto& [joint, value] : state.joints) {
+        if (has_joint(joint)) added.values[joint.name] = value;
+      }
+      parts_.states.push_back(std::move(added));
+    }
+  }
+
+  void add_allowed_pairs() {
+    std::set<NamedPair> allowed;
+    for (const SrdfName& name : srdf_.disabled_links) {
+      if (!find_link(name)) continue;
+      for (const Link& link : parts_.links) {
+        if (link.name != name.name) allowed.insert(ordered(link.name, name.name));
+      }
+    }
+    for (const SrdfPair& pair : srdf_.enabled) {
+      if (const auto named = find_pair(pair)) allowed.erase(*named);
+    }
+    for (const SrdfPair& pair : srdf_.disabled) {
+      if (auto named = find_pair(pair)) allowed.insert(*std::move(named));
+    }
+    parts_.allowed_pairs.emplace(allowed.begin(), allowed.end());
+  }
 
  private:
-  std::set<std::string> all_joints(const SrdfGroup& group);
-  void add_joints(const SrdfGroup& group, std::set<std::string>& joints);
-  std::optional<int> find_link(const SrdfName& name);
-  bool has_joint(const SrdfName& name);
-  std::optional<NamedPair> find_pair(const SrdfPair& pair);
-  void warn(const SrdfName& name, const char* kind);
+  void warn(const SrdfName& name, const char* kind) {
+    if (!warned_.insert(fmt::format("{} {}", kind, name.name)).second) return;
+    parts_.warnings.push_back(fmt::format("{}:{}: robot '{}' has no {} '{}'", source_, name.line,
+                                          parts_.name, kind, name.name));
+  }
+
+  std::optional<int> find_link(const SrdfName& name) {
+    const auto found = links_.find(name.name);
+    if (found != links_.end()) return found->second;
+    warn(name, "link");
+    return std::nullopt;
+  }
+
+  bool has_joint(const SrdfName& name) {
+    const bool is_there = joints_.contains(name.name);
+    if (!is_there) warn(name, "joint");
+    return is_there;
+  }
+
+  std::optional<NamedPair> find_pair(const SrdfPair& pair) {
+    const auto first = find_link(pair.first), second = find_link(pair.second);
+    if (!first || !second) return std::nullopt;
+    return ordered(pair.first.name, pair.second.name);
+  }
+
+  /// The joints of a group without those of its subgroups.
+  void add_joints(const SrdfGroup& group, std::set<std::string>& joints) {
+    for (const SrdfName& joint : group.joints) {
+      if (has_joint(joint)) joints.insert(joint.name);
+    }
+    for (const SrdfName& name : group.links) {
+      const auto link = find_link(name);
+      if (!link || *link == 0) continue;
+      joints.insert(parts_.joints[as_index(*link - 1)].name);
+    }
+    for (const SrdfPair& chain : group.chains) {
+      const auto base = find_link(chain.first), tip = find_link(chain.second);
+      if (!base || !tip) continue;
+      for (std::string& joint : joints_between(parts_.links, parts_.joints, *base, *tip)) {
+        joints.insert(std::move(joint));
+      }
+    }
+  }
+
+  /// The joints of a group and its subgroups.
+  std::set<std::string> all_joints(const SrdfGroup& group) {
+    std::set<std::string> joints;
+    std::vector<const SrdfGroup*> family{&group};
+    for (std::size_t i = 0; i < family.size(); ++i) {
+      add_joints(*family[i], joints);
+      for (const SrdfName& name : family[i]->subgroups) {
+        const auto subgroup = groups_.find(name.name);
+        if (subgroup == groups_.end()) {
+          warn(name, "group");
+        } else if (std::ranges::find(family, subgroup->second) == family.end()) {
+          family.push_back(subgroup->second);
+        }
+      }
+    }
+    return joints;
+  }
 
   const Srdf& srdf_;
   const std::string& source_;
@@ -199,117 +291,6 @@ class SrdfLookup {
   std::map<std::string_view, const SrdfGroup*> groups_;
   std::set<std::string> warned_;
 };
-
-void SrdfLookup::warn(const SrdfName& name, const char* kind) {
-  if (!warned_.insert(fmt::format("{} {}", kind, name.name)).second) return;
-  parts_.warnings.push_back(fmt::format("{}:{}: robot '{}' has no {} '{}'", source_, name.line,
-                                        parts_.name, kind, name.name));
-}
-
-std::optional<int> SrdfLookup::find_link(const SrdfName& name) {
-  const auto found = links_.find(name.name);
-  if (found != links_.end()) return found->second;
-  warn(name, "link");
-  return std::nullopt;
-}
-
-bool SrdfLookup::has_joint(const SrdfName& name) {
-  const bool is_there = joints_.contains(name.name);
-  if (!is_there) warn(name, "joint");
-  return is_there;
-}
-
-std::optional<NamedPair> SrdfLookup::find_pair(const SrdfPair& pair) {
-  const auto first = find_link(pair.first), second = find_link(pair.second);
-  if (!first || !second) return std::nullopt;
-  return ordered(pair.first.name, pair.second.name);
-}
-
-/// The joints of a group without those of its subgroups.
-void SrdfLookup::add_joints(const SrdfGroup& group, std::set<std::string>& joints) {
-  for (const SrdfName& joint : group.joints) {
-    if (has_joint(joint)) joints.insert(joint.name);
-  }
-  for (const SrdfName& name : group.links) {
-    const auto link = find_link(name);
-    if (!link || *link == 0) continue;
-    joints.insert(parts_.joints[as_index(*link - 1)].name);
-  }
-  for (const SrdfPair& chain : group.chains) {
-    const auto base = find_link(chain.first), tip = find_link(chain.second);
-    if (!base || !tip) continue;
-    for (std::string& joint : joints_between(parts_.links, parts_.joints, *base, *tip)) {
-      joints.insert(std::move(joint));
-    }
-  }
-}
-
-/// The joints of a group and its subgroups.
-std::set<std::string> SrdfLookup::all_joints(const SrdfGroup& group) {
-  std::set<std::string> joints;
-  std::vector<const SrdfGroup*> family{&group};
-  for (std::size_t i = 0; i < family.size(); ++i) {
-    add_joints(*family[i], joints);
-    for (const SrdfName& name : family[i]->subgroups) {
-      const auto subgroup = groups_.find(name.name);
-      if (subgroup == groups_.end()) {
-        warn(name, "group");
-      } else if (std::ranges::find(family, subgroup->second) == family.end()) {
-        family.push_back(subgroup->second);
-      }
-    }
-  }
-  return joints;
-}
-
-void SrdfLookup::add_groups() {
-  const std::set<std::string_view> end_effectors = names_of(srdf_.end_effectors);
-  const std::set<std::string_view> passive = names_of(srdf_.passive_joints);
-  std::set<std::string_view> moving_virtual;
-  for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
-    if (!joint.is_fixed) moving_virtual.insert(joint.name.name);
-  }
-  for (const SrdfGroup& group : srdf_.groups) {
-    const std::set<std::string> joints = all_joints(group);
-    JointGroup added{group.name.name, {}, end_effectors.contains(group.name.name)};
-    const auto moving = std::ranges::find_if(
-        joints, [&](const std::string& joint) { return moving_virtual.contains(joint); });
-    if (moving != joints.end()) added.virtual_joint = *moving;
-    for (const Joint& joint : parts_.joints) {
-      if (is_free(joint) && joints.contains(joint.name) && !passive.contains(joint.name)) {
-        added.joints.push_back(joint.name);
-      }
-    }
-    parts_.groups.push_back(std::move(added));
-  }
-}
-
-void SrdfLookup::add_states() {
-  for (const SrdfState& state : srdf_.states) {
-    NamedState added{state.name.name, state.group, {}};
-    for (const auto& [joint, value] : state.joints) {
-      if (has_joint(joint)) added.values[joint.name] = value;
-    }
-    parts_.states.push_back(std::move(added));
-  }
-}
-
-void SrdfLookup::add_allowed_pairs() {
-  std::set<NamedPair> allowed;
-  for (const SrdfName& name : srdf_.disabled_links) {
-    if (!find_link(name)) continue;
-    for (const Link& link : parts_.links) {
-      if (link.name != name.name) allowed.insert(ordered(link.name, name.name));
-    }
-  }
-  for (const SrdfPair& pair : srdf_.enabled) {
-    if (const auto named = find_pair(pair)) allowed.erase(*named);
-  }
-  for (const SrdfPair& pair : srdf_.disabled) {
-    if (auto named = find_pair(pair)) allowed.insert(*std::move(named));
-  }
-  parts_.allowed_pairs.emplace(allowed.begin(), allowed.end());
-}
 
 }  // namespace
 

@@ -183,23 +183,230 @@ class UrdfReader {
         xml_(source, options.strict ? XmlReader::Mode::strict : XmlReader::Mode::lenient),
         meshes_(source, options.package_paths) {}
 
-  Robot::Parts read(std::string_view urdf);
+  Robot::Parts read(std::string_view urdf) {
+    tinyxml2::XMLDocument document;
+    const XmlElement& robot = xml_.read_root(document, urdf, "robot");
+    read_name(robot);
+    xml_.check_children(
+        robot, {},
+        {"link", "joint", "material", "gazebo", "transmission", "ros2_control", "sensor"});
+    for (const XmlElement* child : children(robot)) {
+      if (child->Name() == std::string_view("link")) read_link(*child);
+      if (child->Name() == std::string_view("joint")) read_joint(*child);
+      xml_.set_context("");
+    }
+    connect_joints();
+    parts_.warnings = xml_.warnings();
+    if (!narrowed_.empty()) {
+      parts_.warnings.push_back(fmt::format(
+          "{}: <safety_controller> narrows the limits of {} (the limits of <limit> apply "
+          "with --hard-limits, hard_limits)",
+          source_, fmt::join(narrowed_, ", ")));
+    }
+    auto sorted = sort_tree(std::move(parts_));
+    if (sorted) return *std::move(sorted);
+    const PartsFault& fault = sorted.error();
+    int line = robot.GetLineNum();
+    if (fault.link >= 0) line = link_lines_[as_index(fault.link)];
+    if (fault.joint >= 0) line = joint_elements_[as_index(fault.joint)]->GetLineNum();
+    xml_.fail(line, fault.message);
+  }
 
  private:
-  void read_name(const XmlElement& robot);
-  void read_link(const XmlElement& element);
-  void read_joint(const XmlElement& element);
-  JointType read_type(const XmlElement& element);
-  void read_held(const XmlElement& element, Joint& joint);
-  void read_motion(const XmlElement& element, Joint& joint);
-  std::optional<double> read_rate(const XmlElement& limit, const char* attribute);
-  void read_limits(const XmlElement& element, Joint& joint);
-  double read_limit(const XmlElement& limit, const char* attribute, double farthest);
-  void narrow_limits(const XmlElement& element, Joint& joint);
-  void read_mimic(const XmlElement& element, Joint& joint);
-  void connect_joints();
-  int find_link(const XmlElement& joint, const char* end);
-  int find_leader(const XmlElement& mimic) const;
+  void read_name(const XmlElement& robot) {
+    const char* name = robot.Attribute("name");
+    if (name != nullptr && *name != '\0') {
+      parts_.name = name;
+      return;
+    }
+    const std::string stem = std::filesystem::path(source_).stem().string();
+    parts_.name = stem.empty() ? "robot" : stem;
+    xml_.tolerate(robot, fmt::format("no name, '{}' is used", parts_.name),
+                  name == nullptr ? "attribute 'name' is missing" : "'name' is empty");
+  }
+
+  void read_link(const XmlElement& element) {
+    Link link;
+    link.name = xml_.text(element, "name");
+    xml_.set_context(fmt::format("link '{}'", link.name));
+    // <contact> holds friction and damping.
+    xml_.check_children(element, {}, {"collision", "visual", "inertial", "contact", "gazebo"});
+    for (const XmlElement* collision : children(element, "collision")) {
+      read_collision(xml_, meshes_, *collision, link);
+    }
+    link_indices_.emplace(link.name, static_cast<int>(parts_.links.size()));
+    link_lines_.push_back(element.GetLineNum());
+    parts_.links.push_back(std::move(link));
+  }
+
+  JointType read_type(const XmlElement& element) {
+    const std::string type = xml_.text(element, "type");
+    for (const JointType known :
+         {JointType::fixed, JointType::revolute, JointType::continuous, JointType::prismatic}) {
+      if (type == to_string(known)) return known;
+    }
+    constexpr std::string_view kExpected = "expected fixed, revolute, continuous or prismatic";
+    if (type != "planar" && type != "floating") {
+      xml_.fail(element, "type '{}' is unknown; {}", type, kExpected);
+    }
+    xml_.tolerate(
+        element,
+        fmt::format("a {} joint cannot be planned for and stays at its fixed values", type),
+        fmt::format("type '{}' is not supported; {}", type, kExpected), ErrorCode::unsupported);
+    return JointType::fixed;
+  }
+
+  /// Reads a planar or floating joint. MoveIt, too, moves a planar joint without <axis> across z.
+  void read_held(const XmlElement& element, Joint& joint) {
+    const std::string type = xml_.text(element, "type");
+    if (type != "planar" && type != "floating") return;
+    joint.held = HeldPose{type == "planar", {}};
+    joint.axis = Vec3::UnitZ();
+    const XmlElement* axis = element.FirstChildElement("axis");
+    if (axis != nullptr && type == "planar") joint.axis = xml_.vector(*axis, "xyz", joint.axis);
+  }
+
+  void read_joint(const XmlElement& element) {
+    Joint joint;
+    joint.name = xml_.text(element, "name");
+    xml_.set_context(fmt::format("joint '{}'", joint.name));
+    xml_.check_children(element, {"origin", "parent", "child", "axis", "limit", "mimic"},
+                        {"dynamics", "safety_controller", "calibration", "gazebo"});
+    joint.type = read_type(element);
+    joint.origin = read_origin(xml_, element);
+    read_held(element, joint);
+    if (joint.type != JointType::fixed) {
+      read_motion(element, joint);
+      read_mimic(element, joint);
+    }
+    joint_elements_.push_back(&element);
+    parts_.joints.push_back(std::move(joint));
+  }
+
+  void read_motion(const XmlElement& element, Joint& joint) {
+    if (const XmlElement* axis = element.FirstChildElement("axis")) {
+      xml_.check_attributes(*axis, {"xyz"});
+      xml_.text(*axis, "xyz");
+      joint.axis = xml_.vector(*axis, "xyz", joint.axis);
+    }
+    if (const XmlElement* limit = element.FirstChildElement("limit")) {
+      xml_.check_attributes(*limit, {"lower", "upper", "effort", "velocity", "acceleration", "jerk",
+                                     "drake:acceleration"});
+      joint.velocity = read_rate(*limit, "velocity").value_or(joint.velocity);
+      joint.acceleration = read_rate(*limit, "acceleration");
+      if (!joint.acceleration) joint.acceleration = read_rate(*limit, "drake:acceleration");
+    }
+    if (joint.type == JointType::continuous) return;
+    read_limits(element, joint);
+    narrow_limits(element, joint);
+  }
+
+  /// A limit of velocity or acceleration: nothing if it is missing, infinite or negative.
+  std::optional<double> read_rate(const XmlElement& limit, const char* attribute) {
+    if (limit.Attribute(attribute) == nullptr) return std::nullopt;
+    const double rate = xml_.number_or_infinity(limit, attribute);
+    if (rate >= 0 && std::isfinite(rate)) return rate;
+    const char* expected = std::isfinite(rate) ? "0 or more" : "a finite number";
+    xml_.tolerate(limit, fmt::format("{} is {} and counts as none", attribute, rate),
+                  fmt::format("{} is {}, expected {}", attribute, rate, expected));
+    return std::nullopt;
+  }
+
+  void read_limits(const XmlElement& element, Joint& joint) {
+    const bool is_revolute = joint.type == JointType::revolute;
+    const XmlElement* limit = element.FirstChildElement("limit");
+    if (limit == nullptr) {
+      const bool is_follower = element.FirstChildElement("mimic") != nullptr;
+      return xml_.tolerate(element,
+                           is_follower ? "no limits" : "no limits, so that the joint stays at 0",
+                           "the element <limit> is missing");
+    }
+    // Values that a joint is assumed to stay within if a limit is infinite.
+    const double farthest = is_revolute ? 4 * std::numbers::pi : 100;
+    joint.lower = read_limit(*limit, "lower", farthest);
+    joint.upper = read_limit(*limit, "upper", farthest);
+    const auto is_endless = [&](const char* attribute) {
+      return limit->Attribute(attribute) &&
+             std::abs(xml_.number_or_infinity(*limit, attribute)) > kFarthestLimit;
+    };
+    if (is_revolute && !xml_.is_strict() && joint.lower < 0 && joint.upper > 0 &&
+        is_endless("lower") && is_endless("upper")) {
+      joint.type = JointType::continuous;
+    }
+  }
+
+  double read_limit(const XmlElement& limit, const char* attribute, double farthest) {
+    if (limit.Attribute(attribute) == nullptr) {
+      xml_.tolerate(limit, fmt::format("{} is missing and taken for 0", attribute),
+                    fmt::format("attribute '{}' is missing", attribute));
+      return 0;
+    }
+    const double value = xml_.number_or_infinity(limit, attribute);
+    const bool is_wanted = xml_.is_strict() && std::isfinite(value);
+    if (std::abs(value) <= kFarthestLimit || is_wanted) return value;
+    const double taken = std::copysign(farthest, value);
+    xml_.tolerate(limit, fmt::format("{} is {:.4g} and taken for {:.4g}", attribute, value, taken),
+                  fmt::format("{} is '{}', expected a finite number", attribute, value));
+    return taken;
+  }
+
+  /// Soft limits are narrower than hard ones; where they leave no range, they are not meant.
+  void narrow_limits(const XmlElement& element, Joint& joint) {
+    const XmlElement* safety = element.FirstChildElement("safety_controller");
+    if (safety == nullptr || options_.hard_limits || element.FirstChildElement("mimic")) return;
+    double lower = joint.lower, upper = joint.upper;
+    if (safety->Attribute("soft_lower_limit")) {
+      lower = std::max(lower, xml_.number_or_infinity(*safety, "soft_lower_limit"));
+    }
+    if (safety->Attribute("soft_upper_limit")) {
+      upper = std::min(upper, xml_.number_or_infinity(*safety, "soft_upper_limit"));
+    }
+    if (lower == joint.lower && upper == joint.upper) return;
+    if (lower >= upper) {
+      return xml_.tolerate(*safety, "its soft limits leave no range and are ignored",
+                           "expected soft limits that leave a range");
+    }
+    joint.lower = lower;
+    joint.upper = upper;
+    narrowed_.push_back(fmt::format("'{}' to [{:.6g}, {:.6g}]", joint.name, lower, upper));
+  }
+
+  void read_mimic(const XmlElement& element, Joint& joint) {
+    const XmlElement* mimic = element.FirstChildElement("mimic");
+    if (mimic == nullptr) return;
+    xml_.check_attributes(*mimic, {"joint", "multiplier", "offset"});
+    joint.mimic.emplace();
+    if (mimic->Attribute("multiplier")) joint.mimic->multiplier = xml_.number(*mimic, "multiplier");
+    if (mimic->Attribute("offset")) joint.mimic->offset = xml_.number(*mimic, "offset");
+  }
+
+  void connect_joints() {
+    for (std::size_t i = 0; i < parts_.joints.size(); ++i) {
+      Joint& joint = parts_.joints[i];
+      const XmlElement& element = *joint_elements_[i];
+      xml_.set_context(fmt::format("joint '{}'", joint.name));
+      joint.parent_link = find_link(element, "parent");
+      joint.child_link = find_link(element, "child");
+      if (joint.mimic) joint.mimic->joint = find_leader(*element.FirstChildElement("mimic"));
+    }
+    xml_.set_context("");
+  }
+
+  int find_link(const XmlElement& joint, const char* end) {
+    const XmlElement& element = xml_.required_child(joint, end);
+    xml_.check_attributes(element, {"link"});
+    const std::string name = xml_.text(element, "link");
+    const auto found = link_indices_.find(name);
+    if (found == link_indices_.end()) xml_.fail(element, "there is no link '{}'", name);
+    return found->second;
+  }
+
+  int find_leader(const XmlElement& mimic) const {
+    const std::string name = xml_.text(mimic, "joint");
+    const auto found = std::ranges::find(parts_.joints, name, &Joint::name);
+    if (found == parts_.joints.end()) xml_.fail(mimic, "there is no joint '{}'", name);
+    return static_cast<int>(found - parts_.joints.begin());
+  }
 
   const std::string& source_;
   const RobotOptions& options_;
@@ -211,228 +418,6 @@ class UrdfReader {
   std::map<std::string, int> link_indices_;
   std::vector<std::string> narrowed_;  ///< "joint [lower, upper]" of soft limits
 };
-
-Robot::Parts UrdfReader::read(std::string_view urdf) {
-  tinyxml2::XMLDocument document;
-  const XmlElement& robot = xml_.read_root(document, urdf, "robot");
-  read_name(robot);
-  xml_.check_children(
-      robot, {}, {"link", "joint", "material", "gazebo", "transmission", "ros2_control", "sensor"});
-  for (const XmlElement* child : children(robot)) {
-    if (child->Name() == std::string_view("link")) read_link(*child);
-    if (child->Name() == std::string_view("joint")) read_joint(*child);
-    xml_.set_context("");
-  }
-  connect_joints();
-  parts_.warnings = xml_.warnings();
-  if (!narrowed_.empty()) {
-    parts_.warnings.push_back(
-        fmt::format("{}: <safety_controller> narrows the limits of {} (the limits of <limit> apply "
-                    "with --hard-limits, hard_limits)",
-                    source_, fmt::join(narrowed_, ", ")));
-  }
-  auto sorted = sort_tree(std::move(parts_));
-  if (sorted) return *std::move(sorted);
-  const PartsFault& fault = sorted.error();
-  int line = robot.GetLineNum();
-  if (fault.link >= 0) line = link_lines_[as_index(fault.link)];
-  if (fault.joint >= 0) line = joint_elements_[as_index(fault.joint)]->GetLineNum();
-  xml_.fail(line, fault.message);
-}
-
-void UrdfReader::read_name(const XmlElement& robot) {
-  const char* name = robot.Attribute("name");
-  if (name != nullptr && *name != '\0') {
-    parts_.name = name;
-    return;
-  }
-  const std::string stem = std::filesystem::path(source_).stem().string();
-  parts_.name = stem.empty() ? "robot" : stem;
-  xml_.tolerate(robot, fmt::format("no name, '{}' is used", parts_.name),
-                name == nullptr ? "attribute 'name' is missing" : "'name' is empty");
-}
-
-void UrdfReader::read_link(const XmlElement& element) {
-  Link link;
-  link.name = xml_.text(element, "name");
-  xml_.set_context(fmt::format("link '{}'", link.name));
-  // <contact> holds friction and damping.
-  xml_.check_children(element, {}, {"collision", "visual", "inertial", "contact", "gazebo"});
-  for (const XmlElement* collision : children(element, "collision")) {
-    read_collision(xml_, meshes_, *collision, link);
-  }
-  link_indices_.emplace(link.name, static_cast<int>(parts_.links.size()));
-  link_lines_.push_back(element.GetLineNum());
-  parts_.links.push_back(std::move(link));
-}
-
-JointType UrdfReader::read_type(const XmlElement& element) {
-  const std::string type = xml_.text(element, "type");
-  for (const JointType known :
-       {JointType::fixed, JointType::revolute, JointType::continuous, JointType::prismatic}) {
-    if (type == to_string(known)) return known;
-  }
-  constexpr std::string_view kExpected = "expected fixed, revolute, continuous or prismatic";
-  if (type != "planar" && type != "floating") {
-    xml_.fail(element, "type '{}' is unknown; {}", type, kExpected);
-  }
-  xml_.tolerate(
-      element, fmt::format("a {} joint cannot be planned for and stays at its fixed values", type),
-      fmt::format("type '{}' is not supported; {}", type, kExpected), ErrorCode::unsupported);
-  return JointType::fixed;
-}
-
-/// Reads a planar or floating joint. MoveIt, too, moves a planar joint without <axis> across z.
-void UrdfReader::read_held(const XmlElement& element, Joint& joint) {
-  const std::string type = xml_.text(element, "type");
-  if (type != "planar" && type != "floating") return;
-  joint.held = HeldPose{type == "planar", {}};
-  joint.axis = Vec3::UnitZ();
-  const XmlElement* axis = element.FirstChildElement("axis");
-  if (axis != nullptr && type == "planar") joint.axis = xml_.vector(*axis, "xyz", joint.axis);
-}
-
-void UrdfReader::read_joint(const XmlElement& element) {
-  Joint joint;
-  joint.name = xml_.text(element, "name");
-  xml_.set_context(fmt::format("joint '{}'", joint.name));
-  xml_.check_children(element, {"origin", "parent", "child", "axis", "limit", "mimic"},
-                      {"dynamics", "safety_controller", "calibration", "gazebo"});
-  joint.type = read_type(element);
-  joint.origin = read_origin(xml_, element);
-  read_held(element, joint);
-  if (joint.type != JointType::fixed) {
-    read_motion(element, joint);
-    read_mimic(element, joint);
-  }
-  joint_elements_.push_back(&element);
-  parts_.joints.push_back(std::move(joint));
-}
-
-void UrdfReader::read_motion(const XmlElement& element, Joint& joint) {
-  if (const XmlElement* axis = element.FirstChildElement("axis")) {
-    xml_.check_attributes(*axis, {"xyz"});
-    xml_.text(*axis, "xyz");
-    joint.axis = xml_.vector(*axis, "xyz", joint.axis);
-  }
-  if (const XmlElement* limit = element.FirstChildElement("limit")) {
-    xml_.check_attributes(*limit, {"lower", "upper", "effort", "velocity", "acceleration", "jerk",
-                                   "drake:acceleration"});
-    joint.velocity = read_rate(*limit, "velocity").value_or(joint.velocity);
-    joint.acceleration = read_rate(*limit, "acceleration");
-    if (!joint.acceleration) joint.acceleration = read_rate(*limit, "drake:acceleration");
-  }
-  if (joint.type == JointType::continuous) return;
-  read_limits(element, joint);
-  narrow_limits(element, joint);
-}
-
-/// A limit of velocity or acceleration: nothing if it is missing, infinite or negative.
-std::optional<double> UrdfReader::read_rate(const XmlElement& limit, const char* attribute) {
-  if (limit.Attribute(attribute) == nullptr) return std::nullopt;
-  const double rate = xml_.number_or_infinity(limit, attribute);
-  if (rate >= 0 && std::isfinite(rate)) return rate;
-  const char* expected = std::isfinite(rate) ? "0 or more" : "a finite number";
-  xml_.tolerate(limit, fmt::format("{} is {} and counts as none", attribute, rate),
-                fmt::format("{} is {}, expected {}", attribute, rate, expected));
-  return std::nullopt;
-}
-
-void UrdfReader::read_limits(const XmlElement& element, Joint& joint) {
-  const bool is_revolute = joint.type == JointType::revolute;
-  const XmlElement* limit = element.FirstChildElement("limit");
-  if (limit == nullptr) {
-    const bool is_follower = element.FirstChildElement("mimic") != nullptr;
-    return xml_.tolerate(element,
-                         is_follower ? "no limits" : "no limits, so that the joint stays at 0",
-                         "the element <limit> is missing");
-  }
-  // Values that a joint is assumed to stay within if a limit is infinite.
-  const double farthest = is_revolute ? 4 * std::numbers::pi : 100;
-  joint.lower = read_limit(*limit, "lower", farthest);
-  joint.upper = read_limit(*limit, "upper", farthest);
-  const auto is_endless = [&](const char* attribute) {
-    return limit->Attribute(attribute) &&
-           std::abs(xml_.number_or_infinity(*limit, attribute)) > kFarthestLimit;
-  };
-  if (is_revolute && !xml_.is_strict() && joint.lower < 0 && joint.upper > 0 &&
-      is_endless("lower") && is_endless("upper")) {
-    joint.type = JointType::continuous;
-  }
-}
-
-double UrdfReader::read_limit(const XmlElement& limit, const char* attribute, double farthest) {
-  if (limit.Attribute(attribute) == nullptr) {
-    xml_.tolerate(limit, fmt::format("{} is missing and taken for 0", attribute),
-                  fmt::format("attribute '{}' is missing", attribute));
-    return 0;
-  }
-  const double value = xml_.number_or_infinity(limit, attribute);
-  const bool is_wanted = xml_.is_strict() && std::isfinite(value);
-  if (std::abs(value) <= kFarthestLimit || is_wanted) return value;
-  const double taken = std::copysign(farthest, value);
-  xml_.tolerate(limit, fmt::format("{} is {:.4g} and taken for {:.4g}", attribute, value, taken),
-                fmt::format("{} is '{}', expected a finite number", attribute, value));
-  return taken;
-}
-
-/// Soft limits are narrower than hard ones; where they leave no range, they are not meant.
-void UrdfReader::narrow_limits(const XmlElement& element, Joint& joint) {
-  const XmlElement* safety = element.FirstChildElement("safety_controller");
-  if (safety == nullptr || options_.hard_limits || element.FirstChildElement("mimic")) return;
-  double lower = joint.lower, upper = joint.upper;
-  if (safety->Attribute("soft_lower_limit")) {
-    lower = std::max(lower, xml_.number_or_infinity(*safety, "soft_lower_limit"));
-  }
-  if (safety->Attribute("soft_upper_limit")) {
-    upper = std::min(upper, xml_.number_or_infinity(*safety, "soft_upper_limit"));
-  }
-  if (lower == joint.lower && upper == joint.upper) return;
-  if (lower >= upper) {
-    return xml_.tolerate(*safety, "its soft limits leave no range and are ignored",
-                         "expected soft limits that leave a range");
-  }
-  joint.lower = lower;
-  joint.upper = upper;
-  narrowed_.push_back(fmt::format("'{}' to [{:.6g}, {:.6g}]", joint.name, lower, upper));
-}
-
-void UrdfReader::read_mimic(const XmlElement& element, Joint& joint) {
-  const XmlElement* mimic = element.FirstChildElement("mimic");
-  if (mimic == nullptr) return;
-  xml_.check_attributes(*mimic, {"joint", "multiplier", "offset"});
-  joint.mimic.emplace();
-  if (mimic->Attribute("multiplier")) joint.mimic->multiplier = xml_.number(*mimic, "multiplier");
-  if (mimic->Attribute("offset")) joint.mimic->offset = xml_.number(*mimic, "offset");
-}
-
-void UrdfReader::connect_joints() {
-  for (std::size_t i = 0; i < parts_.joints.size(); ++i) {
-    Joint& joint = parts_.joints[i];
-    const XmlElement& element = *joint_elements_[i];
-    xml_.set_context(fmt::format("joint '{}'", joint.name));
-    joint.parent_link = find_link(element, "parent");
-    joint.child_link = find_link(element, "child");
-    if (joint.mimic) joint.mimic->joint = find_leader(*element.FirstChildElement("mimic"));
-  }
-  xml_.set_context("");
-}
-
-int UrdfReader::find_link(const XmlElement& joint, const char* end) {
-  const XmlElement& element = xml_.required_child(joint, end);
-  xml_.check_attributes(element, {"link"});
-  const std::string name = xml_.text(element, "link");
-  const auto found = link_indices_.find(name);
-  if (found == link_indices_.end()) xml_.fail(element, "there is no link '{}'", name);
-  return found->second;
-}
-
-int UrdfReader::find_leader(const XmlElement& mimic) const {
-  const std::string name = xml_.text(mimic, "joint");
-  const auto found = std::ranges::find(parts_.joints, name, &Joint::name);
-  if (found == parts_.joints.end()) xml_.fail(mimic, "there is no joint '{}'", name);
-  return static_cast<int>(found - parts_.joints.begin());
-}
 
 }  // namespace
 

@@ -45,13 +45,11 @@ std::string_view trimmed(std::string_view text) {
 }
 
 /// May be infinite, but not NaN.
-std::optional<double> parse_number(std::string_view word) {
+std::optional<double> parse_xml_number(std::string_view word) {
   // XML allows a plus sign, which from_chars does not.
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
-  double value = 0;
-  const auto [end, code] = number_from(word.data(), word.data() + word.size(), value);
-  const bool is_number = code == std::errc() && end == word.data() + word.size();
-  return is_number && !std::isnan(value) ? std::optional(value) : std::nullopt;
+  const auto value = parse_number<double>(word);
+  return value && !std::isnan(*value) ? value : std::nullopt;
 }
 
 /// The name of tinyxml2's error, such as "mismatched element".
@@ -224,7 +222,7 @@ std::string XmlReader::text(const XmlElement& element, const char* attribute) co
 double XmlReader::number_or_infinity(const XmlElement& element, const char* attribute) const {
   const std::string value = text(element, attribute);
   const auto fields = words(value);
-  const auto result = fields.size() == 1 ? parse_number(fields[0]) : std::nullopt;
+  const auto result = fields.size() == 1 ? parse_xml_number(fields[0]) : std::nullopt;
   if (result) return *result;
   fail(element, "{} is {}, expected a finite number", attribute, in_quotes(value));
 }
@@ -249,7 +247,7 @@ std::vector<double> XmlReader::numbers(const XmlElement& element, const char* at
   std::vector<double> numbers;
   const auto fields = words(value);
   for (const std::string_view field : fields) {
-    const auto number = parse_number(field);
+    const auto number = parse_xml_number(field);
     if (number && std::isfinite(*number)) numbers.push_back(*number);
   }
   const bool is_count = std::ranges::find(counts, fields.size()) != counts.end();

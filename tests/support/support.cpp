@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/support.h"
 
+#include "robot/kinematics.h"
+
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
@@ -64,11 +66,7 @@ Robot planar8() {
 }
 
 Configuration random_configuration(const Robot& robot, Rng& rng) {
-  Configuration q;
-  for (int i = 0; i < robot.joint_count(); ++i) {
-    q.push_back(rng.uniform(robot.group_joint(i).lower, robot.group_joint(i).upper));
-  }
-  return q;
+  return internal::random_configuration(robot, rng);
 }
 
 }  // namespace mneme::test
