@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -30,20 +29,15 @@ std::optional<double> parse_yaml_number(std::string_view text) {
   if (text.empty() || (text.front() != '.' && (text.front() < '0' || text.front() > '9'))) {
     return std::nullopt;
   }
-  double magnitude = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = number_from(text.data(), end, magnitude);
-  return error == std::errc() && stop == end ? std::optional(sign * magnitude) : std::nullopt;
+  const auto magnitude = parse_number<double>(text);
+  return magnitude ? std::optional(sign * *magnitude) : std::nullopt;
 }
 
 namespace {
 
 std::optional<std::uint64_t> parse_whole(std::string_view text) {
   text.remove_prefix(text.starts_with('+') ? 1 : 0);
-  std::uint64_t value = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc() && stop == end ? std::optional(value) : std::nullopt;
+  return parse_number<std::uint64_t>(text);
 }
 
 std::string in_quotes(std::string_view text) {

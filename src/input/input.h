@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json_fwd.hpp>
 
-#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
