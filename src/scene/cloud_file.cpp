@@ -5,8 +5,6 @@
 #include "mesh/line_reader.h"
 #include "scene/compound_files.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -7,8 +7,6 @@
 #include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 
 namespace mneme {

@@ -58,37 +58,19 @@ Transform read_moveit_transform(const Input& input) {
 
 namespace {
 
-void read_positions(const Input& input, MoveitState& state) {
-  input.allow_keys({"header", "name", "position", "velocity", "effort"});
-  const std::vector<Input> names = input.items("name");
-  const std::vector<Input> positions = input.items("position");
-  if (names.size() != positions.size()) {
-    input.fail(ErrorCode::parse, "expected one position per name, got {} names and {} positions",
-               names.size(), positions.size());
+/// Reads the lists of the keys `name` and `value` as a map from joints to values.
+template <class Value, class Read>
+void read_by_joint(const Input& input, std::string_view name, std::string_view value,
+                   const Read& read_value, std::map<std::string, Value>& values) {
+  const std::vector<Input> names = input.items(name), items = input.items(value);
+  if (names.size() != items.size()) {
+    input.fail(ErrorCode::parse, "expected as many entries in {} as in {}, got {} and {}", value,
+               name, items.size(), names.size());
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
-    const bool is_new =
-        state.positions.emplace(names[i].text(), positions[i].finite_number()).second;
-    if (!is_new) {
-      names[i].fail(ErrorCode::parse, "expected each joint once, got {} again", names[i].text());
-    }
-  }
-}
-
-void read_poses(const Input& input, MoveitState& state) {
-  input.allow_keys({"header", "joint_names", "transforms", "twist", "wrench"});
-  const std::vector<Input> names = input.items("joint_names");
-  const std::vector<Input> transforms = input.items("transforms");
-  if (names.size() != transforms.size()) {
-    input.fail(ErrorCode::parse, "expected one transform per joint, got {} names and {} transforms",
-               names.size(), transforms.size());
-  }
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const Transform pose = read_moveit_transform(transforms[i]);
-    if (state.poses.emplace(names[i].text(), pose).second) continue;
+    if (values.emplace(names[i].text(), read_value(items[i])).second) continue;
     names[i].fail(ErrorCode::parse, "expected each joint once, got {} again", names[i].text());
   }
-  state.pose_frame = read_frame_id(input);
 }
 
 }  // namespace
@@ -300,8 +282,16 @@ MoveitState read_moveit_state(const Input& input) {
   input.allow_keys(
       {"joint_state", "multi_dof_joint_state", "attached_collision_objects", "is_diff"});
   MoveitState state;
-  if (const auto joints = input.find("joint_state")) read_positions(*joints, state);
-  if (const auto poses = input.find("multi_dof_joint_state")) read_poses(*poses, state);
+  if (const auto joints = input.find("joint_state")) {
+    joints->allow_keys({"header", "name", "position", "velocity", "effort"});
+    const auto read_position = [](const Input& position) { return position.finite_number(); };
+    read_by_joint(*joints, "name", "position", read_position, state.positions);
+  }
+  if (const auto joints = input.find("multi_dof_joint_state")) {
+    joints->allow_keys({"header", "joint_names", "transforms", "twist", "wrench"});
+    read_by_joint(*joints, "joint_names", "transforms", read_moveit_transform, state.poses);
+    state.pose_frame = read_frame_id(*joints);
+  }
   for (const Input& attached : input.items("attached_collision_objects")) {
     state.attached.push_back(read_attached(attached));
     refuse_twice(state.attached);

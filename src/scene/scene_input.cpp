@@ -153,14 +153,16 @@ void read_allowed_contacts(const Input& list, Scene& scene) {
   }
 }
 
-Scene read_scene(const Input& input, const std::string& default_name) {
-  input.allow_keys({"name", "circles", "obstacles", "allow"});
+Scene read_bodies(const Input& input, const ObstacleSpelling& spelling, const std::string& name) {
   SceneBuilder scene;
   if (const auto circles = input.find("circles")) read_circles(*circles, scene);
-  if (const auto obstacles = input.find("obstacles")) {
-    read_obstacles(*obstacles, kSceneSpelling, scene);
-  }
-  Scene result = scene.take(input.text_or("name", default_name));
+  if (const auto obstacles = input.find("obstacles")) read_obstacles(*obstacles, spelling, scene);
+  return scene.take(name);
+}
+
+Scene read_scene(const Input& input, const std::string& default_name) {
+  input.allow_keys({"name", "circles", "obstacles", "allow"});
+  Scene result = read_bodies(input, kSceneSpelling, input.text_or("name", default_name));
   if (const auto allowed = input.find("allow")) read_allowed_contacts(*allowed, result);
   return result;
 }

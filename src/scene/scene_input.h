@@ -129,6 +129,10 @@ class ObstacleContacts {
 /// Adds pairs of a link and an obstacle to Obstacle::may_touch or Scene::end_contacts.
 void read_allowed_contacts(const Input& list, Scene& scene);
 
+/// Reads the keys `circles` and `obstacles`, each of which may be missing.
+[[nodiscard]] Scene read_bodies(const Input& input, const ObstacleSpelling& spelling,
+                                const std::string& name);
+
 /// Reads a scene file. `default_name` is the name of a scene without one.
 [[nodiscard]] Scene read_scene(const Input& input, const std::string& default_name);
 

@@ -103,14 +103,14 @@ attached_collision_objects: []
       return failure_of(yaml, read_moveit_state);
     };
     CHECK(failure("joint_state: {name: [a, b], position: [1]}") ==
-          "f:1: key joint_state: expected one position per name, got 2 names and 1 positions");
+          "f:1: key joint_state: expected as many entries in position as in name, got 1 and 2");
     CHECK(failure("joint_state: {name: [a, a], position: [1, 1]}") ==
           "f:1: key joint_state.name[1]: expected each joint once, got a again");
     CHECK(failure("joint_state: {name: [a], position: [.inf]}") ==
           "f:1: key joint_state.position[0]: expected a finite number, got .inf");
     CHECK(failure("multi_dof_joint_state: {joint_names: [a, b], transforms: [{}]}") ==
-          "f:1: key multi_dof_joint_state: expected one transform per joint, got 2 names and 1 "
-          "transforms");
+          "f:1: key multi_dof_joint_state: expected as many entries in transforms as in "
+          "joint_names, got 1 and 2");
     CHECK(failure("attached_collision_objects:\n  - {link_name: hand, object: {id: ''}}") ==
           "f:2: key attached_collision_objects[0].object.id: expected a name, got \"\"");
     CHECK(failure("attached_collision_objects:\n  - {link_name: a, object: {id: x}}\n"
