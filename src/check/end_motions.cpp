@@ -22,13 +22,6 @@ constexpr double kTiltRounding = 1e-9;  ///< radians
 /// States of a motion that leaves contact, at least.
 constexpr double kLeastStates = 64;
 
-Configuration between(const Robot& robot, const Configuration& from, const Configuration& to,
-                      double share) {
-  Configuration q = robot.difference(from, to);
-  for (std::size_t j = 0; j < q.size(); ++j) q[j] = from[j] + share * q[j];
-  return q;
-}
-
 }  // namespace
 
 std::vector<LimitExcess> find_excess(const Robot& robot, std::span<const double> q) {
@@ -174,7 +167,7 @@ bool EndMotions::is_left_by(const Configuration& end, const Configuration& insid
   for (const Touch& touch : open) farthest = std::max(farthest, travel(at_end, at_inside, touch));
   steps = std::max(steps, static_cast<int>(std::ceil(farthest / kContactStep)));
   for (int i = 1; i <= steps; ++i) {
-    const Configuration q = between(robot_, end, inside, static_cast<double>(i) / steps);
+    const Configuration q = interpolate(robot_, end, inside, static_cast<double>(i) / steps);
     const PosedLinks posed = links_.posed(robot_.link_poses(q));
     std::vector<Touch> still_open;
     for (const Touch& now : touching(q, extra)) {
@@ -273,7 +266,8 @@ bool keeps_cone(const Robot& robot, const OrientationConstraint& constraint,
     const int steps = internal::steps_between(robot, path[0], path[1], resolution);
     for (int i = 1; i <= steps; ++i) {
       const double share = static_cast<double>(i) / steps;
-      const double now = tilt(robot, constraint, internal::between(robot, path[0], path[1], share));
+      const double now =
+          tilt(robot, constraint, internal::interpolate(robot, path[0], path[1], share));
       if (now > std::max(before, constraint.angle) + internal::kTiltRounding) return false;
       before = now;
     }

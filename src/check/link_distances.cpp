@@ -3,6 +3,7 @@
 #include "check/link_distances.h"
 
 #include "base/as_index.h"
+#include "base/fail.h"
 #include "check/free_cells.h"
 #include "robot/kinematics.h"
 
@@ -39,8 +40,8 @@ bool contains(const std::vector<int>& links, int link) {
 Result<void> check_link(const Robot& robot, const std::string& name, const std::string& what) {
   if (robot.find_link(name)) return {};
   return fail(ErrorCode::invalid,
-              fmt::format("{} '{}', but robot '{}' has no link and no attached object of this name",
-                          what, name, robot.name()));
+              "{} '{}', but robot '{}' has no link and no attached object of this name", what, name,
+              robot.name());
 }
 
 }  // namespace
