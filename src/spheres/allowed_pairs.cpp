@@ -3,11 +3,10 @@
 #include "mneme/spheres.h"
 
 #include "base/as_index.h"
+#include "base/fail.h"
 #include "check/link_distances.h"
 #include "robot/kinematics.h"
 #include "spheres/approximate_robot.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,9 +26,9 @@ Result<Robot> make_whole(const Robot::Parts& parts) {
     if (internal::is_free(joint)) options.joints.push_back(joint.name);
   }
   if (!options.joints.empty()) return make_robot(parts, options);
-  return fail(ErrorCode::invalid, fmt::format("robot '{}': there is no joint that can move, so "
-                                              "that no pair of links needs a check",
-                                              parts.name));
+  return fail(ErrorCode::invalid,
+              "robot '{}': there is no joint that can move, so that no pair of links needs a check",
+              parts.name);
 }
 
 /// Tells links that a joint joins directly. Links that fixed joints weld together are one body. A
@@ -98,12 +97,9 @@ void sample(const Robot& robot, const LinkDistances& links, const PairSettings& 
   Rng rng(settings.seed);
   std::vector<Record*> open;
   for (Record& record : records) open.push_back(&record);
-  Configuration q(as_index(robot.joint_count()));
   for (int i = 0; i < settings.samples && !open.empty(); ++i) {
-    for (int j = 0; j < robot.joint_count(); ++j) {
-      q[as_index(j)] = rng.uniform(robot.group_joint(j).lower, robot.group_joint(j).upper);
-    }
-    const PosedLinks posed = links.posed(robot.link_poses(q));
+    const PosedLinks posed =
+        links.posed(robot.link_poses(internal::random_configuration(robot, rng)));
     for (Record* record : open) {
       (touch(links, posed, record->links, settings.is_exact) ? record->has_touched
                                                              : record->has_been_apart) = true;
@@ -172,8 +168,8 @@ std::string_view to_string(AllowedReason reason) {
 Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
                                                       const PairSettings& settings) {
   if (settings.samples <= 0) {
-    return fail(ErrorCode::invalid,
-                fmt::format("the number of samples is {}, expected 1 or more", settings.samples));
+    return fail(ErrorCode::invalid, "the number of samples is {}, expected 1 or more",
+                settings.samples);
   }
   const Robot robot = MNEME_TRY(make_whole(parts));
   const Adjacency adjacency(robot);

@@ -3,6 +3,7 @@
 #include "mneme/spheres.h"
 
 #include "base/check_ranges.h"
+#include "base/fail.h"
 #include "base/files.h"
 #include "base/threads.h"
 #include "spheres/approximate_robot.h"
@@ -177,7 +178,7 @@ class ObjectSpheres {
 
 tl::unexpected<Error> refuse(const AttachedObject& object, std::string_view what,
                              ErrorCode code = ErrorCode::invalid) {
-  return fail(code, fmt::format("attached object '{}': {}", object.name, what));
+  return fail(code, "attached object '{}': {}", object.name, what);
 }
 
 }  // namespace

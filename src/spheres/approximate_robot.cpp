@@ -6,6 +6,7 @@
 
 #include "base/as_index.h"
 #include "base/check_ranges.h"
+#include "base/fail.h"
 #include "base/files.h"
 #include "base/threads.h"
 #include "spheres/approximate_solid.h"
@@ -365,9 +366,7 @@ Result<ApproximatedRobot> load_approximated_robot(const std::string& path,
                                                   const SphereProgress& on_approximated) {
   MNEME_TRY(internal::check_ranges(settings));
   Robot::Parts parts = MNEME_TRY(read_robot(path, options));
-  const auto with_path = [&](const Error& error) {
-    return Error{error.code, fmt::format("{}: {}", path, error.message)};
-  };
+  const auto with_path = internal::naming(path);
   // Approximation takes seconds: what make_robot() would refuse afterwards is refused first.
   MNEME_TRY(internal::choose_group(parts, options).map_error(with_path));
   const auto has_solids = [](const Link& link) { return !link.solids.empty(); };

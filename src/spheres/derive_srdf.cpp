@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/spheres.h"
 
+#include "base/fail.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -48,9 +50,7 @@ Result<std::vector<std::string>> allow_derived_pairs(Robot::Parts& parts,
 Result<DerivedSrdf> derive_srdf(const std::string& path, const RobotOptions& options,
                                 const PairSettings& settings,
                                 const SphereProgress& on_approximated) {
-  const auto with_path = [&](const Error& error) {
-    return Error{error.code, fmt::format("{}: {}", path, error.message)};
-  };
+  const auto with_path = internal::naming(path);
   Robot::Parts parts = MNEME_TRY(read_robot(path, options));
   DerivedSrdf result;
   result.notes = parts.warnings;

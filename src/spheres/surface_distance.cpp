@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include <cmath>
-#include <utility>
 
 namespace mneme::internal {
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spheres/triangle_mesh.h"
 
+#include "base/fail.h"
 #include "geometry/axis_box.h"
 #include "mesh/mesh_file.h"
 
@@ -137,16 +138,13 @@ void append(std::span<const Triangle> triangles, TriangleMesh& surface) {
 Result<TriangleMesh> link_surface(const Link& link) {
   TriangleMesh surface;
   for (const Solid& solid : link.solids) {
-    const auto part = std::visit(Triangulate{}, solid);
-    if (!part) {
-      return fail(part.error().code, fmt::format("link '{}': {}", link.name, part.error().message));
-    }
-    append(*part, surface);
+    const TriangleMesh part = MNEME_TRY(
+        std::visit(Triangulate{}, solid).map_error(naming(fmt::format("link '{}'", link.name))));
+    append(part, surface);
   }
   const std::string flaw = describe_flaw(surface);
   if (flaw.empty()) return surface;
-  return fail(ErrorCode::invalid,
-              fmt::format("link '{}': its collision geometry {}", link.name, flaw));
+  return fail(ErrorCode::invalid, "link '{}': its collision geometry {}", link.name, flaw);
 }
 
 Result<TriangleMesh> mesh_surface(const AttachedObject& object) {
