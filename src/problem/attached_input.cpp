@@ -4,8 +4,6 @@
 
 #include "problem/problem_input.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <filesystem>

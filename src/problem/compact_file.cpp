@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <iterator>
-#include <numeric>
 #include <utility>
 
 namespace mneme::internal {
@@ -62,15 +61,10 @@ std::size_t find_problem(const std::vector<std::string>& names, const CompactAdd
 }
 
 Scene read_compact_scene(const Input& problem, const std::string& name) {
-  const auto circles = problem.find("circles");
-  const auto obstacles = problem.find("obstacles");
-  if (!circles && !obstacles) {
+  if (!problem.find("circles") && !problem.find("obstacles")) {
     problem.fail(ErrorCode::parse, "expected the key circles or obstacles, both are missing");
   }
-  SceneBuilder scene;
-  if (circles) read_circles(*circles, scene);
-  if (obstacles) read_obstacles(*obstacles, kCompactSpelling, scene);
-  return scene.take(name);
+  return read_bodies(problem, kCompactSpelling, name);
 }
 
 /// One problem of a file, which must outlive it.

@@ -6,8 +6,6 @@
 #include "problem/moveit_problem.h"
 #include "problem/problem_input.h"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 
 namespace mneme {
