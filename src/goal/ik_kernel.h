@@ -9,7 +9,6 @@
 #include "tables/tables.h"
 
 #include <array>
-#include <cstdint>
 
 namespace mneme::internal {
 

@@ -8,8 +8,6 @@
 #include "robot/joint_space.h"
 #include "tables/make_tables.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -275,8 +273,8 @@ Result<InverseKinematics> InverseKinematics::make(const Robot& robot, const std:
     return fail(ErrorCode::invalid, "expected a link of robot {}, got \"{}\"", robot.name(), link);
   }
   if (!is_available(isa)) {
-    return fail(ErrorCode::unsupported,
-                "this machine does not have the instruction set " + std::string(to_string(isa)));
+    return fail(ErrorCode::unsupported, "this machine does not have the instruction set {}",
+                to_string(isa));
   }
   const auto checked = MNEME_TRY(internal::share_checked_robot(robot));
   const internal::RobotTables& all = checked->tables;
