@@ -5,7 +5,6 @@
 #include "base/as_index.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace mneme::internal {

@@ -66,7 +66,6 @@ class CellBuilder {
     return {stopwatch_.elapsed_s(), static_cast<int>(cell_.boxes.size()), proven,
             proven + blocked_};
   }
-  [[nodiscard]] std::uint64_t examined() const { return examined_; }
 
  private:
   struct IsSmaller {

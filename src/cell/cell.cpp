@@ -72,11 +72,7 @@ class LookUp {
   bool try_box(int index) {
     const CellBox& box = boxes_[as_index(index)];
     if (!box.is_proven || !box.tasks.contains(task_)) return false;
-    std::array<double, kMostParameters> u = {};
-    std::size_t i = 0;
-    for (const int k : data_.frame.varying()) {
-      u[i++] = (task_[as_index(k)] - box.tasks.center[as_index(k)]) / box.tasks.half[as_index(k)];
-    }
+    const auto u = box.tasks.place_of(data_.frame.varying(), task_);
     const JointVector modelled = internal::evaluate(box.shift, u.data());
     JointVector q = box.branch.q0 + modelled;
     const auto& chain = data_.chain;

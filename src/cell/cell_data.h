@@ -13,7 +13,6 @@
 #include "cell/task_frame.h"
 
 #include <array>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>

@@ -10,8 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <numeric>
 
 namespace mneme::internal {
 namespace {
@@ -400,11 +398,7 @@ void Examiner::describe(const ProofFailure& failure, UnprovenBox& box) const {
 bool serves(const CellBox& box, const CellTask& task, const TaskFrame& frame,
             const LinkChain& chain) {
   if (!box.tasks.contains(task)) return false;
-  std::array<double, kMostParameters> u = {};
-  std::size_t i = 0;
-  for (const int k : frame.varying()) {
-    u[i++] = (task[as_index(k)] - box.tasks.center[as_index(k)]) / box.tasks.half[as_index(k)];
-  }
+  const auto u = box.tasks.place_of(frame.varying(), task);
   const JointVector change = evaluate(box.shift, u.data());
   for (std::size_t waypoint = 1; waypoint < box.path.size(); ++waypoint) {
     if (!chain.keeps_limits(box.path.waypoint(waypoint, change))) return false;

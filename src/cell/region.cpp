@@ -227,8 +227,7 @@ Result<CellRegion> load_region(const std::string& path, const ProblemOptions& op
     const internal::InputValue value = internal::parse_yaml(text, path);
     read_region(Input(value, path), region);
   }));
-  auto checked = internal::check_region(region);
-  if (!checked) return fail(checked.error().code, "{}: {}", path, checked.error().message);
+  MNEME_TRY(internal::check_region(region).map_error(internal::naming(path)));
   return region;
 }
 

@@ -30,6 +30,15 @@ CellTask TaskBox::at(const std::vector<int>& varying, const double* u) const {
   return task;
 }
 
+std::array<double, kTaskSize> TaskBox::place_of(const std::vector<int>& varying,
+                                                const CellTask& task) const {
+  std::array<double, kTaskSize> u = {};
+  std::size_t i = 0;
+  for (const int k : varying)
+    u[i++] = (task[as_index(k)] - center[as_index(k)]) / half[as_index(k)];
+  return u;
+}
+
 TaskFrame::TaskFrame(const CellRegion& region)
     : half_extents_(region.half_extents),
       middle_(region.middle().pose),

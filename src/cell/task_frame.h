@@ -19,6 +19,9 @@ struct TaskBox {
   [[nodiscard]] bool contains(const CellTask& task) const;
   /// The task at `u`, a value in [-1, 1] per varying parameter.
   [[nodiscard]] CellTask at(const std::vector<int>& varying, const double* u) const;
+  /// The inverse of at().
+  [[nodiscard]] std::array<double, kTaskSize> place_of(const std::vector<int>& varying,
+                                                       const CellTask& task) const;
 };
 
 /// The geometry of a region.
