@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "store/lost_rows.h"
 
-#include <fmt/chrono.h>
+#include "base/text.h"
+
 #include <fmt/format.h>
 
 #include <fcntl.h>
@@ -45,10 +46,6 @@ struct Descriptor {
     if (fd >= 0) ::close(fd);
   }
 };
-
-std::string time_text(std::int64_t seconds) {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(seconds)));
-}
 
 std::string real_path(const std::string& path) {
   std::error_code error;
@@ -107,7 +104,7 @@ std::optional<std::string> describe_missing_rows(const std::string& path,
       "{} rows that were stored are missing: the file holds {} changes, but {} were stored until "
       "{} (according to {})",
       std::max(std::int64_t{0}, record->state.row_count - head.row_count), head.generation,
-      record->state.generation, time_text(record->time), record_path(path));
+      record->state.generation, utc_text(record->time), record_path(path));
 }
 
 namespace {

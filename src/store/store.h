@@ -193,7 +193,4 @@ using RowSource = std::function<Result<std::span<const Experience>>(const StoreS
 /// Makes a tombstone for `row` and counts it in `state`.
 [[nodiscard]] Tombstone make_tombstone(StoreState& state, std::int64_t row, std::string reason);
 
-/// Current time, UTC, ISO 8601.
-[[nodiscard]] std::string current_time();
-
 }  // namespace mneme::internal

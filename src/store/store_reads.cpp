@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/fail.h"
 #include "store/store.h"
 
 #include <fmt/format.h>
@@ -59,7 +60,7 @@ Result<StoreChanges> read_changes(Store& store, const StoreState& since, RowPart
   MNEME_TRY(transaction->read_tombstones(begin.last_tombstone, add_dead));
   MNEME_TRY(transaction->read_rows(begin.last_row, parts, add_row));
   if (const auto flaw = tally.compare(head)) {
-    return fail(ErrorCode::corrupt, fmt::format("{}: {}", store.name(), *flaw));
+    return fail(ErrorCode::corrupt, "{}: {}", store.name(), *flaw);
   }
   return changes;
 }

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/fail.h"
+#include "base/text.h"
 #include "store/store.h"
 #include "store/row_check.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <tuple>
 
@@ -79,8 +79,7 @@ class Append {
         (void)sizes_.check(row.kind, stored.value_or(row.key.size()));
       }
       if (const auto flaw = sizes_.check(row.kind, row.key.size())) {
-        return fail(ErrorCode::invalid,
-                    fmt::format("{}: a row cannot be inserted: {}", name_, *flaw));
+        return fail(ErrorCode::invalid, "{}: a row cannot be inserted: {}", name_, *flaw);
       }
     }
     return {};
@@ -129,16 +128,10 @@ Tombstone make_tombstone(StoreState& state, std::int64_t row, std::string reason
   return tombstone;
 }
 
-std::string current_time() {
-  const auto time = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(time));
-}
-
 Result<void> prepare_rows(std::vector<Experience>& rows, const RobotSignature& signature) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (const auto flaw = describe_flaw(rows[i], signature)) {
-      return fail(ErrorCode::invalid,
-                  fmt::format("row {} of {} cannot be inserted: {}", i, rows.size(), *flaw));
+      return fail(ErrorCode::invalid, "row {} of {} cannot be inserted: {}", i, rows.size(), *flaw);
     }
     if (!rows[i].is_path()) rows[i].sampler().joint_count = signature.joint_count;
     if (rows[i].provenance.time.empty()) rows[i].provenance.time = current_time();

@@ -206,13 +206,6 @@ TEST_SUITE("unit") {
     CHECK(appended->state.row_count == 4099);
     CHECK(appended->ids.back() == 1);
   }
-
-  TEST_CASE("the current time is UTC in ISO 8601") {
-    const std::string time = internal::current_time();
-    REQUIRE(time.size() == 20);
-    CHECK(time[10] == 'T');
-    CHECK(time[19] == 'Z');
-  }
 }
 
 TEST_SUITE("unit") {
