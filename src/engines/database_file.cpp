@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/database_file.h"
 
+#include "base/fail.h"
 #include "engines/open_store.h"
 #include "store/lost_rows.h"
 
@@ -27,14 +28,14 @@ Result<void> check_access(const std::string& path, int access, const char* verb)
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (std::filesystem::is_directory(status)) {
-    return fail(ErrorCode::io, fmt::format("{}: is a directory; expected a database file", path));
+    return fail(ErrorCode::io, "{}: is a directory; expected a database file", path);
   }
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    return fail(ErrorCode::io, fmt::format("{}: is not a regular file", path));
+    return fail(ErrorCode::io, "{}: is not a regular file", path);
   }
   if (::access(path.c_str(), access) != 0) {
-    return fail(ErrorCode::io, fmt::format("{}: cannot be {}: {}", path, verb,
-                                           std::generic_category().message(errno)));
+    return fail(ErrorCode::io, "{}: cannot be {}: {}", path, verb,
+                std::generic_category().message(errno));
   }
   return {};
 }
@@ -61,9 +62,9 @@ Result<Connection> open_for_reading(const std::string& path) {
   if (connection || connection.error().code != ErrorCode::io) return connection;
   if (size_or_zero(log_path(path)) > 0) {
     return fail(ErrorCode::io,
-                fmt::format("{}; its log {} must be recovered first: open the database once "
-                            "where its directory is writable",
-                            connection.error().message, log_path(path)));
+                "{}; its log {} must be recovered first: open the database once where its "
+                "directory is writable",
+                connection.error().message, log_path(path));
   }
   return probed(Connection::open(path, Connection::Access::immutable), kReading);
 }
@@ -78,9 +79,8 @@ Result<Connection> open_for_writing(const std::string& path, bool can_create) {
   auto connection = probed(Connection::open(path, access), kWriting);
   if (connection && !connection->is_read_only()) return connection;
   if (!connection && connection.error().code != ErrorCode::io) return connection;
-  return fail(ErrorCode::io,
-              fmt::format("{}; expected a writable file in a writable directory",
-                          connection ? path + ": is read-only" : connection.error().message));
+  return fail(ErrorCode::io, "{}; expected a writable file in a writable directory",
+              connection ? path + ": is read-only" : connection.error().message);
 }
 
 std::int64_t bytes_on_disk(const std::string& path) {

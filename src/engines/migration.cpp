@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/migration.h"
 
+#include "base/fail.h"
 #include "store/row_check.h"
 #include "store/store.h"
 
@@ -101,8 +102,8 @@ class UpgradedRow {
 };
 
 tl::unexpected<Error> missing(const std::string& store, const std::string& what) {
-  return fail(ErrorCode::corrupt,
-              fmt::format("{}: {}; repair it with the mneme version that wrote it", store, what));
+  return fail(ErrorCode::corrupt, "{}: {}; repair it with the mneme version that wrote it", store,
+              what);
 }
 
 }  // namespace
@@ -112,8 +113,7 @@ Result<RobotSignature> upgraded_robot(const std::string& store, std::string_view
                                       std::int64_t checksum) {
   const std::string text = fmt::format("{}\n{}\n{}", name, hashes, joint_count);
   if (hash_bytes(std::as_bytes(std::span(text))) != checksum || joint_count < 1) {
-    return fail(ErrorCode::corrupt,
-                fmt::format("{}: the row that names the robot is damaged", store));
+    return fail(ErrorCode::corrupt, "{}: the row that names the robot is damaged", store);
   }
   // "kinematics/model", or the model alone.
   const std::size_t slash = hashes.find('/');

@@ -1,10 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/fail.h"
 #include "engines/open_store.h"
 #include "engines/sqlite_store.h"
 #include "store/row_check.h"
-
-#include <fmt/format.h>
 
 #include <unistd.h>
 #include <cerrno>
@@ -76,9 +75,8 @@ Result<std::unique_ptr<Store>> new_sqlite_store(const std::string& path,
                                                 const RobotSignature& robot) {
   const auto directory = std::filesystem::path(lasting_url(path)).parent_path();
   if (::access(directory.c_str(), W_OK | X_OK) != 0) {
-    return fail(ErrorCode::io,
-                fmt::format("{}: cannot be created in {}: {}; expected a writable directory", path,
-                            directory.string(), std::generic_category().message(errno)));
+    return fail(ErrorCode::io, "{}: cannot be created in {}: {}; expected a writable directory",
+                path, directory.string(), std::generic_category().message(errno));
   }
   return std::make_unique<NewStore>(path, robot);
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/open_store.h"
 
+#include "base/fail.h"
 #include "engines/postgres_store.h"
 #include "store/row_check.h"
 #include "engines/sqlite_store.h"
@@ -33,9 +34,8 @@ Result<Engine> engine_of(const std::string& url) {
   if (scheme.empty()) return Engine::sqlite;
   if (scheme == "postgresql" || scheme == "postgres") return Engine::postgresql;
   return fail(ErrorCode::unsupported,
-              fmt::format("{}: unknown scheme '{}'; expected the path of an SQLite file or "
-                          "postgresql://...",
-                          without_password(url), scheme));
+              "{}: unknown scheme '{}'; expected the path of an SQLite file or postgresql://...",
+              without_password(url), scheme);
 }
 
 std::string lasting_url(const std::string& url) {
@@ -71,11 +71,9 @@ namespace {
 
 #ifndef MNEME_HAS_POSTGRESQL
 tl::unexpected<Error> refuse_postgres(const std::string& url) {
-  return fail(
-      ErrorCode::unsupported,
-      fmt::format("{}: this mneme was built without PostgreSQL; build it where libpq-dev is "
-                  "installed",
-                  without_password(url)));
+  return fail(ErrorCode::unsupported,
+              "{}: this mneme was built without PostgreSQL; build it where libpq-dev is installed",
+              without_password(url));
 }
 #endif
 
@@ -108,8 +106,8 @@ Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode,
 Result<OpenedStore> open_store_of(const std::string& url, const RobotSignature& signature,
                                   OpenMode mode, const OpenOptions& options) {
   if (signature.joint_count < 1) {
-    return fail(ErrorCode::invalid, fmt::format("{}: cannot hold experience of {}",
-                                                without_password(url), describe(signature)));
+    return fail(ErrorCode::invalid, "{}: cannot hold experience of {}", without_password(url),
+                describe(signature));
   }
   std::error_code error;
   const auto engine = MNEME_TRY(engine_of(url));
@@ -145,9 +143,9 @@ Result<std::unique_ptr<TaskQueue>> open_tasks(const std::string& url,
   const auto engine = MNEME_TRY(engine_of(url));
   if (engine == Engine::sqlite) {
     return fail(ErrorCode::unsupported,
-                fmt::format("{}: workers can share tasks only on a PostgreSQL server; with "
-                            "files, learn in shards and merge them",
-                            url));
+                "{}: workers can share tasks only on a PostgreSQL server; with files, learn in "
+                "shards and merge them",
+                url);
   }
 #ifdef MNEME_HAS_POSTGRESQL
   return open_postgres_tasks(url, signature, std::move(owner));

@@ -10,7 +10,6 @@
 #include "engines/task_queue.h"
 
 #include <string>
-#include <vector>
 
 namespace mneme::internal {
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/postgres_connection.h"
 
+#include "base/fail.h"
 #include "engines/open_store.h"
 
 #include <fmt/format.h>
@@ -142,7 +143,7 @@ Result<void> PostgresConnection::revive() {
 tl::unexpected<Error> PostgresConnection::lost(const std::string& why) {
   is_lost_ = true;
   last_state_.clear();
-  return fail(ErrorCode::io, fmt::format("{}: {}", name_, why));
+  return fail(ErrorCode::io, "{}: {}", name_, why);
 }
 
 Result<void> PostgresConnection::wait(int events, double timeout_s, Stopwatch& since) {
@@ -191,7 +192,7 @@ tl::unexpected<Error> PostgresConnection::error_of(const pg_result* result) {
   last_state_ = state == nullptr ? "" : state;
   const char* message =
       result == nullptr ? PQerrorMessage(connection_.get()) : PQresultErrorMessage(result);
-  return fail(code_of(last_state_), fmt::format("{}: {}", name_, one_line(message)));
+  return fail(code_of(last_state_), "{}: {}", name_, one_line(message));
 }
 
 Result<PostgresAnswer> PostgresConnection::query(const std::string& sql,
@@ -206,6 +207,11 @@ Result<PostgresAnswer> PostgresConnection::query(const std::string& sql,
   if (!outcome) return tl::unexpected(outcome.error());
   if (!finished) return tl::unexpected(finished.error());
   return answer;
+}
+
+Result<void> PostgresConnection::run_all(const std::vector<std::string>& statements) {
+  for (const std::string& sql : statements) MNEME_TRY(query(sql));
+  return {};
 }
 
 Result<void> PostgresConnection::stream(

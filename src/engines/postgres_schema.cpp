@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/fail.h"
 #include "engines/postgres_store.h"
 #include "engines/row_columns.h"
 #include "engines/sqlite_store.h"
@@ -48,11 +49,6 @@ constexpr std::array kNewTables = {
         "NULL, PRIMARY KEY (id, cell))"),
 };
 
-Result<void> run_all(PostgresConnection& connection, const std::vector<std::string>& statements) {
-  for (const std::string& sql : statements) MNEME_TRY(connection.query(sql));
-  return {};
-}
-
 Result<void> create(PostgresConnection& connection, std::span<const std::string_view> tables,
                     bool is_temporary) {
   for (const std::string_view table : tables) {
@@ -91,7 +87,7 @@ bool was_faster(const std::string& state) {
 }
 
 tl::unexpected<Error> damaged(const PostgresConnection& connection, const char* what) {
-  return fail(ErrorCode::corrupt, fmt::format("{}: {}", connection.name(), what));
+  return fail(ErrorCode::corrupt, "{}: {}", connection.name(), what);
 }
 
 /// The only row of a table.
@@ -99,7 +95,7 @@ Result<PostgresAnswer> only_row(PostgresConnection& connection, const std::strin
                                 const char* name) {
   auto answer = MNEME_TRY(connection.query(sql));
   if (answer.row_count() == 1) return answer;
-  return fail(ErrorCode::corrupt, fmt::format("{}: {} is missing", connection.name(), name));
+  return fail(ErrorCode::corrupt, "{}: {} is missing", connection.name(), name);
 }
 
 constexpr const char* kRobotRow = "the row that names the robot";
@@ -190,10 +186,10 @@ Result<void> write_postgres_head(PostgresConnection& connection, const StoreStat
 namespace {
 
 Result<void> put_old_tables_aside(PostgresConnection& connection) {
-  return run_all(connection, {"DROP INDEX mneme_experience_content",
-                              "DROP INDEX mneme_experience_kind", "DROP TABLE mneme_space",
-                              "ALTER TABLE mneme_experience RENAME TO mneme_old_experience",
-                              "ALTER TABLE mneme_mixture RENAME TO mneme_old_mixture"});
+  return connection.run_all({"DROP INDEX mneme_experience_content",
+                             "DROP INDEX mneme_experience_kind", "DROP TABLE mneme_space",
+                             "ALTER TABLE mneme_experience RENAME TO mneme_old_experience",
+                             "ALTER TABLE mneme_mixture RENAME TO mneme_old_mixture"});
 }
 
 /// Temporary tables hide permanent ones of the same name, so the views are created first.
@@ -203,8 +199,8 @@ Result<void> hide_old_tables(PostgresConnection& connection) {
         fmt::format("CREATE TEMPORARY VIEW mneme_old_{0} AS TABLE mneme_{0}", table)));
   }
   MNEME_TRY(create(connection, std::array{kHeadTable, kTombstoneTable}, true));
-  return run_all(connection, {"INSERT INTO mneme_head TABLE mneme_old_head",
-                              "INSERT INTO mneme_tombstone TABLE mneme_old_tombstone"});
+  return connection.run_all({"INSERT INTO mneme_head TABLE mneme_old_head",
+                             "INSERT INTO mneme_tombstone TABLE mneme_old_tombstone"});
 }
 
 /// In batches, because the visitor uses the same connection.
@@ -245,9 +241,9 @@ Result<void> migrate_tables(PostgresConnection& connection, OpenMode mode,
   MNEME_TRY(write_rows([&](const auto& visit) { return read_old_rows(connection, visit); }));
   MNEME_TRY(insert_robot(connection, robot));
   // Remaining views would keep another process from dropping the tables.
-  return run_all(connection, {is_reader ? "DROP VIEW mneme_old_experience, mneme_old_mixture, "
-                                          "mneme_old_head, mneme_old_tombstone"
-                                        : "DROP TABLE mneme_old_experience, mneme_old_mixture"});
+  return connection.run_all({is_reader ? "DROP VIEW mneme_old_experience, mneme_old_mixture, "
+                                         "mneme_old_head, mneme_old_tombstone"
+                                       : "DROP TABLE mneme_old_experience, mneme_old_mixture"});
 }
 
 }  // namespace mneme::internal

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/postgres_store.h"
 
+#include "base/fail.h"
 #include "engines/row_columns.h"
 #include "engines/sqlite_store.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <utility>
 
@@ -201,13 +201,10 @@ class PostgresTransaction final : public StoreTransaction {
 
   Result<void> remove_dead() override {
     const LongCall patience(connection_);
-    for (const char* sql :
-         {"DELETE FROM mneme_mixture WHERE id IN (SELECT row_id FROM mneme_tombstone)",
-          "DELETE FROM mneme_experience WHERE id IN (SELECT row_id FROM mneme_tombstone)",
-          "DELETE FROM mneme_tombstone"}) {
-      MNEME_TRY(connection_.query(sql));
-    }
-    return {};
+    return connection_.run_all(
+        {"DELETE FROM mneme_mixture WHERE id IN (SELECT row_id FROM mneme_tombstone)",
+         "DELETE FROM mneme_experience WHERE id IN (SELECT row_id FROM mneme_tombstone)",
+         "DELETE FROM mneme_tombstone"});
   }
 
   Result<void> commit() override {
@@ -215,8 +212,7 @@ class PostgresTransaction final : public StoreTransaction {
     is_ended_ = true;
     if (!committed) return tl::unexpected(committed.error());
     if (committed->command() == "COMMIT") return {};
-    return fail(ErrorCode::io,
-                fmt::format("{}: the transaction was rolled back", connection_.name()));
+    return fail(ErrorCode::io, "{}: the transaction was rolled back", connection_.name());
   }
 
  private:
@@ -282,7 +278,7 @@ class PostgresStore final : public Store {
 
   Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) override {
     if (kind == Kind::write && mode_ == OpenMode::read_only) {
-      return fail(ErrorCode::io, fmt::format("{}: is open for reading only", name()));
+      return fail(ErrorCode::io, "{}: is open for reading only", name());
     }
     const int version = MNEME_TRY(schema_version());
     MNEME_TRY(connection_.query(kind == Kind::read
@@ -313,11 +309,8 @@ class PostgresStore final : public Store {
 
   Result<void> reclaim() override {
     const LongCall patience(connection_);
-    for (const char* sql :
-         {"VACUUM mneme_experience", "VACUUM mneme_mixture", "VACUUM mneme_tombstone"}) {
-      MNEME_TRY(connection_.query(sql));
-    }
-    return {};
+    return connection_.run_all(
+        {"VACUUM mneme_experience", "VACUUM mneme_mixture", "VACUUM mneme_tombstone"});
   }
 
  private:

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/sqlite_connection.h"
 
+#include "base/fail.h"
+
 #include <fmt/format.h>
 #include <sqlite3.h>
 
@@ -34,10 +36,10 @@ tl::unexpected<Error> sqlite_error(const std::string& path, sqlite3* handle, int
   const char* reason = handle != nullptr ? sqlite3_errmsg(handle) : sqlite3_errstr(status);
   const ErrorCode code = code_of(status);
   if (code == ErrorCode::corrupt) {
-    return fail(code, fmt::format("{}: not a mneme database, or damaged ({})", path, reason));
+    return fail(code, "{}: not a mneme database, or damaged ({})", path, reason);
   }
   const bool is_busy = (status & 0xff) == SQLITE_BUSY || (status & 0xff) == SQLITE_LOCKED;
-  return fail(code, fmt::format("{}: {}{}", path, reason, is_busy ? " by another process" : ""));
+  return fail(code, "{}: {}{}", path, reason, is_busy ? " by another process" : "");
 }
 
 /// A name that SQLite always takes for a file, unlike an empty name or ":memory:".
@@ -210,7 +212,7 @@ Result<KeptStatement> Connection::kept(std::string_view sql) {
 Result<std::int64_t> Connection::integer(std::string_view sql) {
   const auto statement = MNEME_TRY(kept(sql));
   const auto has_row = MNEME_TRY(statement->step());
-  if (!has_row) return fail(ErrorCode::corrupt, fmt::format("{}: no answer to {}", *path_, sql));
+  if (!has_row) return fail(ErrorCode::corrupt, "{}: no answer to {}", *path_, sql);
   return statement->integer(0);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/fail.h"
 #include "engines/sqlite_store.h"
 #include "engines/row_columns.h"
 
@@ -66,7 +67,7 @@ constexpr std::array kFileTables = {
 constexpr const char* kPageSize = "PRAGMA page_size = 8192";
 
 tl::unexpected<Error> damaged(const Connection& connection, std::string_view what) {
-  return fail(ErrorCode::corrupt, fmt::format("{}: {}", connection.path(), what));
+  return fail(ErrorCode::corrupt, "{}: {}", connection.path(), what);
 }
 
 /// Error: corrupt, unless the tables are exactly kFileTables. Ignores the lost_and_found tables of
@@ -114,12 +115,10 @@ Result<bool> has_old_tables(Connection& connection) {
 
 tl::unexpected<Error> refuse_schema(const std::string& name, std::int64_t version) {
   const bool is_newer = version > kSchemaVersion;
-  return fail(
-      ErrorCode::unsupported,
-      fmt::format("{}: was written by {} mneme (schema {}); this one reads schemas {} and "
-                  "{}: {}",
-                  name, is_newer ? "a newer" : "an older", version, kOldSchema, kSchemaVersion,
-                  is_newer ? "use that one" : "learn anew, into another database"));
+  return fail(ErrorCode::unsupported,
+              "{}: was written by {} mneme (schema {}); this one reads schemas {} and {}: {}", name,
+              is_newer ? "a newer" : "an older", version, kOldSchema, kSchemaVersion,
+              is_newer ? "use that one" : "learn anew, into another database");
 }
 
 Result<int> identify(Connection& connection) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/sqlite_store.h"
 
+#include "base/fail.h"
 #include "engines/database_file.h"
 #include "store/lost_rows.h"
 #include "engines/row_columns.h"
@@ -9,7 +10,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <filesystem>
 #include <string>
@@ -240,7 +240,7 @@ class SqliteStore final : public Store {
 
   Result<std::unique_ptr<StoreTransaction>> begin(Kind kind) override {
     if (kind == Kind::write && mode_ == OpenMode::read_only) {
-      return fail(ErrorCode::io, fmt::format("{}: is open for reading only", name()));
+      return fail(ErrorCode::io, "{}: is open for reading only", name());
     }
     MNEME_TRY(reopen_if_immutable());
     auto transaction = MNEME_TRY(Transaction::begin(
@@ -317,7 +317,7 @@ std::optional<std::string> find_missing_rows(Connection& connection, int version
 }
 
 tl::unexpected<Error> refuse_loss(const std::string& path, const std::string& loss) {
-  return fail(ErrorCode::corrupt, fmt::format("{}: {}", path, loss));
+  return fail(ErrorCode::corrupt, "{}: {}", path, loss);
 }
 
 /// Migrates an open file or, for a reader, a copy of it in memory. Waits for another process that

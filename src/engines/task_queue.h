@@ -7,7 +7,6 @@
 #include "mneme/store.h"
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
