@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/upkeep.h"
 
+#include "base/fail.h"
 #include "base/files.h"
 #include "engines/open_store.h"
 #include "store/row_check.h"
@@ -12,7 +13,6 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <memory>
 #include <system_error>
 
 namespace mneme {
@@ -20,8 +20,8 @@ namespace {
 
 Result<void> check_name(const std::string& path) {
   if (path.ends_with(".jsonl") || path == "/dev/stdout" || path == "/dev/stdin") return {};
-  return fail(ErrorCode::invalid,
-              fmt::format("{}: expected a file name that ends in .jsonl (JSON lines)", path));
+  return fail(ErrorCode::invalid, "{}: expected a file name that ends in .jsonl (JSON lines)",
+              path);
 }
 
 /// Inserts rows into a database in batches.
@@ -64,8 +64,8 @@ class LineReader {
     reader.path_ = path;
     reader.file_.reset(std::fopen(path.c_str(), "rb"));
     if (reader.file_ != nullptr) return reader;
-    return fail(ErrorCode::io, fmt::format("{}: cannot be read: {}", path,
-                                           std::generic_category().message(errno)));
+    return fail(ErrorCode::io, "{}: cannot be read: {}", path,
+                std::generic_category().message(errno));
   }
 
   /// False at the end.
@@ -85,17 +85,14 @@ class LineReader {
   }
   /// An error of the last line, with file and line number.
   [[nodiscard]] tl::unexpected<Error> error(const Error& error) const {
-    return fail(error.code, fmt::format("{}:{}: {}", path_, number_, error.message));
+    return fail(error.code, "{}:{}: {}", path_, number_, error.message);
   }
 
  private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
   static constexpr std::size_t kMaxLineBytes = std::size_t{64} << 20;
 
   std::string path_;
-  std::unique_ptr<std::FILE, Close> file_;
+  internal::UniqueFile file_;
   std::int64_t number_ = 0;
 };
 
@@ -105,8 +102,8 @@ Result<std::int64_t> export_database(const std::string& url, const std::string& 
   MNEME_TRY(check_name(path));
   const auto opened = MNEME_TRY(internal::advised(internal::inspect_store(url), url));
   if (opened.schema_version == 0) {
-    return fail(ErrorCode::invalid, fmt::format("{}: the database is empty and has no robot yet",
-                                                opened.store->name()));
+    return fail(ErrorCode::invalid, "{}: the database is empty and has no robot yet",
+                opened.store->name());
   }
   const auto list = MNEME_TRY(internal::advised(internal::list_by_content(*opened.store), url));
   auto file = MNEME_TRY(internal::NewFile::create(path));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "upkeep/json_rows.h"
 
+#include "base/fail.h"
 #include "store/row_check.h"
 #include "store/store.h"
 
@@ -229,8 +230,7 @@ Result<RobotSignature> parse_signature(std::string_view line) {
   Fields fields(line);
   const std::string format = fields.text("format");
   if (!fields.error() && format != kFormat) {
-    return fail(ErrorCode::parse,
-                fmt::format("its format is '{}'; expected '{}'", format, kFormat));
+    return fail(ErrorCode::parse, "its format is '{}'; expected '{}'", format, kFormat);
   }
   RobotSignature robot;
   robot.robot_name = fields.text("robot_name");

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "upkeep/store_upkeep.h"
 
+#include "base/fail.h"
 #include "store/row_check.h"
 #include "store/store.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
@@ -16,7 +15,7 @@ namespace mneme::internal {
 namespace {
 
 tl::unexpected<Error> damaged(const Store& store, std::int64_t id, const std::string& flaw) {
-  return fail(ErrorCode::corrupt, fmt::format("{}: row {} is damaged: {}", store.name(), id, flaw));
+  return fail(ErrorCode::corrupt, "{}: row {} is damaged: {}", store.name(), id, flaw);
 }
 
 }  // namespace

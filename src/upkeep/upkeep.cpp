@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/upkeep.h"
 
+#include "base/fail.h"
 #include "engines/open_store.h"
 #include "store/row_check.h"
 #include "store/store.h"
@@ -171,8 +172,7 @@ Result<RobotSignature> adopt_database(const std::string& url, const RobotSignatu
                                       bool is_forced) {
   const auto found = MNEME_TRY(internal::advised(internal::inspect_store(url), url));
   if (found.schema_version == 0) {
-    return fail(ErrorCode::invalid,
-                fmt::format("{}: the database is empty", internal::without_password(url)));
+    return fail(ErrorCode::invalid, "{}: the database is empty", internal::without_password(url));
   }
   MNEME_TRY(check_adoption(found.store->name(), found.signature, signature, is_forced));
   const auto store = MNEME_TRY(internal::open_store(url, OpenMode::read_write));
