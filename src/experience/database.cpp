@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/experience.h"
 
+#include "base/fail.h"
 #include "base/text.h"
 #include "experience/index_file.h"
 #include "experience/kind_accounts.h"
@@ -10,8 +11,6 @@
 #include "experience/row_loader.h"
 #include "experience/write_queue.h"
 #include "store/store.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
@@ -239,7 +238,7 @@ Result<internal::StoreChanges> Database::State::read_fresh(FreshRows& fresh,
                                        : internal::decode_key(row, *experience);
     if (!flaw) flaw = sizes.check(experience->kind, experience->key.size());
     if (flaw) {
-      return fail(ErrorCode::corrupt, fmt::format("{}: row {} is damaged: {}", url, row.id, *flaw));
+      return fail(ErrorCode::corrupt, "{}: row {} is damaged: {}", url, row.id, *flaw);
     }
     fresh.add(*experience, std::bit_cast<std::uint64_t>(row.columns.constraints), row.components);
     if (parts == RowParts::all) fresh.rows.push_back(std::move(experience));
@@ -344,16 +343,16 @@ Result<Experience> Database::get(std::int64_t position) const {
   const auto groups = state_->groups();
   const std::int64_t size = size_of(*groups);
   if (position < 0 || position >= size) {
-    return fail(ErrorCode::invalid, fmt::format("{}: there is no row {}; expected 0 to {}",
-                                                state_->url, position, size - 1));
+    return fail(ErrorCode::invalid, "{}: there is no row {}; expected 0 to {}", state_->url,
+                position, size - 1);
   }
   auto group = groups->begin();
   for (; position >= group->second.size(); ++group) position -= group->second.size();
   const std::int64_t id = group->second.id(position);
   const auto rows = MNEME_TRY(state_->rows.load({&id, 1}, true));
   if (rows.front() != nullptr) return *rows.front();
-  return fail(ErrorCode::corrupt,
-              fmt::format("{}: row {} was set aside as damaged or superseded", state_->url, id));
+  return fail(ErrorCode::corrupt, "{}: row {} was set aside as damaged or superseded", state_->url,
+              id);
 }
 
 Result<void> Database::for_each(
@@ -436,7 +435,7 @@ Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows,
 }
 
 Result<void> Database::State::queue_rows(std::int64_t count, internal::WriteQueue::Make make) {
-  if (!is_writable) return fail(ErrorCode::io, url + ": is open for reading only");
+  if (!is_writable) return fail(ErrorCode::io, "{}: is open for reading only", url);
   if (count > 0) queue.push(count, std::move(make));
   return {};
 }
@@ -459,8 +458,8 @@ Result<void> Database::insert_later(MakeRows make) {
 Result<void> Database::flush(double timeout_s) {
   if (state_->queue.flush(timeout_s)) return {};
   const QueuedRows rows = state_->queue.counts();
-  return fail(ErrorCode::io, fmt::format("{}: {} rows are not stored yet: {}", state_->url,
-                                         rows.waiting, rows.failure));
+  return fail(ErrorCode::io, "{}: {} rows are not stored yet: {}", state_->url, rows.waiting,
+              rows.failure);
 }
 
 QueuedRows Database::queued_rows() const { return state_->queue.counts(); }

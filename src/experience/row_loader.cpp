@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/row_loader.h"
 
+#include "base/fail.h"
 #include "engines/open_store.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
@@ -173,9 +172,8 @@ Result<void> RowLoader::check_absent(StoreTransaction& transaction, const Readin
     if (reading.rows.contains(id) || dead.contains(id)) continue;
     const auto flaw = reading.flaws.find(id);
     if (flaw == reading.flaws.end() && head.epoch != epoch_) continue;
-    return fail(ErrorCode::corrupt,
-                fmt::format("{}: row {} is damaged: {}", store_->name(), id,
-                            flaw == reading.flaws.end() ? "it is missing" : flaw->second));
+    return fail(ErrorCode::corrupt, "{}: row {} is damaged: {}", store_->name(), id,
+                flaw == reading.flaws.end() ? "it is missing" : flaw->second);
   }
   return {};
 }
