@@ -5,12 +5,13 @@
 #include "mneme/live.h"
 
 #include "base/as_index.h"
+#include "geometry/solids.h"
 #include "live/planner_files.h"
 #include "report/trace.h"
 #include "robot/kinematics.h"
+#include "scene/scene_input.h"
 
 #include <Eigen/Geometry>
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -27,15 +28,6 @@ constexpr int kTries = 1000;
 /// Links are fixed to each other if their relative pose changes by less, in metres and entries of
 /// rotation matrices.
 constexpr double kSame = 1e-9;
-
-Configuration random_configuration(const Robot& robot, Rng& rng) {
-  Configuration q;
-  for (int i = 0; i < robot.joint_count(); ++i) {
-    const Joint& joint = robot.group_joint(i);
-    q.push_back(joint.lower + (joint.upper - joint.lower) * rng.uniform());
-  }
-  return q;
-}
 
 /// Returns the middle of all limits, from where the arm reaches to all sides.
 Configuration middle_configuration(const Robot& robot) {
@@ -140,26 +132,13 @@ Json tips_json(const Problem& problem, const PlanTrace& trace) {
 }
 
 bool has_compound(const Obstacle& obstacle) {
-  return std::ranges::any_of(obstacle.shapes, [](const Shape& shape) {
-    return std::visit(
-        [](const auto& solid) {
-          return requires { solid.parts; };
-        },
-        shape);
-  });
+  return std::ranges::any_of(obstacle.shapes, is_compound);
 }
 
 /// Lists allowed contacts with the obstacles that the page's requests contain.
-Json allow_json(const Scene& scene) {
-  Json pairs = Json::array();
-  for (const Obstacle& obstacle : scene.obstacles) {
-    if (has_compound(obstacle)) continue;
-    for (const std::string& link : obstacle.may_touch) pairs.push_back({link, obstacle.name});
-  }
-  for (const EndContact& contact : scene.end_contacts) {
-    pairs.push_back({{"pair", {contact.first, contact.second}}, {"at_ends", contact.stretch}});
-  }
-  return pairs;
+Json allow_json(Scene scene) {
+  std::erase_if(scene.obstacles, has_compound);
+  return allowed_json(scene);
 }
 
 /// Moves clouds, meshes and octrees of the scene, which requests do not contain, to the end.

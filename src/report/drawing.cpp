@@ -4,6 +4,7 @@
 #include "report/picture.h"
 #include "base/as_index.h"
 #include "base/fail.h"
+#include "robot/kinematics.h"
 
 #include <fmt/format.h>
 
@@ -188,14 +189,6 @@ std::optional<std::string> find_misfit(const Problem& problem, const Path& path,
                      robot.name(), robot.joint_count());
 }
 
-Configuration along(const Robot& robot, std::span<const double> from, std::span<const double> to,
-                    double fraction) {
-  Configuration q(from.begin(), from.end());
-  const Configuration delta = robot.difference(from, to);
-  for (std::size_t i = 0; i < q.size(); ++i) q[i] += fraction * delta[i];
-  return q;
-}
-
 Bounds bounds_of(const Drawing& drawing) {
   Bounds bounds;
   bounds.include(drawing.base);
@@ -253,7 +246,7 @@ std::vector<Configuration> spread_along(const Robot& robot, const Path& path, in
     }
     const double length = passed[motion] - passed[motion - 1];
     const double fraction = length > 0 ? (distance - passed[motion - 1]) / length : 0;
-    spread.push_back(along(robot, path[motion - 1], path[motion], fraction));
+    spread.push_back(interpolate(robot, path[motion - 1], path[motion], fraction));
   }
   return spread;
 }

@@ -7,6 +7,7 @@
 #include "base/threads.h"
 #include "check/link_distances.h"
 #include "report/picture.h"
+#include "robot/kinematics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,7 +48,7 @@ class ClearanceSearch {
   /// Measures a state of a motion. Returns true if it is the nearest so far.
   bool measure(const Configuration& from, const Configuration& to, double fraction) {
     internal::poll_interrupt();
-    const Configuration q = internal::along(robot_, from, to, fraction);
+    const Configuration q = internal::interpolate(robot_, from, to, fraction);
     const auto found = internal::find_clearance(links_, links_.posed(robot_.link_poses(q)),
                                                 obstacles_, nearest_.distance);
     if (found.link < 0) return false;

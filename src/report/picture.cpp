@@ -119,9 +119,15 @@ void write_panel(SvgWriter& svg, const Drawing& drawing, const PlanarView& view,
                  const PixelBox& panel) {
   PictureWriter writer(svg, view);
   open_panel(svg, panel);
-  writer.write_frame_fills(drawing.primitives);
+  writer.write_frames(drawing.primitives, "fill",
+                      {{"class", "primitive-fills"}, {"fill-opacity", "0.08"}});
   writer.write_obstacles(drawing.obstacles);
-  writer.write_frames(drawing.primitives);
+  writer.write_frames(drawing.primitives, "stroke",
+                      {{"class", "primitives"},
+                       {"fill", "none"},
+                       {"stroke-width", "1.4"},
+                       {"stroke-dasharray", "6 4"},
+                       {"stroke-linejoin", "round"}});
   writer.write_memories(drawing.memories);
   writer.write_fan(drawing.fan);
   writer.write_tip_trace(drawing.tip_trace);
@@ -159,24 +165,12 @@ void PictureWriter::write_obstacles(const std::vector<Outline>& obstacles) {
   svg_.close();
 }
 
-void PictureWriter::write_frame_fills(const std::vector<FramedPrimitive>& primitives) {
-  svg_.open("g", {{"class", "primitive-fills"}, {"fill-opacity", "0.08"}});
+void PictureWriter::write_frames(const std::vector<FramedPrimitive>& primitives,
+                                 std::string_view paint, Attributes group) {
+  svg_.open("g", group);
   for (std::size_t i = 0; i < primitives.size(); ++i) {
     svg_.element("polygon", {{"points", short_points(view_.pixels(primitives[i].corners))},
-                             {"fill", primitive_color(static_cast<SampleSource>(i))}});
-  }
-  svg_.close();
-}
-
-void PictureWriter::write_frames(const std::vector<FramedPrimitive>& primitives) {
-  svg_.open("g", {{"class", "primitives"},
-                  {"fill", "none"},
-                  {"stroke-width", "1.4"},
-                  {"stroke-dasharray", "6 4"},
-                  {"stroke-linejoin", "round"}});
-  for (std::size_t i = 0; i < primitives.size(); ++i) {
-    svg_.element("polygon", {{"points", short_points(view_.pixels(primitives[i].corners))},
-                             {"stroke", primitive_color(static_cast<SampleSource>(i))}});
+                             {paint, primitive_color(static_cast<SampleSource>(i))}});
   }
   svg_.close();
 }

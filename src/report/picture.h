@@ -84,10 +84,6 @@ using Arm = std::vector<ArmLine>;
 /// Returns the capsules of the robot's links at `q`, and its spheres as lines of one point.
 [[nodiscard]] Arm arm_at(const Robot& robot, std::span<const double> q);
 
-/// Returns the configuration at `fraction` of a motion.
-[[nodiscard]] Configuration along(const Robot& robot, std::span<const double> from,
-                                  std::span<const double> to, double fraction);
-
 /// Returns `count` >= 2 configurations at equal distances along a path that is not empty, with both
 /// ends.
 [[nodiscard]] std::vector<Configuration> spread_along(const Robot& robot, const Path& path,
@@ -190,8 +186,10 @@ class PictureWriter {
   PictureWriter(SvgWriter& svg, const PlanarView& view) : svg_(svg), view_(view) {}
 
   void write_obstacles(const std::vector<Outline>& obstacles);
-  void write_frame_fills(const std::vector<FramedPrimitive>& primitives);
-  void write_frames(const std::vector<FramedPrimitive>& primitives);
+  /// Writes the frames in a group with these attributes. `paint` is fill or stroke, in the colours
+  /// of the primitives.
+  void write_frames(const std::vector<FramedPrimitive>& primitives, std::string_view paint,
+                    Attributes group);
   void write_memories(const std::vector<RememberedArm>& memories);
   void write_fan(const std::vector<Arm>& fan);
   void write_tip_trace(const std::vector<Point>& trace);

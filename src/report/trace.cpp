@@ -115,7 +115,7 @@ class Tracer {
       for (int k = 1; k <= count; ++k) {
         const double fraction = static_cast<double>(k) / count;
         const bool is_vertex = k == count;
-        add_waypoint(is_vertex ? path[i] : along(robot_, path[i - 1], path[i], fraction),
+        add_waypoint(is_vertex ? path[i] : interpolate(robot_, path[i - 1], path[i], fraction),
                      travelled + fraction * length, is_vertex);
       }
       travelled += length;
@@ -271,7 +271,7 @@ class Tracer {
     PlanTrace::Edge& traced = trace_.edges.emplace_back();
     traced.graph = edge.graph;
     for (int k = 0; k <= steps; ++k) {
-      const Configuration q = along(robot_, from, to, static_cast<double>(k) / steps);
+      const Configuration q = interpolate(robot_, from, to, static_cast<double>(k) / steps);
       traced.tips.push_back(skeleton_.tip(robot_.link_poses(q)));
     }
   }

@@ -3,6 +3,7 @@
 
 #include "mneme/report.h"
 
+#include "geometry/solids.h"
 #include "report/packed.h"
 
 #include <Eigen/Geometry>
@@ -71,15 +72,6 @@ constexpr std::size_t kMostPoints = 100'000;
 constexpr std::size_t kMostTriangles = 60'000;
 /// Least number that is kept of each shape.
 constexpr std::size_t kFewest = 64;
-
-std::size_t part_count(const Shape& shape) {
-  return std::visit(
-      [](const auto& solid) -> std::size_t {
-        if constexpr (requires { solid.parts; }) return solid.parts->list().size();
-        return 0;
-      },
-      shape);
-}
 
 /// Shares of triangles, and of points and cubes, that are shown.
 struct Shares {
