@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/endpoints.h"
 
+#include "base/text.h"
 #include "base/threads.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <utility>
 
@@ -384,13 +384,11 @@ Answer Endpoints::scene(const Call& call) {
 }
 
 Answer Endpoints::trace(const Call& call) {
-  std::uint64_t number = 0;
-  const char* const end = call.id.data() + call.id.size();
-  const bool is_number = std::from_chars(call.id.data(), end, number).ptr == end;
+  const auto number = parse_number<std::uint64_t>(call.id);
   std::shared_ptr<const TracedPlan> plan;
   {
     const std::lock_guard lock(mutex_);
-    const auto found = is_number ? traces_.find(number) : traces_.end();
+    const auto found = number ? traces_.find(*number) : traces_.end();
     if (found != traces_.end()) plan = found->second;
   }
   if (plan == nullptr) {

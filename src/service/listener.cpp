@@ -5,13 +5,13 @@
 #include "mneme/service.h"
 
 #include "base/fail.h"
+#include "base/text.h"
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 #include <fmt/format.h>
 
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <system_error>
 #include <utility>
@@ -39,10 +39,7 @@ struct Address {
 };
 
 bool is_port(std::string_view text) {
-  unsigned number = 0;
-  const char* const end = text.data() + text.size();
-  const auto read = std::from_chars(text.data(), end, number);
-  return text.size() <= 5 && read.ec == std::errc() && read.ptr == end && number <= 65535;
+  return text.size() <= 5 && parse_number<std::uint16_t>(text).has_value();
 }
 
 Result<Address> split_address(const std::string& where) {

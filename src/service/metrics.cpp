@@ -22,6 +22,16 @@ void add_single(std::string& text, std::string_view name, std::string_view type,
   fmt::format_to(std::back_inserter(text), "{} {}\n", name, value);
 }
 
+/// A counter by the values of `label`.
+void add_counts(std::string& text, std::string_view name, std::string_view label,
+                std::string_view help,
+                const std::map<std::string, std::uint64_t, std::less<>>& counts) {
+  add_head(text, name, "counter", help);
+  for (const auto& [value, count] : counts) {
+    fmt::format_to(std::back_inserter(text), "{}{{{}=\"{}\"}} {}\n", name, label, value, count);
+  }
+}
+
 void add_requests(std::string& text, const ServiceCounts& counts) {
   add_head(text, "mneme_requests_total", "counter", "Answered requests.");
   for (const auto& [key, count] : counts.requests) {
@@ -49,11 +59,7 @@ void add_latencies(std::string& text, ServiceCounts& counts) {
 }
 
 void add_plans(std::string& text, const ServiceCounts& counts, const QueuedRows& queued) {
-  add_head(text, "mneme_plans_total", "counter", "Plans by status.");
-  for (const auto& [status, count] : counts.plans) {
-    fmt::format_to(std::back_inserter(text), "mneme_plans_total{{status=\"{}\"}} {}\n", status,
-                   count);
-  }
+  add_counts(text, "mneme_plans_total", "status", "Plans by status.", counts.plans);
   add_single(text, "mneme_memory_hits_total", "counter",
              "Plans for which memory had local samplers.", counts.hits);
   add_single(text, "mneme_retrieved_total", "counter", "Local samplers from memory.",
@@ -62,14 +68,6 @@ void add_plans(std::string& text, const ServiceCounts& counts, const QueuedRows&
              "Rows of plans that are stored: they survive a killed process.", queued.stored);
   add_single(text, "mneme_remembered_lost_total", "counter",
              "Rows of plans that could not be stored.", queued.lost);
-}
-
-void add_cell_answers(std::string& text, const ServiceCounts& counts) {
-  add_head(text, "mneme_cell_answers_total", "counter", "Plans that cells answered, by tier.");
-  for (const auto& [tier, count] : counts.cell_answers) {
-    fmt::format_to(std::back_inserter(text), "mneme_cell_answers_total{{tier=\"{}\"}} {}\n", tier,
-                   count);
-  }
 }
 
 void add_gauges(std::string& text, const ServiceGauges& gauges) {
@@ -125,7 +123,10 @@ std::string Metrics::text(const ServiceGauges& gauges) const {
   add_requests(text, counts);
   add_latencies(text, counts);
   add_plans(text, counts, gauges.queued);
-  if (!counts.cell_answers.empty()) add_cell_answers(text, counts);
+  if (!counts.cell_answers.empty()) {
+    add_counts(text, "mneme_cell_answers_total", "tier", "Plans that cells answered, by tier.",
+               counts.cell_answers);
+  }
   add_gauges(text, gauges);
   return text;
 }

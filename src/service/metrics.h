@@ -6,7 +6,6 @@
 
 #include "mneme/experience.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>

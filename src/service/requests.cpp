@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/requests.h"
 
+#include "geometry/solids.h"
 #include "pipeline/settings_input.h"
 #include "problem/problem_input.h"
 #include "scene/scene_input.h"
@@ -53,14 +54,7 @@ void check_count(const Input& input, const Scene& scene, const RequestContext& c
   std::size_t shapes = 0, parts = 0;
   for (const Obstacle& obstacle : scene.obstacles) {
     shapes += obstacle.shapes.size();
-    for (const Shape& shape : obstacle.shapes) {
-      parts += std::visit(
-          [](const auto& solid) -> std::size_t {
-            if constexpr (requires { solid.parts; }) return solid.parts->list().size();
-            return 0;
-          },
-          shape);
-    }
+    for (const Shape& shape : obstacle.shapes) parts += part_count(shape);
   }
   if (shapes > static_cast<std::size_t>(context.limits.obstacles)) {
     input.fail(ErrorCode::invalid, "expected at most {} obstacles, got {}",
@@ -75,12 +69,7 @@ void check_count(const Input& input, const Scene& scene, const RequestContext& c
 /// Reads the keys `circles` and `obstacles`, without changing their frame.
 Scene read_framed_scene(const Input& input, const std::string& name,
                         const RequestContext& context) {
-  SceneBuilder builder;
-  if (const auto circles = input.find("circles")) read_circles(*circles, builder);
-  if (const auto obstacles = input.find("obstacles")) {
-    read_obstacles(*obstacles, kRequestSpelling, builder);
-  }
-  Scene scene = builder.take(name);
+  Scene scene = read_bodies(input, kRequestSpelling, name);
   check_count(input, scene, context);
   return scene;
 }
@@ -127,8 +116,7 @@ Scene read_scene_of_request(const Input& input, const std::string& name,
   Scene kept = id ? find_scene(*id, context) : Scene(shown->scene);
   scene.end_contacts = std::move(kept.end_contacts);
   for (Obstacle& obstacle : kept.obstacles) {
-    const bool is_replaced =
-        std::ranges::find(scene.obstacles, obstacle.name, &Obstacle::name) != scene.obstacles.end();
+    const bool is_replaced = scene.find(obstacle.name) != nullptr;
     if (!is_replaced) scene.obstacles.push_back(std::move(obstacle));
   }
   check_count(input, scene, context);
@@ -339,21 +327,16 @@ CheckRequest read_check(const Input& input, const RequestContext& context) {
 }
 
 void remove_obstacle(const Input& name, Scene& scene) {
-  const std::size_t removed = std::erase_if(
-      scene.obstacles,
-      [wanted = name.text()](const Obstacle& obstacle) { return obstacle.name == wanted; });
-  if (removed == 0) {
-    name.fail(ErrorCode::invalid, "expected the name of an obstacle of the scene, got \"{}\"",
-              name.text());
-  }
+  if (scene.remove(name.text())) return;
+  name.fail(ErrorCode::invalid, "expected the name of an obstacle of the scene, got \"{}\"",
+            name.text());
 }
 
 void set_obstacle(Obstacle obstacle, Scene& scene) {
-  const auto found = std::ranges::find(scene.obstacles, obstacle.name, &Obstacle::name);
-  if (found == scene.obstacles.end()) {
-    scene.obstacles.push_back(std::move(obstacle));
+  if (Obstacle* const known = scene.find(obstacle.name)) {
+    *known = std::move(obstacle);
   } else {
-    *found = std::move(obstacle);
+    scene.obstacles.push_back(std::move(obstacle));
   }
 }
 
