@@ -251,9 +251,6 @@ struct TaskInstance {
   int dropped = 0;                 ///< scenes before this one without a proven plan
 };
 
-/// Version of make_task_instance(): changes whenever the same arguments give another instance.
-inline constexpr std::string_view kTaskVersion = "tasks/1";
-
 /// Returns a random task: approach, grasp, lift, carry, lower, release and retreat. One grasp and
 /// one placement are its witness: the task with these alone was solved. The others are random, many
 /// of them in contact or out of reach. Deterministic for equal settings, seed and instruction set.

@@ -6,6 +6,7 @@
 #include "mneme/memory.h"
 #include "mneme/planning.h"
 
+#include "base/fail.h"
 #include "base/threads.h"
 
 #include <fmt/format.h>
@@ -339,9 +340,9 @@ Result<void> check(const Robot& robot, const SymmetricJoints& joints,
                    const ComposedSettings& settings) {
   if (joints.turn < 0) {
     return fail(ErrorCode::unsupported,
-                "robot '" + robot.name() +
-                    "' has no joint that turns all others about a vertical axis; expected one, to "
-                    "turn modules with it");
+                "robot '{}' has no joint that turns all others about a vertical axis; expected "
+                "one, to turn modules with it",
+                robot.name());
   }
   const auto is_distance = [](double value) { return value > 0 && value <= 1; };
   if (!is_distance(settings.clearance) || !is_distance(settings.open)) {
@@ -353,17 +354,15 @@ Result<void> check(const Robot& robot, const SymmetricJoints& joints,
   }
   const auto& [least, most] = settings.passages;
   if (least < 1 || most < least || most > kMostPassages) {
-    return fail(
-        ErrorCode::invalid,
-        fmt::format("the range of passages must be ascending, from 1 to {}", kMostPassages));
+    return fail(ErrorCode::invalid, "the range of passages must be ascending, from 1 to {}",
+                kMostPassages);
   }
   const bool is_count = settings.boxes >= 1 && settings.modules >= most && settings.foreign >= 0 &&
                         settings.modules <= kMostModules && settings.foreign <= kMostModules;
   if (!is_count) {
     return fail(ErrorCode::invalid,
-                fmt::format("expected at least one box, as many modules as passages, and at most "
-                            "{} modules",
-                            kMostModules));
+                "expected at least one box, as many modules as passages, and at most {} modules",
+                kMostModules);
   }
   return {};
 }
@@ -395,8 +394,9 @@ class Composition {
       auto module = MNEME_TRY(composer(kModuleStream, i).sample_module());
       if (module) made_.modules.push_back(*std::move(module));
       if (i < static_cast<std::uint64_t>(wanted + kMostCandidates)) continue;
-      return fail(ErrorCode::invalid, "robot '" + empty_.robot().name() +
-                                          "' has no free motions of 2 radians in an empty scene");
+      return fail(ErrorCode::invalid,
+                  "robot '{}' has no free motions of 2 radians in an empty scene",
+                  empty_.robot().name());
     }
     return {};
   }
@@ -418,9 +418,9 @@ class Composition {
     }
     if (is_cancelled()) return {};
     return fail(ErrorCode::invalid,
-                fmt::format("no {} modules go together in {} tries: expected a smaller 'open', "
-                            "fewer boxes or fewer passages",
-                            passages, kMostCandidates));
+                "no {} modules go together in {} tries: expected a smaller 'open', fewer boxes or "
+                "fewer passages",
+                passages, kMostCandidates);
   }
 
   const CollisionChecker& empty_;

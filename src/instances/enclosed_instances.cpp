@@ -5,13 +5,13 @@
 #include "mneme/instances.h"
 #include "mneme/planning.h"
 
+#include "base/fail.h"
 #include "base/threads.h"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <numbers>
 #include <optional>
@@ -153,10 +153,10 @@ Result<void> check(const EnclosedSettings& settings) {
                 "the range of sizes must be positive and ascending, up to 10 m");
   }
   if (settings.boxes < 1 || settings.through < 0 || settings.through > kMostThrough) {
-    return fail(ErrorCode::invalid,
-                fmt::format("expected at least one box, and 0 to {} configurations that the "
-                            "witness passes through",
-                            kMostThrough));
+    return fail(
+        ErrorCode::invalid,
+        "expected at least one box, and 0 to {} configurations that the witness passes through",
+        kMostThrough);
   }
   return {};
 }
@@ -175,9 +175,9 @@ Result<EnclosedInstances> make_enclosed_instances(const Robot& robot, int count,
     if (internal::is_set(settings.cancel)) break;
     if (!instance) {
       if (++made.dropped < count + 10) continue;
-      return fail(ErrorCode::invalid, "robot '" + robot.name() +
-                                          "' finds no path between random configurations even "
-                                          "without obstacles");
+      return fail(ErrorCode::invalid,
+                  "robot '{}' finds no path between random configurations even without obstacles",
+                  robot.name());
     }
     made.instances.push_back(*std::move(instance));
     if (settings.on_progress) {

@@ -4,7 +4,7 @@
 #include "mneme/instances.h"
 #include "mneme/planning.h"
 
-#include <fmt/format.h>
+#include "base/fail.h"
 
 #include <algorithm>
 #include <optional>
@@ -55,7 +55,7 @@ class GoalMover {
   static Result<GoalMover> make(const Robot& robot, const Configuration& goal) {
     const std::vector<std::string> tips = find_tips(robot);
     if (tips.empty()) {
-      return fail(ErrorCode::unsupported, "robot " + robot.name() + " has no tip to move");
+      return fail(ErrorCode::unsupported, "robot {} has no tip to move", robot.name());
     }
     auto kinematics = MNEME_TRY(InverseKinematics::make(robot, tips.front()));
     const auto is_tip = [&](const Link& link) { return link.name == tips.front(); };
@@ -100,11 +100,11 @@ Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings, R
                 "a repetition's settings obstacles, goal, base and turn must be 0 or more");
   }
   if (problem.goals.empty()) {
-    return fail(ErrorCode::unsupported,
-                fmt::format("problem '{}': expected a goal that is a configuration", problem.name));
+    return fail(ErrorCode::unsupported, "problem '{}': expected a goal that is a configuration",
+                problem.name);
   }
   if (auto fault = problem.robot.describe_violation(problem.goals.front(), "goal")) {
-    return fail(ErrorCode::invalid, fmt::format("problem '{}': {}", problem.name, *fault));
+    return fail(ErrorCode::invalid, "problem '{}': {}", problem.name, *fault);
   }
   const auto mover = MNEME_TRY(GoalMover::make(problem.robot, problem.goals.front()));
   Problem repeated = problem;
@@ -120,9 +120,8 @@ Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings, R
   }
   return fail(
       ErrorCode::invalid,
-      fmt::format("problem '{}': start or goal is in contact in all {} repetitions; try smaller "
-                  "distances",
-                  problem.name, kMostRepeatTries));
+      "problem '{}': start or goal is in contact in all {} repetitions; try smaller distances",
+      problem.name, kMostRepeatTries);
 }
 
 }  // namespace mneme

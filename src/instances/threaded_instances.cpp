@@ -5,10 +5,10 @@
 #include "mneme/instances.h"
 #include "mneme/learning.h"
 
+#include "base/fail.h"
 #include "base/threads.h"
 #include "memory/planar_chain.h"
-
-#include <fmt/format.h>
+#include "robot/kinematics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -42,10 +42,10 @@ class InstanceMaker {
       auto candidate = MNEME_TRY(sample());
       if (!candidate) {
         if (++barren < kHopeless) continue;
-        return fail(
-            ErrorCode::invalid,
-            "no configuration of robot '" + robot_.name() +
-                "' was found that is threaded through a gap in the ranges of gap and depth");
+        return fail(ErrorCode::invalid,
+                    "no configuration of robot '{}' was found that is threaded through a gap in "
+                    "the ranges of gap and depth",
+                    robot_.name());
       }
       barren = 0;
       if (candidate->witness.empty()) {
@@ -132,10 +132,7 @@ class InstanceMaker {
   std::optional<Configuration> sample_goal(const CollisionChecker& checker,
                                            const PrimitiveKey& key) {
     for (int i = 0; i < kGoalAttempts; ++i) {
-      Configuration q;
-      for (int j = 0; j < robot_.joint_count(); ++j) {
-        q.push_back(rng_.uniform(robot_.group_joint(j).lower, robot_.group_joint(j).upper));
-      }
+      const Configuration q = internal::random_configuration(robot_, rng_);
       const bool is_out = internal::first_crossing_link(chain_, key, q) < 0;
       if (is_out && checker.is_valid(std::span<const double>(q))) return q;
     }
@@ -169,12 +166,11 @@ Result<ThreadedInstances> make_threaded_instances(const Robot& robot, int count,
   }
   if (settings.depth[0] < 1 || settings.depth[0] > settings.depth[1] ||
       settings.depth[1] > chain.link_count()) {
-    return fail(ErrorCode::invalid, "the range of depths must be ascending and between 1 and " +
-                                        std::to_string(chain.link_count()));
+    return fail(ErrorCode::invalid, "the range of depths must be ascending and between 1 and {}",
+                chain.link_count());
   }
   if (settings.passages < 1 || settings.passages > 3) {
-    return fail(ErrorCode::invalid,
-                fmt::format("expected 1 to 3 passages, found {}", settings.passages));
+    return fail(ErrorCode::invalid, "expected 1 to 3 passages, found {}", settings.passages);
   }
   return InstanceMaker(robot, chain, settings, seed).make(count);
 }

@@ -3,12 +3,11 @@
 #include "mneme/instances.h"
 
 #include "base/as_index.h"
+#include "base/fail.h"
 #include "base/files.h"
 #include "geometry/solids.h"
 #include "input/input.h"
 #include "scene/scene_input.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <optional>
@@ -129,8 +128,8 @@ Result<void> check_counts(const Variation& variation) {
        {Wanted{"position", variation.position, 3}, Wanted{"rpy", variation.rpy, 3},
         Wanted{"scale", variation.scale, 1}}) {
     if (spread.values.empty() || spread.values.size() == count) continue;
-    return fail(ErrorCode::invalid, fmt::format("its {} has {} numbers; expected {}", what,
-                                                spread.values.size(), count));
+    return fail(ErrorCode::invalid, "its {} has {} numbers; expected {}", what,
+                spread.values.size(), count);
   }
   return {};
 }
@@ -186,16 +185,14 @@ Vec3 middle(const Obstacle& obstacle) {
 Result<void> vary_size(const Variation& variation, Rng& rng, Obstacle& obstacle) {
   if (variation.size.values.empty()) return {};
   if (obstacle.shapes.size() != 1) {
-    return fail(ErrorCode::invalid,
-                fmt::format("it has {} shapes; expected one, or 'scale' instead of 'size'",
-                            obstacle.shapes.size()));
+    return fail(ErrorCode::invalid, "it has {} shapes; expected one, or 'scale' instead of 'size'",
+                obstacle.shapes.size());
   }
   const Shape nominal = obstacle.shapes.front();
   const std::size_t count = internal::sizes_of(nominal).size();
   if (variation.size.values.size() != count) {
-    return fail(ErrorCode::invalid,
-                fmt::format("its size has {} numbers; expected {} for a {}",
-                            variation.size.values.size(), count, shape_name(nominal)));
+    return fail(ErrorCode::invalid, "its size has {} numbers; expected {} for a {}",
+                variation.size.values.size(), count, shape_name(nominal));
   }
   for (int i = 0; i < kMostTries; ++i) {
     if (const auto shape = grown(nominal, sample(variation.size, rng))) {
@@ -235,19 +232,17 @@ Result<std::vector<int>> assign(const Scene& scene, const Variations& variations
       if (!matches(scene.obstacles[j].name, variation.name)) continue;
       is_used = true;
       if (assigned[j] >= 0) {
-        return fail(
-            ErrorCode::invalid,
-            fmt::format("obstacle '{}' matches two variations, '{}' and '{}'; expected at most one",
-                        scene.obstacles[j].name,
-                        variations.obstacles[internal::as_index(assigned[j])].name,
-                        variation.name));
+        return fail(ErrorCode::invalid,
+                    "obstacle '{}' matches two variations, '{}' and '{}'; expected at most one",
+                    scene.obstacles[j].name,
+                    variations.obstacles[internal::as_index(assigned[j])].name, variation.name);
       }
       assigned[j] = static_cast<int>(i);
     }
     if (!is_used) {
       return fail(ErrorCode::invalid,
-                  fmt::format("the scene '{}' has no obstacle '{}', which a variation names",
-                              scene.name, variation.name));
+                  "the scene '{}' has no obstacle '{}', which a variation names", scene.name,
+                  variation.name);
     }
   }
   return assigned;
@@ -261,19 +256,15 @@ Result<Scene> vary(const Scene& scene, const Variations& variations, Rng& rng) {
   for (std::size_t i = 0; i < varied.obstacles.size(); ++i) {
     if (assigned[i] < 0) continue;
     Obstacle& obstacle = varied.obstacles[i];
-    const auto done =
-        vary_obstacle(variations.obstacles[internal::as_index(assigned[i])], rng, obstacle);
-    if (!done) {
-      return fail(done.error().code,
-                  fmt::format("obstacle '{}': {}", obstacle.name, done.error().message));
-    }
+    MNEME_TRY(vary_obstacle(variations.obstacles[internal::as_index(assigned[i])], rng, obstacle)
+                  .map_error(internal::naming(fmt::format("obstacle '{}'", obstacle.name))));
   }
   if (!variations.scene.size.values.empty()) {
     return fail(ErrorCode::invalid, "the whole scene: it has a 'size'; expected 'scale'");
   }
-  const Result<Motion> motion = Motion::sample(variations.scene, variations.scene.center, rng);
-  if (!motion) return fail(motion.error().code, "the whole scene: " + motion.error().message);
-  for (Obstacle& obstacle : varied.obstacles) motion->apply(obstacle);
+  const Motion motion = MNEME_TRY(Motion::sample(variations.scene, variations.scene.center, rng)
+                                      .map_error(internal::naming("the whole scene")));
+  for (Obstacle& obstacle : varied.obstacles) motion.apply(obstacle);
   return varied;
 }
 
