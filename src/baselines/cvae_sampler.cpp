@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "baselines/cvae_sampler.h"
 
+#include "base/fail.h"
 #include "baselines/scene_image.h"
 #include "robot/joint_space.h"
 
@@ -95,8 +96,8 @@ class CvaeSampler final : public Sampler {
 Result<std::shared_ptr<const Sampler>> make_cvae_sampler(const Robot& robot, const Scene& scene,
                                                          const CvaeWeights& weights) {
   if (weights.robot_hash != robot.hash() || weights.joints != robot.joint_count()) {
-    return fail(ErrorCode::wrong_robot, "the CVAE was trained for another robot than '" +
-                                            robot.name() + "'; train it anew");
+    return fail(ErrorCode::wrong_robot,
+                "the CVAE was trained for another robot than '{}'; train it anew", robot.name());
   }
   return std::make_shared<const CvaeSampler>(robot, scene, weights);
 }

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "baselines/cvae_weights.h"
 
+#include "base/fail.h"
+#include "base/files.h"
+
 #include <xxhash.h>
 
 #include <array>
@@ -9,8 +12,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 
 static_assert(std::endian::native == std::endian::little);
 
@@ -67,8 +68,8 @@ CvaeWeights empty_weights(const Header& header) {
 
 Result<CvaeWeights> parse(std::string_view bytes, const std::string& path) {
   const auto corrupt = [&](const char* what) {
-    return fail(ErrorCode::corrupt,
-                "'" + path + "' is not a file of CVAE weights, or is damaged: " + what);
+    return fail(ErrorCode::corrupt, "'{}' is not a file of CVAE weights, or is damaged: {}", path,
+                what);
   };
   Header header;
   if (bytes.size() < sizeof(Header) + sizeof(std::uint64_t))
@@ -78,9 +79,8 @@ Result<CvaeWeights> parse(std::string_view bytes, const std::string& path) {
     return corrupt("the file does not start with MNEMCVAE");
   }
   if (header.version != kVersion) {
-    return fail(ErrorCode::unsupported, "'" + path + "' is of version " +
-                                            std::to_string(header.version) + ", expected " +
-                                            std::to_string(kVersion));
+    return fail(ErrorCode::unsupported, "'{}' is of version {}, expected {}", path, header.version,
+                kVersion);
   }
   if (!has_sane_sizes(header)) return corrupt("the dimensions are out of range");
   CvaeWeights weights = empty_weights(header);
@@ -124,18 +124,15 @@ Result<void> save_cvae(const std::string& path, const CvaeWeights& weights) {
   });
   const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
   bytes.append(reinterpret_cast<const char*>(&checksum), sizeof checksum);
-  std::ofstream file(path, std::ios::binary);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!file.flush()) return fail(ErrorCode::io, "'" + path + "' cannot be written");
-  return {};
+  auto file = MNEME_TRY(NewFile::create(path));
+  MNEME_TRY(file.write(bytes));
+  return file.finish();
 }
 
 Result<CvaeWeights> load_cvae(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(ErrorCode::io, "'" + path + "' cannot be read: train a CVAE first");
-  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (file.bad()) return fail(ErrorCode::io, "'" + path + "' cannot be read");
-  return parse(bytes, path);
+  const auto bytes = read_text_file(path);
+  if (bytes) return parse(*bytes, path);
+  return fail(bytes.error().code, "{}; train a CVAE first", bytes.error().message);
 }
 
 }  // namespace mneme::internal
