@@ -50,7 +50,7 @@ struct BenchmarkRow {
   std::string isa;                     ///< instruction set of the kernels
   std::string machine;                 ///< describe_machine()
   std::string version;                 ///< describe_build()
-  std::string started;                 ///< current_time() at the start
+  std::string started;                 ///< time at the start, UTC, ISO 8601
   std::vector<Improved> improvements;  ///< SolveResult::improvements
   std::uint64_t replayed = 0;          ///< Replay::row
   /// Seconds of the trajectory within the robot's own limits (find_rate_limits); 0 without a path.
@@ -68,8 +68,6 @@ struct BenchmarkRow {
 [[nodiscard]] std::string describe_machine();
 /// Returns version and compiler of this build, such as "mneme 0.2.0, g++ 12.2".
 [[nodiscard]] std::string describe_build();
-/// The current time, UTC, ISO 8601.
-[[nodiscard]] std::string current_time();
 /// The settings that differ from the defaults, such as "range=3.55 similarity=3", in order of
 /// declaration, without time limit and seed.
 [[nodiscard]] std::string describe_settings(const SolveSettings& settings);

@@ -3,10 +3,12 @@
 
 #include "mneme/benchmark.h"
 
+#include "base/fail.h"
+#include "base/text.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -70,8 +72,7 @@ Result<void> append_directory(const fs::path& directory, std::vector<SuiteProble
     }
   }
   if (error) {
-    return fail(ErrorCode::io,
-                fmt::format("cannot read '{}': {}", directory.string(), error.message()));
+    return fail(ErrorCode::io, "cannot read '{}': {}", directory.string(), error.message());
   }
   std::sort(files.begin(), files.end());
   for (const fs::path& path : files) MNEME_TRY(append_file(path, directory, problems));
@@ -123,14 +124,12 @@ Result<std::vector<FoundProblem>> load_each(const std::vector<SuiteProblems>& en
 }  // namespace
 
 std::optional<Part> parse_part(std::string_view text) {
-  Part part;
-  const char* end = text.data() + text.size();
-  const auto [slash, index_error] = std::from_chars(text.data(), end, part.index);
-  if (index_error != std::errc{} || slash == end || *slash != '/') return std::nullopt;
-  const auto [rest, count_error] = std::from_chars(slash + 1, end, part.count);
-  const bool is_whole = count_error == std::errc{} && rest == end;
-  return is_whole && part.count >= 1 && part.index <= part.count ? std::optional(part)
-                                                                 : std::nullopt;
+  const std::size_t slash = text.find('/');
+  if (slash == std::string_view::npos) return std::nullopt;
+  const auto index = internal::parse_number<std::size_t>(text.substr(0, slash));
+  const auto count = internal::parse_number<std::size_t>(text.substr(slash + 1));
+  if (!index || !count || *count < 1 || *index > *count) return std::nullopt;
+  return Part{*index, *count};
 }
 
 Result<std::vector<SuiteProblems>> find_bench_problems(const std::vector<std::string>& arguments,
@@ -148,14 +147,14 @@ Result<std::vector<SuiteProblems>> find_bench_problems(const std::vector<std::st
       MNEME_TRY(append_file(argument, {}, problems));
     }
     if (problems.size() == before) {
-      return fail(ErrorCode::invalid, fmt::format("there are no problems in '{}'", argument));
+      return fail(ErrorCode::invalid, "there are no problems in '{}'", argument);
     }
   }
   if (part.empty()) return problems;
   const std::optional<Part> parsed = parse_part(part);
   if (!parsed || parsed->index == 0) {
-    return fail(ErrorCode::invalid,
-                fmt::format("'{}' is no part; expected I/N with 1 <= I <= N, such as 1/2", part));
+    return fail(ErrorCode::invalid, "'{}' is no part; expected I/N with 1 <= I <= N, such as 1/2",
+                part);
   }
   std::size_t position = 0;
   std::erase_if(problems, [&](const SuiteProblems&) { return !parsed->holds(position++); });
@@ -183,10 +182,10 @@ Result<std::vector<Problem>> load_lesson_problems(const std::vector<SuiteProblem
   std::vector<FoundProblem> loaded = MNEME_TRY(load_each(found, overrides, on_note));
   for (auto& [entry, own, problem] : loaded) {
     if (!problems.empty() && problems.front().robot.hash() != problem.robot.hash()) {
-      return fail(ErrorCode::invalid,
-                  fmt::format("'{}': its robot '{}' differs from the robot of '{}'; expected "
-                              "problems of one robot",
-                              own.where, problem.robot.name(), loaded.front().own.where));
+      return fail(
+          ErrorCode::invalid,
+          "'{}': its robot '{}' differs from the robot of '{}'; expected problems of one robot",
+          own.where, problem.robot.name(), loaded.front().own.where);
     }
     problem.name = fmt::format("{}#{}", own.set, problem.name);
     problems.push_back(std::move(problem));

@@ -4,6 +4,8 @@
 #include "mneme/benchmark.h"
 #include "mneme/report.h"
 
+#include "base/fail.h"
+
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -58,7 +60,7 @@ Result<void> RowFile::write_all() {
 
 Result<void> RowFile::flush() {
   if (file_.flush()) return {};
-  return fail(ErrorCode::io, fmt::format("cannot write '{}': {}", path_, std::strerror(errno)));
+  return fail(ErrorCode::io, "cannot write '{}': {}", path_, std::strerror(errno));
 }
 
 Result<bool> run_bench(BenchPlan& plan, RowFile& file, const OnRows& on_rows) {
@@ -73,23 +75,6 @@ Result<bool> run_bench(BenchPlan& plan, RowFile& file, const OnRows& on_rows) {
   const bool is_complete = MNEME_TRY(run_bench(plan, done, take));
   MNEME_TRY(file.sort(plan));
   return is_complete;
-}
-
-Result<void> write_report(const std::string& path, const BenchmarkReport& report) {
-  const std::filesystem::path stem = std::filesystem::path(path).replace_extension();
-  if (stem.has_parent_path()) MNEME_TRY(make_directory(stem.parent_path().string()));
-  for (const ReportFigure& figure : report.figures) {
-    MNEME_TRY(write_file(fmt::format("{}_{}.svg", stem.string(), figure.name), figure.svg));
-  }
-  return write_file(path, report.html);
-}
-
-Result<void> write_ompl_logs(const std::string& directory, std::span<const BenchmarkRow> rows) {
-  MNEME_TRY(make_directory(directory));
-  for (const OmplLog& log : to_ompl_logs(rows)) {
-    MNEME_TRY(write_file(fmt::format("{}/{}.log", directory, log.experiment), log.text));
-  }
-  return {};
 }
 
 }  // namespace mneme

@@ -4,9 +4,8 @@
 #include "mneme/benchmark.h"
 #include "mneme/report.h"
 
+#include "base/fail.h"
 #include "benchmark/suite_memories.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -19,8 +18,7 @@ namespace {
 Result<void> keep_settings(const std::vector<std::string>& names, Suite& suite) {
   for (const std::string& name : names) {
     if (std::ranges::find(suite.settings, name, &SuiteSetting::name) == suite.settings.end()) {
-      return fail(ErrorCode::invalid,
-                  fmt::format("the suite {} has no setting '{}'", suite.name, name));
+      return fail(ErrorCode::invalid, "the suite {} has no setting '{}'", suite.name, name);
     }
   }
   std::erase_if(suite.settings, [&](const SuiteSetting& setting) {
@@ -41,8 +39,8 @@ Result<Suite> read_suite(const SuiteRun& run) {
     double& timeout_s = setting.solve.plan.timeout_s;
     timeout_s = run.timeout_s.value_or(timeout_s);
     if (run.jobs > 1 && learns_while_planning(setting.solve)) {
-      return fail(ErrorCode::invalid,
-                  fmt::format("--jobs must be 1: setting {} learns while it plans", setting.name));
+      return fail(ErrorCode::invalid, "--jobs must be 1: setting {} learns while it plans",
+                  setting.name);
     }
   }
   return suite;

@@ -4,9 +4,9 @@
 #include "mneme/benchmark.h"
 #include "mneme/baselines.h"
 
+#include "base/fail.h"
+#include "base/text.h"
 #include "base/threads.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <deque>
@@ -221,7 +221,7 @@ class RunQueue {
     BenchCase bench_case = *run.bench_case;
     bench_case.settings.plan.seed = run.seed;
     bench_case.settings.plan.cancel = plan_.cancel;
-    std::string started = current_time();
+    std::string started = internal::current_time();
     Result<SolveResult> result = plan_.solve(run.loaded->problem, memory_of(run), bench_case);
     if (!result) return stop(result.error());
     // Later runs must not depend on the time that storing takes.
@@ -348,14 +348,14 @@ Result<void> check_same_settings(const BenchPlan& plan, std::span<const Benchmar
     const double timeout_s = same->settings.plan.timeout_s;
     if (row.timeout_s != timeout_s) {
       return fail(ErrorCode::invalid,
-                  fmt::format("cannot resume: an earlier run had a time limit of {} s, not {} s",
-                              row.timeout_s, timeout_s));
+                  "cannot resume: an earlier run had a time limit of {} s, not {} s", row.timeout_s,
+                  timeout_s);
     }
     // Rows without a version are from before settings were recorded.
     if (!row.version.empty() && row.settings != same->description) {
       return fail(ErrorCode::invalid,
-                  fmt::format("cannot resume: an earlier run had the settings '{}', not '{}'",
-                              row.settings, same->description));
+                  "cannot resume: an earlier run had the settings '{}', not '{}'", row.settings,
+                  same->description);
     }
   }
   return {};

@@ -13,31 +13,13 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <type_traits>
 
 namespace mneme {
 namespace {
 
-using internal::visit_all_settings;
-
-using SettingTexts = std::vector<std::pair<std::string, std::string>>;
-
-/// Names and values of all settings, in order of declaration.
-SettingTexts all_texts(const SolveSettings& settings) {
-  SettingTexts texts;
-  visit_all_settings(
-      settings, [&](std::string_view name, const auto& value, auto, auto, std::string_view) {
-        if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::kIsOptional) {
-          texts.emplace_back(name, value ? fmt::format("{}", *value) : "");
-        } else {
-          texts.emplace_back(name, fmt::format("{}", value));
-        }
-      });
-  return texts;
-}
-
 using internal::Input;
 using internal::SettingsReader;
+using internal::visit_all_settings;
 namespace fs = std::filesystem;
 
 /// A list of texts, or a single one.
@@ -109,7 +91,7 @@ class SuiteReader {
       const std::string name = text.substr(begin + 2, end - begin - 2);
       const char* value = std::getenv(name.c_str());
       if (value == nullptr) {
-        input.fail(ErrorCode::io, fmt::format("the environment variable {} is not set", name));
+        input.fail(ErrorCode::io, "the environment variable {} is not set", name);
       }
       const std::string_view found = value;
       text.replace(begin, end - begin + 1, found);
@@ -151,8 +133,7 @@ class SuiteReader {
                              "path-timeout", "seed"});
     input.allow_keys(keys);
     if (!is_file_name(name)) {
-      input.fail(ErrorCode::parse,
-                 fmt::format("expected a name that a file can have, got \"{}\"", name));
+      input.fail(ErrorCode::parse, "expected a name that a file can have, got \"{}\"", name);
     }
     memory.name = name;
     const int sources = (input.find("file") ? 1 : 0) + (input.find("primitives") ? 1 : 0) +
@@ -234,13 +215,11 @@ class SuiteReader {
     const auto drawing = std::ranges::find_if(setting.samplers, needs_memory);
     if (setting.memory.empty() && drawing == setting.samplers.end()) return;
     if (setting.memory.empty()) {
-      input.fail(ErrorCode::parse,
-                 fmt::format("the sampler {} needs the key memory in its setting", *drawing));
+      input.fail(ErrorCode::parse, "the sampler {} needs the key memory in its setting", *drawing);
     }
     if (std::ranges::find(suite.memories, setting.memory, &SuiteMemory::name) ==
         suite.memories.end()) {
-      input.fail(ErrorCode::parse,
-                 fmt::format("key memory: there is no memory \"{}\"", setting.memory));
+      input.fail(ErrorCode::parse, "key memory: there is no memory \"{}\"", setting.memory);
     }
   }
 
@@ -248,18 +227,6 @@ class SuiteReader {
 };
 
 }  // namespace
-
-std::string describe_settings(const SolveSettings& settings) {
-  const auto texts = all_texts(settings);
-  const auto defaults = all_texts(SolveSettings{});
-  std::string text;
-  for (std::size_t i = 0; i < texts.size(); ++i) {
-    const auto& [name, value] = texts[i];
-    if (value == defaults[i].second || name == "timeout" || name == "seed") continue;
-    text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, value);
-  }
-  return text;
-}
 
 bool needs_memory(std::string_view sampler) {
   const auto entry = find_sampler(sampler);

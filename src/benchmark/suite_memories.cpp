@@ -5,6 +5,7 @@
 
 #include "mneme/baselines.h"
 
+#include "base/fail.h"
 #include "base/threads.h"
 
 #include <fmt/format.h>
@@ -58,8 +59,8 @@ Result<void> begin_memory(const std::string& name, const std::string& path, cons
 Result<void> check_sets(const SuiteSetting& setting, const std::vector<LoadedProblem>& problems) {
   for (const std::string& set : setting.sets) {
     if (std::ranges::find(problems, set, &LoadedProblem::set) != problems.end()) continue;
-    return fail(ErrorCode::invalid,
-                fmt::format("setting {}: there is no set '{}' of problems", setting.name, set));
+    return fail(ErrorCode::invalid, "setting {}: there is no set '{}' of problems", setting.name,
+                set);
   }
   return {};
 }
@@ -105,18 +106,17 @@ Result<LearnSummary> learn_grid(const SuiteMemory& memory, const std::string& pa
   watch(hooks, fmt::format("{} primitives", keys.size()), job);
   const LearnSummary summary = MNEME_TRY(learn_primitives(robot, keys, database, job));
   if (!summary.is_cancelled && database.size() != std::ssize(keys)) {
-    return fail(
-        ErrorCode::invalid,
-        fmt::format("'{}' has {} primitives, but memory {} has {}: delete the file, or use the "
-                    "settings that it was learned with",
-                    path, database.size(), memory.name, keys.size()));
+    return fail(ErrorCode::invalid,
+                "'{}' has {} primitives, but memory {} has {}: delete the file, or use the "
+                "settings that it was learned with",
+                path, database.size(), memory.name, keys.size());
   }
   return summary;
 }
 
 Result<std::vector<Problem>> load_lessons(const SuiteMemory& memory, const SuiteHooks& hooks) {
   auto problems = MNEME_TRY(load_lesson_problems(memory.problems, {}, hooks.on_note));
-  if (problems.empty()) return fail(ErrorCode::invalid, memory.name + ": there are no problems");
+  if (problems.empty()) return fail(ErrorCode::invalid, "{}: there are no problems", memory.name);
   return problems;
 }
 
@@ -154,9 +154,9 @@ Result<bool> learn_memory(const SuiteMemory& memory, const std::string& path,
   }
   if (std::error_code error; !std::filesystem::exists(path, error)) {
     return fail(ErrorCode::invalid,
-                fmt::format("memory {}: its problems taught nothing, perhaps because straight "
-                            "motions solve them; use harder problems",
-                            memory.name));
+                "memory {}: its problems taught nothing, perhaps because straight motions solve "
+                "them; use harder problems",
+                memory.name);
   }
   const Database database = MNEME_TRY(Database::inspect(path));
   const DatabaseInfo info = database.info();
@@ -186,7 +186,7 @@ Result<bool> train(const SuiteMemory& memory, const PlannerEntry& planner, const
   MNEME_TRY(planner.train(problems.front().robot, paths, partial));
   std::error_code error;
   std::filesystem::rename(partial, file, error);
-  if (error) return fail(ErrorCode::io, fmt::format("'{}': {}", file, error.message()));
+  if (error) return fail(ErrorCode::io, "'{}': {}", file, error.message());
   return true;
 }
 
@@ -201,9 +201,8 @@ Result<bool> train_planners(const Suite& suite, const std::string& directory,
     if (!entry || !(*entry)->train) continue;
     const auto memory = std::ranges::find(suite.memories, bench_case.memory, &SuiteMemory::name);
     if (memory == suite.memories.end() || memory->problems.empty()) {
-      return fail(ErrorCode::invalid,
-                  fmt::format("setting {}: {} needs a memory that is learned from problems",
-                              bench_case.setting, planner));
+      return fail(ErrorCode::invalid, "setting {}: {} needs a memory that is learned from problems",
+                  bench_case.setting, planner);
     }
     const std::string name = planner.substr(planner.find(':') + 1);
     const std::string file = fmt::format("{}/{}.{}", directory, memory->name, name);

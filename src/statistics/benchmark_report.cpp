@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "mneme/report.h"
 #include "mneme/statistics.h"
 
 #include "statistics/figures.h"
@@ -11,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 namespace mneme {
@@ -233,6 +235,15 @@ BenchmarkReport make_benchmark_report(std::span<const BenchmarkRow> rows,
   report.html = page_begin(options.title) + introduction(options) + report.html +
                 "</main>\n</body>\n</html>\n";
   return report;
+}
+
+Result<void> write_report(const std::string& path, const BenchmarkReport& report) {
+  const std::filesystem::path stem = std::filesystem::path(path).replace_extension();
+  if (stem.has_parent_path()) MNEME_TRY(make_directory(stem.parent_path().string()));
+  for (const ReportFigure& figure : report.figures) {
+    MNEME_TRY(write_file(fmt::format("{}_{}.svg", stem.string(), figure.name), figure.svg));
+  }
+  return write_file(path, report.html);
 }
 
 }  // namespace mneme

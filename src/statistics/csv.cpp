@@ -5,6 +5,7 @@
 
 #include "mneme/statistics.h"
 
+#include "base/fail.h"
 #include "base/text.h"
 
 #include <fmt/format.h>
@@ -212,18 +213,18 @@ Result<std::vector<Row>> read_rows_of(std::string_view text, const std::string& 
   if (!header) return rows;
   if (!is_header(text.substr(0, header->end))) {
     const std::string columns = header_of<Row>();
-    return fail(ErrorCode::parse, fmt::format("{}:1: expected the columns {}", source,
-                                              columns.substr(0, columns.size() - 1)));
+    return fail(ErrorCode::parse, "{}:1: expected the columns {}", source,
+                columns.substr(0, columns.size() - 1));
   }
   end = header->end;
   while (const auto record = internal::read_csv_record(text, end)) {
     const std::string place = fmt::format("{}: line {}: ", source, rows.size() + 2);
     if (record->fields.size() != header->fields.size()) {
-      return fail(ErrorCode::parse, fmt::format("{}expected {} fields, got {}", place,
-                                                header->fields.size(), record->fields.size()));
+      return fail(ErrorCode::parse, "{}expected {} fields, got {}", place, header->fields.size(),
+                  record->fields.size());
     }
     Result<Row> row = read_row<Row>(record->fields);
-    if (!row) return fail(ErrorCode::parse, place + row.error().message);
+    if (!row) return fail(ErrorCode::parse, "{}{}", place, row.error().message);
     rows.push_back(*std::move(row));
     end = record->end;
   }

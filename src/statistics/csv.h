@@ -4,8 +4,8 @@
 /// Reading of CSV lines (RFC 4180).
 #pragma once
 
-#include <charconv>
-#include <concepts>
+#include "base/text.h"
+
 #include <limits>
 #include <optional>
 #include <string>
@@ -25,10 +25,10 @@ struct CsvRecord {
 /// Reads `text` as a finite number of 0 or more. False for any other text.
 template <class T>
 [[nodiscard]] bool read_csv_number(std::string_view text, T& value) {
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc() || stop != end || !(value >= T{0})) return false;
-  return !std::floating_point<T> || value <= std::numeric_limits<T>::max();
+  const auto number = parse_number<T>(text);
+  if (!number || !(*number >= T{0} && *number <= std::numeric_limits<T>::max())) return false;
+  value = *number;
+  return true;
 }
 
 }  // namespace mneme::internal

@@ -7,7 +7,6 @@
 #include "statistics/panels.h"
 #include "report/markup.h"
 
-#include <span>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "mneme/report.h"
 #include "mneme/statistics.h"
 
 #include "statistics/panels.h"
@@ -169,6 +170,14 @@ std::vector<OmplLog> to_ompl_logs(std::span<const BenchmarkRow> rows) {
     logs.push_back({experiment.name, std::move(text)});
   }
   return logs;
+}
+
+Result<void> write_ompl_logs(const std::string& directory, std::span<const BenchmarkRow> rows) {
+  MNEME_TRY(make_directory(directory));
+  for (const OmplLog& log : to_ompl_logs(rows)) {
+    MNEME_TRY(write_file(fmt::format("{}/{}.log", directory, log.experiment), log.text));
+  }
+  return {};
 }
 
 }  // namespace mneme

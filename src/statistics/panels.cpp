@@ -7,8 +7,6 @@
 
 #include "report/markup.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>

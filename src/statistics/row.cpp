@@ -3,13 +3,16 @@
 
 #include "mneme/statistics.h"
 
-#include <fmt/chrono.h>
+#include "pipeline/settings_input.h"
+
+#include <fmt/format.h>
 
 #include <sys/utsname.h>
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <thread>
+#include <type_traits>
+#include <utility>
 
 namespace mneme {
 namespace {
@@ -68,6 +71,22 @@ double duration_of(const Problem& problem, const SolveSettings& settings, const 
       .value_or(0.0);
 }
 
+using SettingTexts = std::vector<std::pair<std::string, std::string>>;
+
+/// Names and values of all settings, in order of declaration.
+SettingTexts all_texts(const SolveSettings& settings) {
+  SettingTexts texts;
+  internal::visit_all_settings(
+      settings, [&](std::string_view name, const auto& value, auto, auto, std::string_view) {
+        if constexpr (SettingTraits<std::remove_cvref_t<decltype(value)>>::kIsOptional) {
+          texts.emplace_back(name, value ? fmt::format("{}", *value) : "");
+        } else {
+          texts.emplace_back(name, fmt::format("{}", value));
+        }
+      });
+  return texts;
+}
+
 }  // namespace
 
 std::string describe_machine() {
@@ -79,10 +98,16 @@ std::string describe_machine() {
 
 std::string describe_build() { return fmt::format("mneme {}, {}", version(), compiler()); }
 
-std::string current_time() {
-  const auto now = std::chrono::system_clock::now();
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}",
-                     fmt::gmtime(std::chrono::system_clock::to_time_t(now)));
+std::string describe_settings(const SolveSettings& settings) {
+  const auto texts = all_texts(settings);
+  const auto defaults = all_texts(SolveSettings{});
+  std::string text;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const auto& [name, value] = texts[i];
+    if (value == defaults[i].second || name == "timeout" || name == "seed") continue;
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, value);
+  }
+  return text;
 }
 
 BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
