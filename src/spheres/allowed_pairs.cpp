@@ -108,13 +108,15 @@ void sample(const Robot& robot, const LinkDistances& links, const PairSettings& 
   }
 }
 
+bool has_approximation(const Robot& robot, const Pair& pair) {
+  return robot.links()[as_index(pair.first)].approximation.has_value() ||
+         robot.links()[as_index(pair.second)].approximation.has_value();
+}
+
 /// Tries to part two links whose spheres touched in all samples: their exact geometry at random
 /// configurations, then on a random search for the largest distance between their spheres.
 bool can_part(const Robot& robot, const LinkDistances& links, const Pair& pair) {
-  const auto is_approximated = [&](int link) {
-    return robot.links()[as_index(link)].approximation.has_value();
-  };
-  if (!is_approximated(pair.first) && !is_approximated(pair.second)) return false;
+  if (!has_approximation(robot, pair)) return false;
   constexpr int kSamples = 1000, kSteps = 500;
   Rng rng(1);
   Configuration best, q(as_index(robot.joint_count()));
@@ -206,19 +208,72 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
   return allowed;
 }
 
+namespace {
+
+/// How often the spheres of two links overlap, and where they first did.
+struct Overlaps {
+  Pair links;
+  int samples = 0, count = 0;
+  std::vector<Configuration> first = {};
+
+  [[nodiscard]] double share() const { return static_cast<double>(count) / samples; }
+};
+
+/// Counts at up to 1000 random configurations, per pair until its spheres rarely overlap.
+void count_overlaps(const Robot& robot, const LinkDistances& links,
+                    std::vector<Overlaps>& overlaps) {
+  constexpr int kSamples = 1000, kFew = 20, kSome = 200, kKept = 20;
+  Rng rng(1);
+  std::vector<Overlaps*> open;
+  for (Overlaps& pair : overlaps) open.push_back(&pair);
+  Configuration q(as_index(robot.joint_count()));
+  for (int i = 0; i < kSamples && !open.empty(); ++i) {
+    for (int j = 0; j < robot.joint_count(); ++j) {
+      q[as_index(j)] = rng.uniform(robot.group_joint(j).lower, robot.group_joint(j).upper);
+    }
+    const PosedLinks posed = links.posed(robot.link_poses(q));
+    for (Overlaps* pair : open) {
+      ++pair->samples;
+      if (!touch(links, posed, pair->links, false)) continue;
+      ++pair->count;
+      if (pair->first.size() < kKept) pair->first.push_back(q);
+    }
+    std::erase_if(open, [](const Overlaps* pair) {
+      return pair->count < pair->samples &&
+             (pair->samples >= kSome || (pair->samples >= kFew && pair->count == 0));
+    });
+  }
+}
+
+/// The share of configurations in which only the spheres of a pair overlap.
+double share_of_spheres_alone(const Robot& robot, const LinkDistances& links,
+                              const Overlaps& overlaps) {
+  const auto are_apart = [&](const Configuration& q) {
+    return !touch(links, links.posed(robot.link_poses(q)), overlaps.links, true);
+  };
+  return overlaps.share() * static_cast<double>(std::ranges::count_if(overlaps.first, are_apart)) /
+         static_cast<double>(overlaps.first.size());
+}
+
+}  // namespace
+
 internal::InseparablePairs internal::find_inseparable_pairs(const Robot& robot) {
-  constexpr PairSettings kSettings{.samples = 1000};
-  std::vector<Record> records;
-  for (const Pair& pair : robot.self_pairs()) records.push_back({pair});
+  constexpr double kOften = 0.05;
+  std::vector<Overlaps> overlaps;
+  for (const Pair& pair : robot.self_pairs()) overlaps.push_back({pair});
   const LinkDistances links(robot);
-  sample(robot, links, kSettings, records,
-         [](const Record& record) { return record.has_been_apart; });
+  count_overlaps(robot, links, overlaps);
   InseparablePairs result;
-  for (const Record& record : records) {
-    if (record.has_been_apart) continue;
-    (can_part(robot, links, record.links) ? result.only_spheres : result.always)
-        .emplace_back(robot.links()[as_index(record.links.first)].name,
-                      robot.links()[as_index(record.links.second)].name);
+  for (const Overlaps& pair : overlaps) {
+    if (pair.count == 0 || pair.share() < kOften) continue;
+    const auto names = std::pair(robot.links()[as_index(pair.links.first)].name,
+                                 robot.links()[as_index(pair.links.second)].name);
+    if (pair.count == pair.samples) {
+      (can_part(robot, links, pair.links) ? result.only_spheres : result.always).push_back(names);
+    } else if (has_approximation(robot, pair.links) &&
+               share_of_spheres_alone(robot, links, pair) >= kOften) {
+      result.often_spheres.push_back(names);
+    }
   }
   return result;
 }

@@ -329,16 +329,17 @@ std::vector<std::string> describe_missing_shapes(const Robot& robot) {
                   robot.name())};
 }
 
-/// make_robot. Pairs that always touch are allowed, and pairs of which only the spheres do are
-/// checked by exact geometry: no configuration would be valid otherwise. An SRDF that does not
-/// allow a pair that always touches is a warning.
+/// make_robot. Pairs that always touch are allowed, and pairs of which often only the spheres do
+/// are checked by exact geometry: few configurations would be valid otherwise. An SRDF that does
+/// not allow a pair that always touches is a warning.
 Result<Robot> make_usable(Robot::Parts parts, RobotOptions options, bool has_srdf,
                           std::vector<std::string>& notes) {
   auto robot = make_robot(parts, options);
   if (!robot) return robot;
   internal::InseparablePairs inseparable = internal::find_inseparable_pairs(*robot);
   auto missing = describe_missing_shapes(*robot);
-  if (inseparable.always.empty() && inseparable.only_spheres.empty() && missing.empty()) {
+  if (inseparable.always.empty() && inseparable.only_spheres.empty() &&
+      inseparable.often_spheres.empty() && missing.empty()) {
     return robot;
   }
   std::ranges::move(missing, std::back_inserter(parts.warnings));
@@ -349,12 +350,17 @@ Result<Robot> make_usable(Robot::Parts parts, RobotOptions options, bool has_srd
         fmt::format("links '{}' and '{}' touch in every configuration; this pair is not checked",
                     pair.first, pair.second));
   }
-  for (const auto& [first, second] : inseparable.only_spheres) {
-    notes.push_back(fmt::format(
-        "the spheres of links '{}' and '{}' always overlap; they are checked by exact geometry",
-        first, second));
-  }
-  parts.exact_pairs = std::move(inseparable.only_spheres);
+  const auto check_exactly = [&](internal::InseparablePairs::Names& pairs, std::string_view often) {
+    for (const auto& [first, second] : pairs) {
+      notes.push_back(
+          fmt::format("the spheres of links '{}' and '{}' {} overlap; they are checked "
+                      "by exact geometry",
+                      first, second, often));
+    }
+    std::ranges::move(pairs, std::back_inserter(parts.exact_pairs));
+  };
+  check_exactly(inseparable.only_spheres, "always");
+  check_exactly(inseparable.often_spheres, "often");
   return make_robot(std::move(parts), options);
 }
 

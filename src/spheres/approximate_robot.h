@@ -62,14 +62,14 @@ struct CachedSpheres {
                                                       const SphereCache& cache,
                                                       const SphereProgress& on_approximated = {});
 
-/// Names of checked pairs of links whose spheres overlapped in every sampled configuration.
+/// Names of checked pairs of links whose spheres overlap in every sampled configuration, or often.
 struct InseparablePairs {
-  std::vector<std::pair<std::string, std::string>> always;        ///< pairs whose exact geometry
-                                                                  ///< always overlaps, too
-  std::vector<std::pair<std::string, std::string>> only_spheres;  ///< pairs whose exact geometry
-                                                                  ///< can be apart
+  using Names = std::vector<std::pair<std::string, std::string>>;
+  Names always;         ///< pairs whose exact geometry always overlaps, too
+  Names only_spheres;   ///< pairs whose exact geometry can be apart
+  Names often_spheres;  ///< of which only the spheres overlap in 5 % of the configurations or more
 };
-/// Cost: a few configurations if there are none, up to a second per pair otherwise.
+/// Cost: 20 configurations if there are none, up to a second per pair otherwise.
 [[nodiscard]] InseparablePairs find_inseparable_pairs(const Robot& robot);
 
 }  // namespace mneme::internal

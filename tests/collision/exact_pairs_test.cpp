@@ -363,6 +363,26 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("links whose spheres alone often overlap are checked by exact geometry") {
+    const TemporaryDirectory files;
+    const auto replace = [](std::string text, std::string_view from, std::string_view to) {
+      return text.replace(text.find(from), from.size(), to);
+    };
+    const std::string higher = replace(std::string(kSeesaw), "0 0 0.013", "0 0 0.04");
+    write_file(files / "seesaw.urdf",
+               replace(higher, "\"-0.2\" upper=\"0.2\"", "\"-0.4\" upper=\"0.4\""));
+    const auto loaded = load_approximated_robot(files / "seesaw.urdf");
+    REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
+    REQUIRE(loaded->robot.exact_pairs().size() == 1);
+    CHECK(loaded->notes.back() ==
+          "the spheres of links 'block' and 'plate' often overlap; they are checked by exact "
+          "geometry");
+    const CollisionChecker checker = require_checker(loaded->robot, Scene{});
+    // The plate's underside: 0.04 - 0.1 tan(tilt) - 0.005 / cos(tilt) above the block.
+    CHECK(checker.is_valid(Configuration{0, 0.33}));
+    CHECK_FALSE(checker.is_valid(Configuration{0, 0.338}));
+  }
+
   TEST_CASE("an obstacle that is checked by the exact geometry of an unknown link is refused") {
     Scene scene = make_circle_scene("one", {{3, 3, 1}});
     scene.obstacles[0].exact_links = {"hand"};
