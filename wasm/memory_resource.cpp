@@ -7,7 +7,7 @@
 
 #include <new>
 
-namespace std::pmr {
+namespace std::inline __2::pmr {  // as _LIBCPP_ABI_NAMESPACE says
 namespace {
 
 class NewDelete : public memory_resource {
@@ -42,4 +42,4 @@ void* monotonic_buffer_resource::do_allocate(size_t bytes, size_t alignment) {
   return start;
 }
 
-}  // namespace std::pmr
+}  // namespace std::inline __2::pmr

@@ -62,8 +62,11 @@ Json planner_json(const Problem& problem) {
   Json files = Json::array();
   files.push_back({{"path", kUrdf}, {"text", to_urdf(parts)}});
   files.push_back({{"path", kSrdf}, {"text", to_srdf(parts)}});
-  files.push_back({{"path", kProblem}, {"text", to_compact_json(problem, kUrdf)}});
-  return {{"files", std::move(files)}, {"problem", std::string(kProblem) + "#0"}};
+  // Names of problems may hold what no address can.
+  Problem named = problem;
+  named.name = "page";
+  files.push_back({{"path", kProblem}, {"text", to_compact_json(named, kUrdf)}});
+  return {{"files", std::move(files)}, {"problem", std::string(kProblem) + "#page"}};
 }
 
 std::string planner_elements(const PlannerModule& module) {

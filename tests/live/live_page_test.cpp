@@ -67,7 +67,7 @@ TEST_SUITE("flow") {
   TEST_CASE("an attached mesh, which the page could not read, is refused by name") {
     Problem problem = load_problem(find_scene("shelf/thick.yaml").value()).value();
     AttachedObject part{.name = "part", .link = "gripper_link", .shapes = {}};
-    part.meshes.push_back({.path = "part.stl"});
+    part.meshes.push_back({"part.stl", Vec3::Ones(), Transform()});
     ApproximatedObject carried{.object = part, .spheres = {{{0, 0, 0}, 0.01}}, .capsules = {}};
     problem.robot = problem.robot.with_attached({carried}).value();
     const auto page = make_offline_page(problem, {"script", "module"});
