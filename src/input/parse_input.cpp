@@ -190,6 +190,17 @@ class YamlListener : public YAML::EventHandler {
   int documents_ = 0;
 };
 
+/// The number of the first line with a tab before its first word.
+std::optional<int> find_tab(std::string_view yaml) {
+  for (int line = 1; !yaml.empty(); ++line) {
+    const std::string_view text = yaml.substr(0, yaml.find('\n'));
+    const std::size_t word = std::min(text.find_first_not_of(" \t\r"), text.size());
+    if (word < text.size() && text.substr(0, word).find('\t') != text.npos) return line;
+    yaml.remove_prefix(std::min(yaml.size(), text.size() + 1));
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 InputValue parse_yaml(std::string_view yaml, const std::string& source) {
@@ -209,6 +220,9 @@ InputValue parse_yaml(std::string_view yaml, const std::string& source) {
     }
     return tree.take();
   } catch (const YAML::Exception& error) {
+    if (const auto line = find_tab(yaml)) {
+      tree.refuse(*line, "expected spaces before the first word, as YAML does; got a tab");
+    }
     tree.refuse(line_of(error.mark),
                 fmt::format("expected YAML: {} (column {})", error.msg, error.mark.column + 1));
   }

@@ -36,6 +36,11 @@ double number(const std::string& yaml) {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("a tab before a word of YAML is named, with its line") {
+    const std::string message = failure("a:\n  b: 1\n\tc: 2\n", [](const Input&) {});
+    CHECK_MESSAGE(message.find("f:3: expected spaces before the first word") == 0, message);
+  }
+
   TEST_CASE("numbers are those of YAML") {
     CHECK(number("1") == 1.0);
     CHECK(number("-2.5e-3") == -2.5e-3);
