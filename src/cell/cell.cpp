@@ -9,6 +9,8 @@
 #include "base/threads.h"
 #include "cell/cell_data.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -285,6 +287,13 @@ CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s) 
   CellAnswer answer;
   if (!data_->frame.whole().contains(task)) {
     answer.note = "the task is beyond the region";
+    const CellTask& half = data_->frame.half_extents();
+    for (std::size_t k = 0; k < kTaskSize; ++k) {
+      if (std::abs(task[k]) <= half[k]) continue;
+      answer.note +=
+          fmt::format(": {} is {}, expected at most {}", kTaskNames[k], task[k], half[k]);
+      break;
+    }
     return answer;
   }
   look_up(task, answer, start);

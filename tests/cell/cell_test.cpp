@@ -86,7 +86,7 @@ TEST_SUITE("flow") {
     check_answer(covered, far, planned);
     const CellAnswer beyond = cell.ask({0.2, 0, 0, 0});
     CHECK(beyond.tier == CellTier::none);
-    CHECK(beyond.note == "the task is beyond the region");
+    CHECK(beyond.note == "the task is beyond the region: x is 0.2, expected at most 0.1");
   }
 
   TEST_CASE("a change of the scene leaves boxes to be proven again") {
