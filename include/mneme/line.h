@@ -89,6 +89,10 @@ struct LineResult {
   /// Why the rest of the line is not possible, such as "branch ends after 12 cm: joint 'j4' at its
   /// limit". Empty for a whole line.
   std::string reason = {};
+  /// The scene with pairs that are checked by exact geometry, because their spheres alone touch at
+  /// the start; nothing if there are none. `notes` has a sentence for each.
+  std::optional<Scene> scene = {};
+  std::vector<std::string> notes = {};
   int branches = 0;  ///< Number of start configurations.
   int steps = 0;     ///< Number of steps along the line.
   CheckCounters checks = {};
@@ -104,10 +108,12 @@ struct LineResult {
 /// near `from` are tried first.
 ///
 /// Not an error: a line that is only possible in part. LineResult::reason says why.
-/// Errors: a link or frame that the robot lacks; no single tip; numbers that are not finite; a line
-/// of no length; tolerances or settings out of range; `from` is no configuration of the robot;
-/// fewer than six joints that move the link, or five with a free axis; a checker with orientation
-/// constraints. The result depends on the arguments alone, except through the time limit.
+/// Where spheres alone touch at the start, these pairs are checked by exact geometry, as in
+/// solve(). Errors: a link or frame that the robot lacks; no single tip; numbers that are not
+/// finite; a line of no length or of more than 100 m; tolerances or settings out of range; `from`
+/// is no configuration of the robot; fewer than six joints that move the link, or five with a free
+/// axis; a checker with orientation constraints. The result depends on the arguments alone, except
+/// through the time limit.
 [[nodiscard]] Result<LineResult> plan_line(const CollisionChecker& checker, const Line& line,
                                            std::span<const double> from,
                                            const LineSettings& settings = {});

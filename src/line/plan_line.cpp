@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/line.h"
 #include "mneme/goal.h"
+#include "mneme/planning.h"
 
 #include "base/as_index.h"
 #include "base/check_ranges.h"
@@ -27,6 +28,7 @@ using internal::LineStop;
 constexpr double kDegree = std::numbers::pi / 180;
 /// Metres and radians below which a line has no length.
 constexpr double kLeastLength = 1e-6;
+constexpr double kFarthest = 100;  // metres
 /// Half a turn has no unique axis.
 constexpr double kMostAngle = std::numbers::pi - 1e-3;
 
@@ -54,11 +56,12 @@ class LinePlan {
     MNEME_TRY(find_ends());
     const auto chain =
         MNEME_TRY(internal::LinkChain::make(robot_, robot_.links()[link_].name, line_.free_axis));
+    const std::vector<Configuration> starts = find_starts();
     const internal::LineSegment segment(result_.begin, result_.end);
     internal::LineTracker tracker(chain, segment, checker_,
                                   {line_.position_tolerance, line_.rotation_tolerance});
     internal::LineSearch search(tracker, checker_, start_region(), settings_);
-    search.run(find_starts(search, tracker), line_.start.has_value());
+    search.run(settled(starts, search, tracker), line_.start.has_value());
     finish(search, tracker);
     return std::move(result_);
   }
@@ -179,6 +182,10 @@ class LinePlan {
           robot_.links()[link_].name);
     }
     const internal::LineSegment segment(result_.begin, result_.end);
+    if (!(segment.length() <= kFarthest)) {
+      return refuse("the line of link \"{}\" is {:.4g} m long: expected metres, at most {}",
+                    robot_.links()[link_].name, segment.length(), kFarthest);
+    }
     if (segment.length() < kLeastLength && segment.angle() < kLeastLength) {
       return refuse(
           "the line of link \"{}\" has no length: expected a displacement, or a target "
@@ -200,18 +207,13 @@ class LinePlan {
   }
 
   /// Start configurations; without any, writes the reason.
-  std::vector<JointVector> find_starts(const internal::LineSearch& search,
-                                       const internal::LineTracker& tracker) {
-    std::vector<JointVector> starts;
+  std::vector<Configuration> find_starts() {
     if (!line_.start) {
-      if (!checker_.is_valid(std::span<const double>(from_))) {
-        const JointVector q = internal::to_vector(from_);
-        result_.reason = "the line cannot start: " + describe_contact(q, q);
-        return starts;
-      }
-      starts = {search.with_free_axis(from_, 0)};
-      result_.branches = 1;
-      return starts;
+      check_exactly(from_);
+      if (checker_.is_valid(std::span<const double>(from_))) return {from_};
+      const JointVector q = internal::to_vector(from_);
+      result_.reason = "the line cannot start: " + describe_contact(q, q);
+      return {};
     }
     IkSettings settings;
     settings.seeds = 512;
@@ -220,13 +222,42 @@ class LinePlan {
     settings.seed = settings_.seed;
     const PoseGoal region = start_region();
     auto source = PoseGoalSource::make(checker_, {&region, 1}, from_, settings, 0);
-    for (const Configuration& q : source->find_all()) {
-      JointVector state = search.with_free_axis(q, 0);
-      if (tracker.settle(0, state)) starts.push_back(state);
+    std::vector<Configuration> starts = source->find_all();
+    if (!starts.empty()) return starts;
+    const auto kinematics = InverseKinematics::make(robot_, region.link, checker_.isa());
+    for (Configuration& q : kinematics->solve(region, from_, settings).solutions) {
+      if (check_exactly(q)) starts.push_back(std::move(q));
     }
-    result_.branches = static_cast<int>(starts.size());
     if (starts.empty()) result_.reason = "the line cannot start: " + source->describe_failure();
     return starts;
+  }
+
+  /// Checks pairs by exact geometry whose spheres alone touch at `q`. Returns true if `q` is valid.
+  bool check_exactly(const Configuration& q) {
+    if (checker_.is_valid(std::span<const double>(q))) return true;
+    const auto made = make_query_checker(
+        checker_, {checker_.resolution(), checker_.margin(), checker_.isa(), {}}, {q, {}});
+    if (!made || made->notes.empty()) return false;
+    checker_ = made->checker;
+    result_.notes.insert(result_.notes.end(), made->notes.begin(), made->notes.end());
+    result_.scene = checker_.scene();
+    return checker_.is_valid(std::span<const double>(q));
+  }
+
+  /// The starts that the search begins at.
+  std::vector<JointVector> settled(const std::vector<Configuration>& starts,
+                                   const internal::LineSearch& search,
+                                   const internal::LineTracker& tracker) {
+    std::vector<JointVector> states;
+    for (const Configuration& q : starts) {
+      JointVector state = search.with_free_axis(q, 0);
+      if (!line_.start || tracker.settle(0, state)) states.push_back(state);
+    }
+    result_.branches = static_cast<int>(states.size());
+    if (states.empty() && result_.reason.empty()) {
+      result_.reason = "the line cannot start: its pose is too near to a singularity";
+    }
+    return states;
   }
 
   void finish(const internal::LineSearch& search, internal::LineTracker& tracker) {
@@ -305,8 +336,8 @@ class LinePlan {
     return fmt::format("the next poses are out of reach of link '{}'", goal.link);
   }
 
-  const CollisionChecker& checker_;
-  const Robot& robot_;
+  CollisionChecker checker_;
+  Robot robot_;
   const Line& line_;
   Configuration from_;
   LineSettings settings_;

@@ -282,6 +282,40 @@ TEST_SUITE("unit") {
     CHECK_MESSAGE(result.reason.find("'ball'") != std::string::npos, result.reason);
   }
 
+  TEST_CASE("a start at which spheres alone touch is checked by exact geometry") {
+    const Box plate{{Eigen::Matrix3d::Identity(), {0, 0, 0.2}}, {0.1, 0.1, 0.01}};
+    const auto robot = attach(shipped_robot("panda"), {{"plate", kHand, {plate}}});
+    REQUIRE(robot.has_value());
+    const Transform begin = pose_at(*robot, kHand, kReady).pose;
+    Scene scene;
+    const auto add_tray = [&](double gap) {
+      scene.obstacles.clear();
+      const Transform under{begin.rotation, begin * Vec3(0, 0, 0.21 + gap + 0.02)};
+      REQUIRE(scene.add({"tray", {Box{under, {0.05, 0.05, 0.02}}}}));
+    };
+    add_tray(0.003);
+    const CollisionChecker checker = require_checker(*robot, scene);
+    REQUIRE_FALSE(checker.is_valid(std::span<const double>(kReady)));
+    Line line = line_by(kHand, Vec3(0, 0, 0.1));
+    for (const bool is_from_pose : {false, true}) {
+      if (is_from_pose) line.start = begin;
+      const LineResult result = require_line(checker, line, kReady);
+      CHECK_MESSAGE(result.is_whole(), result.reason);
+      REQUIRE(result.notes.size() >= 1);
+      CHECK(result.notes.front().find("touches obstacle 'tray' only with its spheres") !=
+            std::string::npos);
+      REQUIRE(result.scene.has_value());
+      CHECK(is_path_free(*robot, *result.scene, result.line.path, 0.005));
+      check_deviation(*robot, line, result);
+    }
+    add_tray(-0.001);
+    line.start.reset();
+    const LineResult touching = require_line(require_checker(*robot, scene), line, kReady);
+    CHECK(touching.line.path.empty());
+    CHECK(touching.reason.find("contact of link 'plate' with obstacle 'tray'") !=
+          std::string::npos);
+  }
+
   TEST_CASE("limits and cancellation end the search") {
     const Robot robot = shipped_robot("panda");
     const CollisionChecker checker = require_checker(robot);
