@@ -3,8 +3,8 @@
 #include "pipeline/given_ends.h"
 
 #include "base/as_index.h"
-#include "check/end_motions.h"
 #include "path/waypoints.h"
+#include "pipeline/end_exit.h"
 #include "planning/end_contacts.h"
 #include "robot/joint_space.h"
 
@@ -21,13 +21,11 @@ namespace {
 /// Metres that a link is moved out of contact, as shares of the stretch.
 constexpr std::array<double, 5> kShares = {0.24, 0.34, 0.48, 0.66, 0.88};
 constexpr double kDefaultStretch = 0.005;
-/// Radians: a solution of inverse kinematics farther away is another posture.
-constexpr double kFarthest = 0.3;
 /// Standard deviations of samples around an end, radians, and their number.
 constexpr std::array<double, 4> kSigmas = {0.002, 0.005, 0.01, 0.02};
 constexpr int kSamples = 16;
-/// States of the motion to an end; many where other links are near.
-constexpr int kFewStates = 64, kManyStates = 512;
+/// States of the motion to an end.
+constexpr int kEndStates = 64;
 constexpr std::uint64_t kEndsTask = std::uint64_t{1} << 60;
 
 class EndMover {
@@ -37,7 +35,6 @@ class EndMover {
         checker_(checker),
         robot_(checker.robot()),
         tolerances_(end_tolerances(query.settings)),
-        motions_(robot_, checker.scene(), checker.margin(), tolerances_),
         rng_(derive_seed(query.settings.plan.seed, kEndsTask)) {}
 
   /// Returns a configuration that replaces `given`, or nothing. Adds notes about the limits, cones
@@ -45,14 +42,13 @@ class EndMover {
   std::optional<Configuration> find_inside(const Configuration& given, const std::string& name,
                                            std::vector<std::string>& notes) {
     is_start_ = name == "start";
+    exit_.emplace(checker_, tolerances_, is_start_, kEndStates);
     const bool is_out = robot_.describe_violation(given, "").has_value();
     if (is_out && !(is_start_ && is_near_limits(robot_, given, tolerances_))) return std::nullopt;
     std::optional<Configuration> nearest = keep_limits_and_cones(given);
     if (!nearest) return std::nullopt;
-    const std::vector<Touch> touches = find_touches(given);
-    const bool may_leave = std::ranges::all_of(
-        touches, [&](const Touch& touch) { return motions_.may_leave(touch, is_start_); });
-    if (!may_leave) return std::nullopt;
+    const std::vector<Touch> touches = exit_->find_touches(given);
+    if (!exit_->may_leave(touches)) return std::nullopt;
     if (*nearest == given && touches.empty()) return std::nullopt;
     std::optional<Configuration> inside = find_free(given, *nearest);
     if (inside) describe(given, touches, name, notes);
@@ -60,19 +56,6 @@ class EndMover {
   }
 
  private:
-  /// Returns the contacts at `q`. A contact of spheres alone counts only if the exact geometry is
-  /// too near to be checked instead.
-  std::vector<Touch> find_touches(const Configuration& q) {
-    const std::vector<Touch> spheres = motions_.touching(q);
-    motions_.check_exactly(spheres);
-    std::vector<Touch> touches = motions_.touching(q, kSolidClearance);
-    std::erase_if(touches, [&](const Touch& touch) {
-      return std::ranges::none_of(spheres,
-                                  [&](const Touch& sphere) { return sphere.is_same_pair(touch); });
-    });
-    return touches;
-  }
-
   /// The start within limits and cones; a goal as it is. Nothing if a cone is too far away.
   [[nodiscard]] std::optional<Configuration> keep_limits_and_cones(
       const Configuration& given) const {
@@ -108,7 +91,7 @@ class EndMover {
   }
 
   [[nodiscard]] double stretch() const {
-    const double longest = motions_.longest_stretch();
+    const double longest = exit_->motions().longest_stretch();
     return longest > 0 ? longest : kDefaultStretch;
   }
 
@@ -120,29 +103,12 @@ class EndMover {
       return tilt(robot_, constraint, q) <= constraint.angle - kTiltMargin &&
              keeps_cone(robot_, constraint, {given, q}, checker_.resolution(), tolerances_);
     };
-    return std::ranges::all_of(checker_.constraints(), keeps) && is_left(given, q);
-  }
-
-  [[nodiscard]] bool is_left(const Configuration& given, const Configuration& q) const {
-    const auto passes = [&](int states, double extra) {
-      return motions_.is_left_by(given, q, is_start_, states, extra);
-    };
-    return passes(kFewStates, room_between(given, q, kFewStates)) ||
-           (passes(kFewStates, 0) && passes(kManyStates, room_between(given, q, kManyStates)));
-  }
-
-  /// Metres that links move at most between a state of the motion and the nearest checked one.
-  [[nodiscard]] double room_between(const Configuration& from, const Configuration& to,
-                                    int states) const {
-    std::vector<float> delta = to_floats(robot_.difference(from, to));
-    for (float& value : delta) value = std::abs(value) / static_cast<float>(2 * states);
-    return checker_.displacement_bound(to_floats(robot_.normalized(from)),
-                                       to_floats(robot_.normalized(to)), delta);
+    return std::ranges::all_of(checker_.constraints(), keeps) && exit_->is_left_by(given, q);
   }
 
   /// A configuration that moves the link in contact by `length` metres away from what it touches.
   [[nodiscard]] std::optional<Configuration> move_out(const Configuration& q, double length) const {
-    const std::vector<Touch> touches = motions_.touching(q, kSolidClearance);
+    const std::vector<Touch> touches = exit_->motions().touching(q, kSolidClearance);
     if (touches.empty()) return std::nullopt;
     // Children have higher indices than their parents, attached objects the highest.
     const auto outer = [](const Touch& touch) {
@@ -151,9 +117,10 @@ class EndMover {
     const int link = outer(std::ranges::max(touches, {}, outer));
     Vec3 direction = Vec3::Zero();
     for (const Touch& touch : touches) {
-      if (touch.link == link) direction += motions_.direction_out(q, touch);
+      if (touch.link == link) direction += exit_->motions().direction_out(q, touch);
       if (touch.is_self && touch.other == link) {
-        direction += motions_.direction_out(q, {touch.other, touch.link, true, touch.distance});
+        direction +=
+            exit_->motions().direction_out(q, {touch.other, touch.link, true, touch.distance});
       }
     }
     if (direction.norm() == 0) return std::nullopt;
@@ -165,18 +132,10 @@ class EndMover {
   }
 
   [[nodiscard]] std::optional<Configuration> reach(PoseGoal goal, const Configuration& near) const {
-    const auto kinematics = InverseKinematics::make(robot_, goal.link, checker_.isa());
-    if (!kinematics) return std::nullopt;
-    IkSettings settings;
-    settings.seeds = 16;
-    settings.position_tolerance = 1e-5;
-    settings.rotation_tolerance = 1e-4;
+    constexpr int kSeeds = 16;
     for (const double freedom : {0.0, std::numbers::pi}) {
       goal.cone = goal.turn = freedom;
-      const IkResult reached = kinematics->solve(goal, near, settings);
-      if (reached.solutions.empty()) continue;
-      const Configuration& q = reached.solutions.front();
-      if (robot_.distance(near, q) < kFarthest) return q;
+      if (auto q = exit_->reach(goal, near, kSeeds)) return q;
     }
     return std::nullopt;
   }
@@ -197,12 +156,8 @@ class EndMover {
           constraint.link, excess));
     }
     for (const Touch& touch : touches) {
-      const std::string& other = touch.is_self
-                                     ? robot_.links()[as_index(touch.other)].name
-                                     : checker_.scene().obstacles[as_index(touch.other)].name;
       notes.push_back(fmt::format(
-          "{}: '{}' touches {} '{}'; the {}", name, robot_.links()[as_index(touch.link)].name,
-          touch.is_self ? "link" : "obstacle", other,
+          "{}: {}; the {}", name, exit_->describe(touch),
           is_start_ ? "first motion leaves this contact" : "last motion enters this contact"));
     }
   }
@@ -211,7 +166,7 @@ class EndMover {
   const CollisionChecker& checker_;
   const Robot& robot_;
   EndTolerances tolerances_;
-  EndMotions motions_;
+  std::optional<EndExit> exit_;  ///< of the end that is moved
   Rng rng_;
   bool is_start_ = true;
 };
