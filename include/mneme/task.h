@@ -16,6 +16,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -30,7 +31,7 @@ enum class StageKind {
   attach,   ///< a link takes an obstacle, which moves with it from now on
   detach,   ///< a held object becomes an obstacle where it is
   allow,    ///< pairs may touch from now on
-  gripper,  ///< sets joints outside of the planning group
+  gripper,  ///< moves joints outside of the planning group
 };
 [[nodiscard]] std::string_view to_string(StageKind kind);
 
@@ -116,17 +117,27 @@ void visit_settings(Settings& s, Visitor&& visit) {
 }
 
 /// Why alternatives were dropped.
-enum class DropReason { reach, contact, place, kinematics, line, attach, path };
-inline constexpr std::size_t kDropReasons = 7;
+enum class DropReason { reach, contact, place, kinematics, line, attach, world, path };
+inline constexpr std::size_t kDropReasons = 8;
 /// Returns "out of reach", "contact", "no place" (a grasp with which the object fits nowhere), "no
-/// inverse kinematics", "no straight line", "not at the object" or "no path".
+/// inverse kinematics", "no straight line", "not at the object", "no valid robot or scene" or "no
+/// path". No valid robot or scene: after an attach, detach, allow or gripper stage.
 [[nodiscard]] std::string_view to_string(DropReason reason);
 
-/// Alternatives of a stage that were dropped for one reason.
+/// Alternatives that were dropped at a stage for one reason.
 struct Dropped {
   DropReason reason = DropReason::reach;
+  /// Number of the stage's alternatives; for a stage without any, of the choice that it follows. An
+  /// alternative counts once, also under several reasons.
   int count = 0;
   std::string what;  ///< the commonest obstacle of this reason, such as "'mug' with 'shelf'"
+};
+
+/// The motion of joints outside of the planning group in a gripper stage; the group rests.
+struct GripperMotion {
+  /// Robot that plans for these joints and the group; scene, start and goal.
+  std::shared_ptr<const Problem> world;
+  Path path;  ///< from the start straight to the goal
 };
 
 /// A stage of a plan. Scene and robot are those while it moves.
@@ -135,12 +146,13 @@ struct StageResult {
   StageKind kind = StageKind::move;
   std::shared_ptr<const Problem> world;  ///< robot with held objects, scene, start of the stage;
                                          ///< never null
-  Path path;             ///< from where the stage before ended; one configuration if nothing moves
-  double time_s = 0;     ///< at the velocity limits of the URDF (path_time()) and the stage's speed
-  int alternative = -1;  ///< index of the pose that was chosen; -1: the stage has no choice
-  int alternatives = 0;  ///< number of poses to choose from
+  Path path;  ///< from where the stage before ended; one configuration if nothing moves
+  double path_time_s = 0;  ///< at the velocity limits of the URDF (path_time()) and its speed
+  int alternative = -1;    ///< index of the pose that was chosen; -1: the stage has no choice
+  int alternatives = 0;    ///< number of poses to choose from
   std::vector<Dropped> dropped = {};
-  std::uint64_t states_checked = 0;  ///< for the path
+  std::uint64_t states_checked = 0;                   ///< for the path
+  std::shared_ptr<const GripperMotion> gripper = {};  ///< null if no joint outside the group moves
 };
 
 struct TaskResult {
@@ -148,13 +160,16 @@ struct TaskResult {
   std::string message;  ///< why there is no plan: the stage and what is in its way; empty if solved
   /// All stages in order; of a task without a plan, those with alternatives that were dropped.
   std::vector<StageResult> stages;
-  double duration_s = 0;         ///< sum of the stages' times
-  double first_duration_s = 0;   ///< of the first plan, before improvement
+  /// Sum of the stages' path times. The duration of the motion, with accelerations and stops, is
+  /// that of TaskMotion::trajectory.
+  double path_time_s = 0;
+  double first_path_time_s = 0;  ///< of the first plan, before improvement
   double first_plan_time_s = 0;  ///< until the first plan
   double total_time_s = 0;
   std::uint64_t states_checked = 0;
-  int plans = 0;            ///< complete plans that were found
-  int remembered_rows = 0;  ///< rows of memory that ranked the alternatives
+  int plans = 0;               ///< complete plans that were found
+  int remembered_rows = 0;     ///< rows of memory that ranked the alternatives
+  bool is_remembered = false;  ///< the choices are queued: Database::flush() waits for them
   std::vector<std::string> notes;
 
   [[nodiscard]] bool is_solved() const { return status == PlanStatus::solved; }
@@ -199,8 +214,28 @@ struct TaskMotion {
                                            const SolveSettings& settings, const RateLimits& limits,
                                            const TrajectorySettings& timing = {});
 
-/// Returns the plan as JSON: status, message, durations and counts, and per stage its kind, time,
-/// path, choice and dropped alternatives.
-[[nodiscard]] std::string to_json(const Task& task, const TaskResult& result);
+/// When a stage begins.
+struct StageBegin {
+  std::string name;
+  double begin_s = 0;
+};
+[[nodiscard]] std::vector<StageBegin> stage_begins(const TaskResult& result,
+                                                   const TaskMotion& motion);
+
+/// As to_csv() of trajectory.h, with a last column `stage`: the name of the stage at each time.
+/// Without stages, the same text.
+[[nodiscard]] std::string to_csv(const Robot& robot, std::span<const Trajectory::Point> points,
+                                 std::span<const StageBegin> stages);
+/// As to_yaml() of trajectory.h, with a comment line for each stage first.
+[[nodiscard]] std::string to_yaml(const Robot& robot, std::span<const Trajectory::Point> points,
+                                  std::span<const StageBegin> stages);
+/// As to_json() of trajectory.h, with the list `stages` of names and begins.
+[[nodiscard]] std::string to_json(const Robot& robot, std::span<const Trajectory::Point> points,
+                                  std::span<const StageBegin> stages);
+
+/// Returns the plan as JSON: status, message, path times and counts, and per stage its kind, path,
+/// choice and dropped alternatives. With a `motion`, also its duration and when each stage begins.
+[[nodiscard]] std::string to_json(const Task& task, const TaskResult& result,
+                                  const TaskMotion* motion = nullptr);
 
 }  // namespace mneme

@@ -56,34 +56,6 @@ class Reach {
 
 }  // namespace
 
-void DropCounts::add(int stage, const Failure& failure, int count) {
-  Entry& entry = stages_[as_index(stage)][static_cast<std::size_t>(failure.reason)];
-  entry.count += count;
-  if (!failure.what.empty()) entry.whats[failure.what] += count;
-}
-
-std::vector<Dropped> DropCounts::of_stage(int stage) const {
-  std::vector<Dropped> all;
-  for (std::size_t i = 0; i < kDropReasons; ++i) {
-    const Entry& entry = stages_[as_index(stage)][i];
-    if (entry.count == 0) continue;
-    Dropped dropped{static_cast<DropReason>(i), entry.count, {}};
-    int most = 0;
-    for (const auto& [what, count] : entry.whats) {
-      if (count > most) std::tie(most, dropped.what) = std::pair(count, what);
-    }
-    all.push_back(std::move(dropped));
-  }
-  return all;
-}
-
-bool DropCounts::wants_what(int stage, DropReason reason) const {
-  constexpr int kNamed = 4;
-  return stages_[as_index(stage)][static_cast<std::size_t>(reason)].count < kNamed;
-}
-
-bool DropCounts::has_any(int stage) const { return !of_stage(stage).empty(); }
-
 Alternatives::Alternatives(TaskRun& run, DropCounts& drops, const Group& group, const Group* next,
                            CheckedWorldPtr world, Configuration near, const Ranker& rank)
     : run_(run),
@@ -94,7 +66,7 @@ Alternatives::Alternatives(TaskRun& run, DropCounts& drops, const Group& group, 
       touched_(world_),
       near_(std::move(near)) {
   if (auto ready = make_ready(); !ready) {
-    drops_.add(ready.error().first, ready.error().second);
+    drop(ready.error().first, ready.error().second);
     return;
   }
   list_alternatives();
@@ -119,13 +91,31 @@ World Alternatives::with_touch(World world) const {
   return world;
 }
 
+/// The world after a stage without motion.
+tl::expected<World, Failure> Alternatives::applied(const World& world, int i,
+                                                   const Configuration& q) const {
+  const Stage& at = stage(i);
+  if (at.kind == StageKind::attach) {
+    if (const auto near = check_near(world, at, q); !near) {
+      return tl::unexpected(Failure{DropReason::attach, near.error().message});
+    }
+  }
+  auto next = after_stage(world, at, q);
+  if (!next) return tl::unexpected(Failure{DropReason::world, next.error().message});
+  if (at.kind == StageKind::detach) {
+    let_touch_at_ends(next->scene, at.object, world.held.at(at.object).may_touch,
+                      run_.settings.solve.allow_at_ends);
+  }
+  return *std::move(next);
+}
+
 /// Applies contact that the group allows, and the stages between the move and its line.
 tl::expected<void, std::pair<int, Failure>> Alternatives::make_ready() {
   World world = with_touch(world_->world);
   const auto check = [&](int i) -> tl::expected<void, std::pair<int, Failure>> {
     auto checked = check_world(world, run_);
     if (!checked)
-      return tl::unexpected(std::pair(i, Failure{DropReason::attach, checked.error().message}));
+      return tl::unexpected(std::pair(i, Failure{DropReason::world, checked.error().message}));
     touched_ = *std::move(checked);
     return {};
   };
@@ -136,9 +126,8 @@ tl::expected<void, std::pair<int, Failure>> Alternatives::make_ready() {
   for (const int i : group_.local) {
     if (!group_.is_line_anchor || i == *group_.anchor) break;
     before_line_.emplace_back(i, touched_);
-    auto next = after_stage(world, stage(i), near_);
-    if (!next)
-      return tl::unexpected(std::pair(i, Failure{DropReason::attach, next.error().message}));
+    auto next = applied(world, i, near_);
+    if (!next) return tl::unexpected(std::pair(i, next.error()));
     world = *std::move(next);
     if (auto checked = check(i); !checked) return checked;
   }
@@ -181,17 +170,19 @@ void Alternatives::drop_unreachable() {
   for (std::size_t i = 0; i < targets_.size(); ++i) {
     if (reach.contains(targets_[i])) continue;
     is_left_[first_target() + i] = 0;
-    drops_.add(failing_stage(), {DropReason::reach, fmt::format("link '{}'", link_)});
+    drops_.add(failing_stage(), {DropReason::reach, fmt::format("link '{}'", link_)},
+               static_cast<int>(first_target() + i));
   }
 }
 
 void Alternatives::make_bodies() {
   if (targets_.empty()) return;
   const World& world = touched_->world;
-  const Isa isa = run_.settings.solve.isa;
-  hand_ = FloatingBody::of_link(world, link_, isa);
+  hand_ = FloatingBody::of_link(world, link_, run_.body_settings());
   const PoseChoice& choice = stage(*group_.anchor).poses;
-  if (!choice.object.empty()) object_ = FloatingBody::of_object(world, choice.object, isa);
+  if (!choice.object.empty()) {
+    object_ = FloatingBody::of_object(world, choice.object, run_.body_settings());
+  }
 }
 
 /// Tests the hand, and the object in it, at the next few targets in order: first at remembered
@@ -206,7 +197,7 @@ void Alternatives::filter_block() {
   }
   const World& world = touched_->world;
   const PoseChoice& choice = stage(*group_.anchor).poses;
-  const auto drop = [&](const std::optional<FloatingBody>& body, double depth,
+  const auto test = [&](const std::optional<FloatingBody>& body, double depth,
                         const auto& pose_at) {
     if (!body || block.empty()) return;
     std::vector<Transform> poses;
@@ -215,12 +206,12 @@ void Alternatives::filter_block() {
   };
   if (object_) {
     const Transform X_LO = world.held.at(choice.object).X_LO;
-    drop(object_, kObjectDepth, [&](const Transform& target) { return target * X_LO; });
+    test(object_, kObjectDepth, [&](const Transform& target) { return target * X_LO; });
   }
-  drop(hand_, 0, [](const Transform& target) { return target; });
+  test(hand_, 0, [](const Transform& target) { return target; });
   if (!group_.is_line_anchor) return;
   const std::vector<Transform> link_poses = world.robot.link_poses(near_);
-  drop(hand_, 0,
+  test(hand_, 0,
        [&](const Transform& target) { return line_begin(*group_.anchor, target, link_poses); });
 }
 
@@ -237,11 +228,12 @@ void Alternatives::drop_where(const FloatingBody& body, double depth,
       continue;
     }
     is_left_[as_index(block[i])] = 0;
+    run_.has_tried = run_.has_tried || body.has_surfaces();
     // Naming bodies costs more than the test: one speaks for its block.
     if (what.empty() && drops_.wants_what(failing_stage(), DropReason::contact)) {
       what = body.describe_contact(poses[i]);
     }
-    drops_.add(failing_stage(), {DropReason::contact, what});
+    drops_.add(failing_stage(), {DropReason::contact, what}, block[i]);
   }
   block = std::move(left);
 }
@@ -275,11 +267,12 @@ void Alternatives::look_ahead() {
   if (!without.scene.remove(choice.object)) return;
   LookAhead ahead{pose->second.inverse(),
                   link_targets(without, choice, run_.start_poses),
-                  FloatingBody::of_link(without, link_, run_.settings.solve.isa),
+                  FloatingBody::of_link(without, link_, run_.body_settings()),
                   {}};
-  const auto object = FloatingBody::of_obstacle(world, choice.object, run_.settings.solve.isa);
+  const auto object = FloatingBody::of_obstacle(world, choice.object, run_.body_settings());
   if (object) {
     run_.states += ahead.places.size();
+    run_.has_tried = run_.has_tried || object->has_surfaces();
     const std::vector<std::uint8_t> is_free = object->find_free(ahead.places, kObjectDepth);
     std::vector<Transform> left;
     for (std::size_t i = 0; i < ahead.places.size(); ++i) {
@@ -311,6 +304,7 @@ bool Alternatives::suits_next_group(int alternative) {
   } else if (!hands.empty()) {
     if (!ahead_->hand) return true;
     run_.states += hands.size();
+    run_.has_tried = run_.has_tried || ahead_->hand->has_surfaces();
     if (std::ranges::count(ahead_->hand->find_free(hands, 0), 1) > 0) return true;
     what.clear();
     if (drops_.wants_what(failing_stage(), DropReason::place)) {
@@ -320,7 +314,7 @@ bool Alternatives::suits_next_group(int alternative) {
   if (!what.empty()) {
     what += fmt::format(" at each pose of '{}'", stage_name(run_.task, *next_group_->anchor));
   }
-  drops_.add(failing_stage(), {DropReason::place, what});
+  drops_.add(failing_stage(), {DropReason::place, what}, alternative);
   return false;
 }
 
@@ -354,6 +348,7 @@ std::optional<Candidate> Alternatives::next() {
     if (!pending_.empty()) {
       const auto [known, q] = std::move(pending_.front());
       pending_.pop_front();
+      alternative_ = known;
       try_configuration(known, q);
       continue;
     }
@@ -361,6 +356,7 @@ std::optional<Candidate> Alternatives::next() {
     if (position_ == tested_) filter_block();
     const auto& [alternative, hint] = order_[position_++];
     if (!is_left_[as_index(alternative)]) continue;
+    alternative_ = alternative;
     const bool is_unknown = as_index(alternative) >= first_target() && !hint;
     if (is_unknown && !suits_next_group(alternative)) continue;
     list_configurations(alternative);
@@ -385,7 +381,7 @@ std::vector<Configuration> Alternatives::solve_kinematics(int alternative) {
   const CollisionChecker& checker = touched_->checker;
   const auto kinematics = kinematics_of(goal.link);
   if (!kinematics) {
-    drops_.add(failing_stage(), {DropReason::kinematics, kinematics.error().message});
+    drop(failing_stage(), {DropReason::kinematics, kinematics.error().message});
     return {};
   }
   IkSettings settings = run_.settings.solve.ik;
@@ -403,16 +399,15 @@ std::vector<Configuration> Alternatives::solve_kinematics(int alternative) {
           ->solve(goal, near, settings, may_touch ? nullptr : &checker, kVerificationMargin);
   run_.states += reached.solutions.size() + reached.blocked.size();
   if (!reached.solutions.empty()) return std::move(reached.solutions);
-  // A held object may be near what it is put on: the move decides by exact geometry.
-  if (!may_touch && run_.may_touch_at_ends(touched_->world) && !reached.blocked.empty()) {
-    reached.blocked.resize(std::min(reached.blocked.size(), as_index(run_.branches())));
-    return std::move(reached.blocked);
-  }
   if (reached.blocked.empty()) {
-    drops_.add(failing_stage(), {DropReason::kinematics, fmt::format("link '{}'", goal.link)});
-  } else {
-    drop_in_contact(failing_stage(), checker, reached.blocked.front());
+    drop(failing_stage(), {DropReason::kinematics, fmt::format("link '{}'", goal.link)});
+    return {};
   }
+  reached.blocked.resize(std::min(reached.blocked.size(), as_index(run_.branches())));
+  // Exact geometry decides: of a held object near what it is put on always, of others in later
+  // rounds.
+  if (run_.round > 0 || run_.may_touch_at_ends(touched_->world)) return std::move(reached.blocked);
+  drop_in_contact(failing_stage(), checker, reached.blocked.front());
   return {};
 }
 
@@ -430,7 +425,7 @@ void Alternatives::drop_in_contact(int stage, const CollisionChecker& checker,
                                    const Configuration& q) {
   Failure failure{DropReason::contact, {}};
   if (drops_.wants_what(stage, failure.reason)) failure.what = describe_contact(checker, q);
-  drops_.add(stage, failure);
+  drop(stage, failure);
 }
 
 /// Configurations that reach the alternative, to be tried one by one.
@@ -444,25 +439,32 @@ void Alternatives::list_configurations(int alternative) {
   for (Configuration& q : solve_kinematics(alternative)) add(std::move(q));
 }
 
-tl::expected<Alternatives::LocalState, Failure> Alternatives::begin_at_line(
+tl::expected<Alternatives::LocalState, std::pair<int, Failure>> Alternatives::begin_at_line(
     const Configuration& anchor) {
   const int line = *group_.anchor;
   const std::vector<Transform> poses = world_->world.robot.link_poses(anchor);
   const Transform X_end = poses[as_index(*world_->world.robot.find_link(link_))];
   auto followed = follow_line(
       run_, touched_, {link_, anchor, line_begin(line, X_end, poses), false, wants_reason(line)});
-  if (!followed) return tl::unexpected(followed.error());
+  if (!followed) return tl::unexpected(std::pair(line, followed.error()));
   LocalState state{followed->world, anchor, {}};
   for (const auto& [i, world] : before_line_) {
-    state.stages.push_back({i, world, {followed->path.front()}});
+    const Configuration& begin = followed->path.front();
+    LocalStage local{i, world, {begin}};
+    if (stage(i).kind == StageKind::gripper) {
+      auto moved = move_gripper(run_, *world, stage(i), begin);
+      if (!moved) return tl::unexpected(std::pair(i, moved.error()));
+      local.gripper = *std::move(moved);
+    }
+    state.stages.push_back(std::move(local));
   }
-  state.stages.push_back({line, followed->world, std::move(followed->path)});
+  state.stages.push_back(
+      {line, followed->world, std::move(followed->path), -1, std::move(followed->touches)});
   return state;
 }
 
 void Alternatives::try_configuration(int alternative, const Configuration& anchor) {
   const Robot& robot = world_->world.robot;
-  const auto drop = [&](int at, const Failure& failure) { drops_.add(at, failure); };
   if (const auto violation = robot.describe_violation(anchor, "its goal")) {
     return drop(failing_stage(), {DropReason::reach, *violation});
   }
@@ -477,10 +479,10 @@ void Alternatives::try_configuration(int alternative, const Configuration& ancho
     return run_from(0, {touched_, anchor, {}}, alternative, anchor, anchor);
   }
   auto state = begin_at_line(anchor);
-  if (!state) return drop(*group_.anchor, state.error());
+  if (!state) return drop(state.error().first, state.error().second);
   const Configuration begin = state->stages.front().path.front();
   ++run_.states;
-  if (world_ != touched_ && !is_clear(world_->checker, begin)) {
+  if (world_ != touched_ && !is_clear_by_exact_geometry(world_->checker, begin)) {
     return drop_in_contact(failing_stage(), world_->checker, begin);
   }
   const auto line = std::ranges::find(group_.local, *group_.anchor);
@@ -495,18 +497,19 @@ void Alternatives::run_from(std::size_t position, LocalState state, int alternat
     if (stage(i).kind == StageKind::line) {
       return run_line(position, state, alternative, begin, anchor);
     }
-    auto next = after_stage(state.world->world, stage(i), state.q);
-    if (!next) return drops_.add(i, {DropReason::attach, next.error().message});
-    if (stage(i).kind == StageKind::detach) {
-      let_touch_at_ends(next->scene, stage(i).object,
-                        state.world->world.held.at(stage(i).object).may_touch,
-                        run_.settings.solve.allow_at_ends);
+    LocalStage local{i, state.world, {state.q}};
+    if (stage(i).kind == StageKind::gripper) {
+      auto moved = move_gripper(run_, *state.world, stage(i), state.q);
+      if (!moved) return drop(i, moved.error());
+      local.gripper = *std::move(moved);
     }
+    auto next = applied(state.world->world, i, state.q);
+    if (!next) return drop(i, next.error());
     auto checked = check_world(*std::move(next), run_);
-    if (!checked) return drops_.add(i, {DropReason::contact, checked.error().message});
+    if (!checked) return drop(i, {DropReason::world, checked.error().message});
     if (!may_stand(run_, *checked, state.q))
       return drop_in_contact(i, (*checked)->checker, state.q);
-    state.stages.push_back({i, state.world, {state.q}});
+    state.stages.push_back(std::move(local));
     state.world = *std::move(checked);
   }
   finish(std::move(state), alternative, begin, anchor);
@@ -534,7 +537,7 @@ void Alternatives::run_line(std::size_t position, const LocalState& state, int a
     auto followed =
         follow_line(run_, state.world, {link, state.q, ends[choice], true, wants_reason(i)});
     if (!followed) {
-      drops_.add(i, followed.error());
+      drops_.add(i, followed.error(), has_choice ? static_cast<int>(choice) : alternative_);
       continue;
     }
     LocalState next = state;
@@ -562,8 +565,10 @@ void Alternatives::finish(LocalState state, int alternative, const Configuration
     candidate.after = *std::move(checked);
   }
   for (const LocalStage& each : state.stages) {
-    if (each.path.size() > 1) {
-      candidate.time_s += path_time(each.world->world.robot, each.path) / stage(each.stage).speed;
+    const double speed = stage(each.stage).speed;
+    candidate.time_s += path_time(each.world->world.robot, each.path) / speed;
+    if (each.gripper) {
+      candidate.time_s += path_time(each.gripper->world->robot, each.gripper->path) / speed;
     }
   }
   candidate.stages = std::move(state.stages);

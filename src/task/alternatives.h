@@ -6,11 +6,12 @@
 
 #include "mneme/goal.h"
 
+#include "task/drop_counts.h"
 #include "task/floating_body.h"
 #include "task/follow.h"
+#include "task/gripper_motion.h"
 #include "task/groups.h"
 
-#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -22,30 +23,14 @@
 
 namespace mneme::internal {
 
-/// Counts dropped alternatives per stage and reason.
-class DropCounts {
- public:
-  explicit DropCounts(std::size_t stages) : stages_(stages) {}
-  void add(int stage, const Failure& failure, int count = 1);
-  [[nodiscard]] std::vector<Dropped> of_stage(int stage) const;
-  [[nodiscard]] bool has_any(int stage) const;
-  /// True for the first few of a stage and reason: naming bodies costs more than most tests.
-  [[nodiscard]] bool wants_what(int stage, DropReason reason) const;
-
- private:
-  struct Entry {
-    int count = 0;
-    std::map<std::string, int> whats;
-  };
-  std::vector<std::array<Entry, kDropReasons>> stages_;
-};
-
 /// A stage with its path, before moves are planned.
 struct LocalStage {
   int stage = 0;
   CheckedWorldPtr world;
-  Path path;             ///< one configuration if nothing moves
-  int alternative = -1;  ///< of a line with poses
+  Path path;                              ///< one configuration if nothing moves
+  int alternative = -1;                   ///< of a line with poses
+  std::vector<std::string> touches = {};  ///< contacts at the line's end, for people
+  GripperMotionPtr gripper = {};
 };
 
 /// One choice for a group: what follows from its anchor.
@@ -106,6 +91,8 @@ class Alternatives {
   [[nodiscard]] int failing_stage() const { return group_.anchor.value_or(0); }
   [[nodiscard]] World with_touch(World world) const;
   [[nodiscard]] tl::expected<void, std::pair<int, Failure>> make_ready();
+  [[nodiscard]] tl::expected<World, Failure> applied(const World& world, int i,
+                                                     const Configuration& q) const;
   void list_alternatives();
   void drop_unreachable();
   void make_bodies();
@@ -122,9 +109,11 @@ class Alternatives {
   void list_configurations(int alternative);
   [[nodiscard]] std::vector<Configuration> solve_kinematics(int alternative);
   [[nodiscard]] Result<const InverseKinematics*> kinematics_of(const std::string& link);
+  void drop(int stage, const Failure& failure) { drops_.add(stage, failure, alternative_); }
   void drop_in_contact(int stage, const CollisionChecker& checker, const Configuration& q);
   void try_configuration(int alternative, const Configuration& anchor);
-  [[nodiscard]] tl::expected<LocalState, Failure> begin_at_line(const Configuration& anchor);
+  [[nodiscard]] tl::expected<LocalState, std::pair<int, Failure>> begin_at_line(
+      const Configuration& anchor);
   void run_from(std::size_t position, LocalState state, int alternative, const Configuration& begin,
                 const Configuration& anchor);
   void run_line(std::size_t position, const LocalState& state, int alternative,
@@ -148,6 +137,7 @@ class Alternatives {
   std::vector<std::pair<int, std::optional<Configuration>>> order_;
   std::size_t position_ = 0;  ///< next entry of `order_`
   std::size_t tested_ = 0;    ///< entries of `order_` whose hand was tested
+  int alternative_ = -1;      ///< the one that is being tried
   int remembered_ = 0;        ///< entries of `order_` that come from memory
   bool has_looked_ahead_ = false;
   std::optional<FloatingBody> hand_, object_;

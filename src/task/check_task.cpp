@@ -253,6 +253,8 @@ std::string_view to_string(DropReason reason) {
       return "no straight line";
     case DropReason::attach:
       return "not at the object";
+    case DropReason::world:
+      return "no valid robot or scene";
     case DropReason::path:
       return "no path";
   }

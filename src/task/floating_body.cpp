@@ -5,6 +5,7 @@
 #include "mneme/spheres.h"
 
 #include "base/as_index.h"
+#include "planning/end_contacts.h"
 #include "robot/kinematics.h"
 
 #include <fmt/format.h>
@@ -46,18 +47,31 @@ std::array<float, 6> floating_values(const Transform& pose) {
           static_cast<float>(yaw),   static_cast<float>(pitch), static_cast<float>(roll)};
 }
 
-Link moved_link(const Link& link, const Transform& X) {
-  Link moved_one{link.name, -1, link.spheres, link.capsules, {}, std::nullopt};
-  for (Sphere& sphere : moved_one.spheres) sphere.center = X * sphere.center;
-  for (Capsule& capsule : moved_one.capsules) capsule = moved(capsule, X);
-  return moved_one;
+Link moved_link(Link link, const Transform& X) {
+  link.parent_joint = -1;
+  for (Sphere& sphere : link.spheres) sphere.center = X * sphere.center;
+  for (Capsule& capsule : link.capsules) capsule = moved(capsule, X);
+  if (link.approximation) {
+    Mesh& surface = link.approximation->surface;
+    surface = std::get<Mesh>(transformed(X, surface));
+  }
+  return link;
 }
 
 }  // namespace
 
-std::optional<FloatingBody> FloatingBody::make(std::vector<Link> links, Scene scene, Isa isa) {
+std::optional<FloatingBody> FloatingBody::make(std::vector<Link> links, Scene scene,
+                                               const BodySettings& settings) {
   std::erase_if(links, [](const Link& link) { return !has_shapes(link); });
   if (links.empty()) return std::nullopt;
+  double excess = 0;
+  bool has_surfaces = false;
+  for (Link& link : links) {
+    has_surfaces = has_surfaces || link.approximation.has_value();
+    // Surfaces cost milliseconds to prepare.
+    if (!settings.is_exact) link.approximation.reset();
+    if (link.approximation) excess = std::max(excess, link.approximation->excess);
+  }
   Robot::Parts parts;
   parts.name = "floating";
   parts.allowed_pairs.emplace();
@@ -89,15 +103,15 @@ std::optional<FloatingBody> FloatingBody::make(std::vector<Link> links, Scene sc
     std::erase_if(obstacle.may_touch,
                   [&](const std::string& name) { return !robot->find_link(name); });
   }
-  CheckerSettings settings;
-  settings.isa = isa;
-  auto checker = CollisionChecker::make(*robot, scene, settings);
+  CheckerSettings checking;
+  checking.isa = settings.isa;
+  auto checker = CollisionChecker::make(*robot, scene, checking);
   if (!checker) return std::nullopt;
-  return FloatingBody(*std::move(checker));
+  return FloatingBody(*std::move(checker), excess, has_surfaces);
 }
 
 std::optional<FloatingBody> FloatingBody::of_link(const World& world, const std::string& link,
-                                                  Isa isa) {
+                                                  const BodySettings& settings) {
   const Robot bare = world.robot.without_attached();
   const int tip = *bare.find_link(link);
   const Configuration middle = bare.normalized(Configuration(as_index(bare.joint_count()), 0.0));
@@ -107,22 +121,23 @@ std::optional<FloatingBody> FloatingBody::of_link(const World& world, const std:
     links.push_back(
         moved_link(bare.links()[as_index(i)], poses[as_index(tip)].inverse() * poses[as_index(i)]));
   }
-  return make(std::move(links), world.scene, isa);
+  return make(std::move(links), world.scene, settings);
 }
 
 std::optional<FloatingBody> FloatingBody::of_object(const World& world, const std::string& object,
-                                                    Isa isa) {
+                                                    const BodySettings& settings) {
   const Transform X_OL = world.held.at(object).X_LO.inverse();
   std::vector<Link> links;
   for (const ApproximatedObject& each : world.robot.attached()) {
     if (each.object.name != object) continue;
-    links.push_back(moved_link({object, -1, each.spheres, each.capsules, {}, {}}, X_OL));
+    links.push_back(
+        moved_link({object, -1, each.spheres, each.capsules, {}, each.approximation}, X_OL));
   }
-  return make(std::move(links), world.scene, isa);
+  return make(std::move(links), world.scene, settings);
 }
 
 std::optional<FloatingBody> FloatingBody::of_obstacle(const World& world, const std::string& name,
-                                                      Isa isa) {
+                                                      const BodySettings& settings) {
   const Transform X_OW = world.poses.at(name).inverse();
   AttachedObject object{name, "", {}};
   for (const Shape& shape : world.scene.find(name)->shapes) {
@@ -131,11 +146,27 @@ std::optional<FloatingBody> FloatingBody::of_obstacle(const World& world, const 
   const auto spheres = approximate_object(std::move(object));
   Scene scene = world.scene;
   if (!spheres || !scene.remove(name)) return std::nullopt;
-  return make({{name, -1, spheres->spheres, spheres->capsules, {}, {}}}, std::move(scene), isa);
+  return make({{name, -1, spheres->spheres, spheres->capsules, {}, spheres->approximation}},
+              std::move(scene), settings);
 }
 
 std::vector<std::uint8_t> FloatingBody::find_free(const std::vector<Transform>& poses,
                                                   double depth) const {
+  std::vector<std::uint8_t> is_free = find_shallower(poses, depth);
+  if (excess_ == 0) return is_free;
+  // Twice the excess: it is measured at samples.
+  const std::vector<std::uint8_t> may_be_free = find_shallower(poses, depth + 2 * excess_);
+  if (depth > 0) return may_be_free;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (is_free[i] || !may_be_free[i]) continue;
+    const std::array<float, 6> values = floating_values(poses[i]);
+    is_free[i] = is_clear_by_exact_geometry(checker_, {values.begin(), values.end()}) ? 1 : 0;
+  }
+  return is_free;
+}
+
+std::vector<std::uint8_t> FloatingBody::find_shallower(const std::vector<Transform>& poses,
+                                                       double depth) const {
   std::vector<float> rows;
   rows.reserve(6 * poses.size());
   for (const Transform& pose : poses) {

@@ -15,34 +15,50 @@
 
 namespace mneme::internal {
 
+struct BodySettings {
+  Isa isa = Isa::automatic;
+  /// Also free: poses at which spheres touch that approximate a surface, and the surface does not.
+  bool is_exact = false;
+};
+
 /// Links that stay together, without the arm that carries them.
 class FloatingBody {
  public:
   /// The links rigid with `link`, whose contacts the scene may allow. Nothing if they have no
   /// shapes or cannot be checked.
   [[nodiscard]] static std::optional<FloatingBody> of_link(const World& world,
-                                                           const std::string& link, Isa isa);
+                                                           const std::string& link,
+                                                           const BodySettings& settings);
   /// The object that the world's robot holds.
   [[nodiscard]] static std::optional<FloatingBody> of_object(const World& world,
-                                                             const std::string& object, Isa isa);
+                                                             const std::string& object,
+                                                             const BodySettings& settings);
 
   /// An obstacle of the scene, which it does not collide with itself.
   [[nodiscard]] static std::optional<FloatingBody> of_obstacle(const World& world,
-                                                               const std::string& name, Isa isa);
+                                                               const std::string& name,
+                                                               const BodySettings& settings);
 
   /// Returns 1 per pose of the link or the object at which nothing is deeper than `depth` in an
   /// obstacle.
   [[nodiscard]] std::vector<std::uint8_t> find_free(const std::vector<Transform>& poses,
                                                     double depth) const;
+  /// True if spheres approximate surfaces, so that exact geometry may find more poses free.
+  [[nodiscard]] bool has_surfaces() const { return has_surfaces_; }
   /// Returns what the body touches at the pose: "'panda_hand' with 'shelf'"; empty if nothing.
   [[nodiscard]] std::string describe_contact(const Transform& pose) const;
 
  private:
-  explicit FloatingBody(CollisionChecker checker) : checker_(std::move(checker)) {}
+  FloatingBody(CollisionChecker checker, double excess, bool has_surfaces)
+      : checker_(std::move(checker)), has_surfaces_(has_surfaces), excess_(excess) {}
   [[nodiscard]] static std::optional<FloatingBody> make(std::vector<Link> links, Scene scene,
-                                                        Isa isa);
+                                                        const BodySettings& settings);
+  [[nodiscard]] std::vector<std::uint8_t> find_shallower(const std::vector<Transform>& poses,
+                                                         double depth) const;
 
   CollisionChecker checker_;
+  bool has_surfaces_;
+  double excess_;  ///< metres that spheres stick out of surfaces; 0 unless BodySettings::is_exact
 };
 
 }  // namespace mneme::internal

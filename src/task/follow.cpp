@@ -7,8 +7,7 @@
 
 #include "base/as_index.h"
 #include "base/threads.h"
-#include "check/end_motions.h"
-#include "path/waypoints.h"
+#include "pipeline/end_exit.h"
 #include "planning/end_contacts.h"
 
 #include <fmt/format.h>
@@ -22,37 +21,6 @@ namespace {
 
 /// Lengths of the motion out of contact, as shares of what allow-at-ends allows.
 constexpr std::array<double, 3> kShares = {0.4, 0.66, 0.88};
-
-/// Returns the configuration near `q` that brings the link to the pose.
-std::optional<Configuration> reach_nearby(const CollisionChecker& checker, const std::string& link,
-                                          const Transform& pose, const Configuration& q) {
-  constexpr double kFarthest = 0.3;  // radians: another posture
-  const auto kinematics = InverseKinematics::make(checker.robot(), link, checker.isa());
-  if (!kinematics) return std::nullopt;
-  IkSettings settings;
-  settings.seeds = 1;
-  settings.solutions = 1;
-  settings.position_tolerance = 2e-5;
-  settings.rotation_tolerance = 2e-4;
-  PoseGoal goal;
-  goal.link = link;
-  goal.pose = pose;
-  const IkResult reached = kinematics->solve(goal, q, settings);
-  if (reached.solutions.empty()) return std::nullopt;
-  const Configuration& found = reached.solutions.front();
-  if (checker.robot().distance(q, found) > kFarthest) return std::nullopt;
-  return found;
-}
-
-/// Metres that links move at most between a state of the motion and the nearest checked one.
-double room_between(const CollisionChecker& checker, const Configuration& from,
-                    const Configuration& to, int states) {
-  const Robot& robot = checker.robot();
-  std::vector<float> delta = to_floats(robot.difference(from, to));
-  for (float& value : delta) value = std::abs(value) / static_cast<float>(2 * states);
-  return checker.displacement_bound(to_floats(robot.normalized(from)),
-                                    to_floats(robot.normalized(to)), delta);
-}
 
 /// The world with pairs checked exactly whose spheres alone touch at `q`.
 CheckedWorldPtr with_exact_pairs(const TaskRun& run, const CheckedWorldPtr& world,
@@ -87,60 +55,30 @@ std::string describe_contact(const CollisionChecker& checker, const Configuratio
 
 namespace {
 
-/// Motions out of the contact of a held object at one end of a line.
-class ContactExit {
- public:
-  ContactExit(TaskRun& run, const CheckedWorldPtr& world, const LineTask& line)
-      : run_(run),
-        world_(world),
-        line_(line),
-        motions_(checker().robot(), checker().scene(), checker().margin(),
-                 end_tolerances(run.settings.solve)) {}
+/// States of a motion out of contact.
+constexpr int kExitStates = 16;
 
-  /// True if what touches at the end of the line may be left there.
-  bool may_begin() {
-    motions_.check_exactly(motions_.touching(line_.q));
-    const std::vector<Touch> touches = motions_.touching(line_.q);
-    return std::ranges::all_of(
-        touches, [&](const Touch& touch) { return motions_.may_leave(touch, line_.is_start); });
-  }
+EndExit make_exit(const TaskRun& run, const CollisionChecker& checker, bool is_start) {
+  return {checker, end_tolerances(run.settings.solve), is_start, kExitStates};
+}
 
-  /// The configuration that the given share of the stretch farther is free of contact.
-  std::optional<Configuration> find_inside(double share) {
-    const Robot& robot = checker().robot();
-    Transform pose = robot.link_poses(line_.q)[as_index(*robot.find_link(line_.link))];
-    const Vec3 way = line_.X_WL.translation - pose.translation;
-    if (way.norm() == 0) return std::nullopt;
-    const double length = share * std::min(motions_.longest_stretch(), way.norm());
-    pose.translation += length * way.normalized();
-    auto inside = reach_nearby(checker(), line_.link, pose, line_.q);
-    ++run_.states;
-    if (!inside || robot.describe_violation(*inside, "")) return std::nullopt;
-    if (!is_clear_by_exact_geometry(checker(), *inside)) return std::nullopt;
-    return inside;
-  }
-
-  /// True if the motion between the line's end and `inside` only leaves the contact.
-  bool is_left_by(const Configuration& inside) {
-    const auto passes = [&](int states) {
-      run_.states += static_cast<std::uint64_t>(states);
-      return motions_.is_left_by(line_.q, inside, line_.is_start, states,
-                                 room_between(checker(), line_.q, inside, states));
-    };
-    return passes(kFewStates) || passes(kManyStates);
-  }
-
- private:
-  /// States of the motion; many where other links are near.
-  static constexpr int kFewStates = 16, kManyStates = 256;
-
-  [[nodiscard]] const CollisionChecker& checker() const { return world_->checker; }
-
-  TaskRun& run_;
-  const CheckedWorldPtr& world_;
-  const LineTask& line_;
-  EndMotions motions_;
-};
+/// The configuration that the given share of the stretch farther is free of contact.
+std::optional<Configuration> find_inside(TaskRun& run, const CollisionChecker& checker,
+                                         const EndExit& exit, const LineTask& line, double share) {
+  const Robot& robot = checker.robot();
+  PoseGoal goal;
+  goal.link = line.link;
+  goal.pose = robot.link_poses(line.q)[as_index(*robot.find_link(line.link))];
+  const Vec3 way = line.X_WL.translation - goal.pose.translation;
+  if (way.norm() == 0) return std::nullopt;
+  const double length = share * std::min(exit.motions().longest_stretch(), way.norm());
+  goal.pose.translation += length * way.normalized();
+  auto inside = exit.reach(goal, line.q, 1);
+  ++run.states;
+  if (!inside || robot.describe_violation(*inside, "")) return std::nullopt;
+  if (!is_clear_by_exact_geometry(checker, *inside)) return std::nullopt;
+  return inside;
+}
 
 tl::expected<Path, Failure> plan_rest(TaskRun& run, const CollisionChecker& checker,
                                       const LineTask& line, const Configuration& from) {
@@ -168,20 +106,25 @@ tl::expected<FollowedLine, Failure> follow_out_of_contact(TaskRun& run,
                                                           const CheckedWorldPtr& world,
                                                           const LineTask& line) {
   Failure failure{DropReason::contact, {}};
-  std::optional<ContactExit> made;
-  if (run.may_touch_at_ends(world->world)) made.emplace(run, world, line);
-  if (made && made->may_begin()) {
-    ContactExit& exit = *made;
+  EndExit exit = make_exit(run, world->checker, line.is_start);
+  const bool may_touch = run.may_touch_at_ends(world->world);
+  const std::vector<Touch> touches = may_touch ? exit.find_touches(line.q) : std::vector<Touch>();
+  if (may_touch && exit.may_leave(touches)) {
     for (const double share : kShares) {
-      const auto inside = exit.find_inside(share);
+      const auto inside = find_inside(run, world->checker, exit, line, share);
       if (!inside) continue;
       const CheckedWorldPtr exact = with_exact_pairs(run, world, *inside);
       auto rest = plan_rest(run, exact->checker, line, *inside);
       if (!rest) return tl::unexpected(rest.error());
       // Exact distances cost more than the rest of the line.
-      if (!exit.is_left_by(*inside)) continue;
+      run.states += kExitStates;
+      if (!exit.is_left_by(line.q, *inside)) continue;
       rest->insert(rest->begin(), line.q);
-      return FollowedLine{exact, *std::move(rest)};
+      FollowedLine followed{exact, *std::move(rest), {}};
+      for (const Touch& touch : touches) {
+        if (touch.distance <= 0) followed.touches.push_back(exit.describe(touch));
+      }
+      return followed;
     }
   }
   if (line.has_reason) failure.what = describe_contact(world->checker, line.q);
@@ -194,8 +137,8 @@ bool may_stand(TaskRun& run, const CheckedWorldPtr& world, const Configuration& 
   ++run.states;
   if (is_clear_by_exact_geometry(world->checker, q)) return true;
   if (!run.may_touch_at_ends(world->world)) return false;
-  const LineTask here{"", q, {}, false};
-  return ContactExit(run, world, here).may_begin();
+  EndExit exit = make_exit(run, world->checker, false);
+  return exit.may_leave(exit.find_touches(q));
 }
 
 tl::expected<FollowedLine, Failure> follow_line(TaskRun& run, const CheckedWorldPtr& world,
@@ -205,12 +148,12 @@ tl::expected<FollowedLine, Failure> follow_line(TaskRun& run, const CheckedWorld
   if (is_clear(world->checker, line.q)) {
     auto path = plan_rest(run, world->checker, line, line.q);
     if (!path) return tl::unexpected(path.error());
-    followed = FollowedLine{world, *std::move(path)};
+    followed = FollowedLine{world, *std::move(path), {}};
   } else if (is_clear_by_exact_geometry(world->checker, line.q)) {
     const CheckedWorldPtr exact = with_exact_pairs(run, world, line.q);
     auto path = plan_rest(run, exact->checker, line, line.q);
     if (!path) return tl::unexpected(path.error());
-    followed = FollowedLine{exact, *std::move(path)};
+    followed = FollowedLine{exact, *std::move(path), {}};
   } else {
     followed = follow_out_of_contact(run, world, line);
   }

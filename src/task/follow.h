@@ -7,6 +7,7 @@
 #include "mneme/collision.h"
 #include "mneme/line.h"
 
+#include "task/floating_body.h"
 #include "task/world.h"
 
 #include <algorithm>
@@ -40,6 +41,8 @@ struct TaskRun {
   [[nodiscard]] int seeds() const { return 16 << std::min(2 * round, 16); }
   /// Steps along a line before it counts as impossible in this round.
   [[nodiscard]] int line_steps() const { return round == 0 ? 40 : LineSettings().line_steps; }
+  /// The first round asks spheres alone.
+  [[nodiscard]] BodySettings body_settings() const { return {settings.solve.isa, round > 0}; }
   /// Solutions to try per alternative in this round.
   [[nodiscard]] int branches() const {
     return round == 0 ? std::min(2, settings.branches) : settings.branches;
@@ -78,8 +81,9 @@ struct LineTask {
 [[nodiscard]] bool may_stand(TaskRun& run, const CheckedWorldPtr& world, const Configuration& q);
 
 struct FollowedLine {
-  CheckedWorldPtr world;  ///< as checked
-  Path path;              ///< from `q` on, or up to `q` unless LineTask::is_start
+  CheckedWorldPtr world;                  ///< as checked
+  Path path;                              ///< from `q` on, or up to `q` unless LineTask::is_start
+  std::vector<std::string> touches = {};  ///< contacts at `q`, for people
 };
 /// Returns the path of the line, proven free, or why there is none. If a held object touches
 /// something at `q`, the first motion from there leaves the contact within allow-at-ends.

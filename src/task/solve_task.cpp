@@ -8,6 +8,7 @@
 #include "base/as_index.h"
 #include "base/check_ranges.h"
 #include "base/fail.h"
+#include "planning/end_contacts.h"
 #include "task/alternatives.h"
 #include "task/task_memory.h"
 
@@ -31,6 +32,7 @@ struct Entry {
   std::shared_ptr<const Problem> problem;
   Path path;
   std::uint64_t states = 0;
+  std::vector<std::string> notes = {};
 };
 
 /// A group on the way from the first to the last.
@@ -46,7 +48,7 @@ struct Level {
 struct TaskPlan {
   std::vector<Candidate> candidates;
   std::vector<Entry> entries;
-  double duration_s = std::numeric_limits<double>::infinity();
+  double path_time_s = std::numeric_limits<double>::infinity();
 };
 
 class TaskSearch {
@@ -71,14 +73,24 @@ class TaskSearch {
   bool advance();
   Result<bool> plan_moves();
   Result<bool> plan_move(std::size_t level);
-  Problem problem_of(std::size_t level) const;
+  Problem problem_of(std::size_t level, const Configuration& goal) const;
+  Result<bool> refuse_start(TaskResult& result);
+  /// Paths that may fail from one configuration in this round.
+  [[nodiscard]] int siblings() const { return run_.settings.siblings << std::min(run_.round, 8); }
   [[nodiscard]] double bound() const;
   void keep_plan();
+  [[nodiscard]] SolveSettings move_settings() const;
+  void take_path(const SolveResult& solved, Entry& entry) const;
+  void compare_plans(int most);
+  void polish_best();
   void improve_until_over();
   void remember(TaskResult& result) const;
   void refuse(End end, TaskResult& result) const;
   void describe_stages(TaskResult& result) const;
+  [[nodiscard]] StageResult describe_stage(int i, int alternative) const;
+  void add_stage(StageResult stage, int i, TaskResult& result) const;
   void add_stages(TaskResult& result) const;
+  [[nodiscard]] std::string describe_choice(const Group& group, int stage) const;
   [[nodiscard]] std::string describe_failure() const;
   [[nodiscard]] int count_of(int stage) const;
   [[nodiscard]] const CheckedWorldPtr& world_before(std::size_t level) const;
@@ -93,8 +105,10 @@ class TaskSearch {
   std::vector<Level> levels_;
   std::optional<TaskPlan> best_;
   std::uint64_t iterations_ = 0, move_states_ = 0;
-  bool has_failed_paths_ = false;
-  std::size_t deepest_ = 0;  ///< deepest group that was tried
+  PlanStatus move_status_ = PlanStatus::solved;  ///< of the last move
+  bool is_improving_ = false;                    ///< moves are planned to be short
+  bool has_failed_paths_ = false;                ///< for lack of iterations
+  std::size_t deepest_ = 0;                      ///< deepest group that was tried
   int plans_ = 0;
 };
 
@@ -127,7 +141,7 @@ bool TaskSearch::advance() {
     Level& last = levels_.back();
     last.entry.reset();
     last.candidate = last.alternatives->next();
-    if (last.candidate && (!best_ || bound() < best_->duration_s)) {
+    if (last.candidate && (!best_ || bound() < best_->path_time_s)) {
       last.has_candidates = true;
       return true;
     }
@@ -180,19 +194,25 @@ Result<bool> TaskSearch::plan_moves() {
   for (std::size_t i = 0; i < levels_.size(); ++i) {
     if (levels_[i].entry) continue;
     if (MNEME_TRY(plan_move(i))) {
-      if (!best_ || bound() < best_->duration_s) continue;
+      if (!best_ || bound() < best_->path_time_s) continue;
       levels_.resize(i + 1);
       return false;
     }
-    has_failed_paths_ = true;
+    if (move_status_ == PlanStatus::invalid_start) {
+      // Other candidates of this level begin at the same configuration.
+      levels_.resize(i);
+      return false;
+    }
     levels_.resize(i + 1);
-    if (++levels_[i].failures >= run_.settings.siblings && i > 0) levels_.resize(i);
+    if (move_status_ == PlanStatus::invalid_goal) return false;
+    if (++levels_[i].failures >= siblings() && i > 0) levels_.resize(i);
     return false;
   }
   return true;
 }
 
-Problem TaskSearch::problem_of(std::size_t level) const {
+/// The move from the end of the level before to `goal`.
+Problem TaskSearch::problem_of(std::size_t level, const Configuration& goal) const {
   const Task& task = run_.task;
   const CheckedWorldPtr& world = world_before(level);
   Problem problem{task.name,
@@ -200,7 +220,7 @@ Problem TaskSearch::problem_of(std::size_t level) const {
                   task.robot_path,
                   world->checker.scene(),
                   end_before(level),
-                  {levels_[level].candidate->begin},
+                  {goal},
                   {}};
   problem.constraints = task.constraints;
   if (groups_[level].move) {
@@ -211,31 +231,57 @@ Problem TaskSearch::problem_of(std::size_t level) const {
   return problem;
 }
 
+SolveSettings TaskSearch::move_settings() const {
+  constexpr std::uint64_t kImproveRounds = 4;
+  SolveSettings settings = run_.settings.solve;
+  PlanSettings& plan = settings.plan;
+  plan.timeout_s = run_.remaining_s();
+  plan.max_iterations = std::min(iterations_, plan.max_iterations.value_or(iterations_));
+  plan.improve = is_improving_ ? run_.remaining_s() : 0;
+  plan.improve_rounds.reset();
+  if (is_improving_) plan.improve_rounds = kImproveRounds;
+  if (is_improving_) plan.minimize_time = true;
+  return settings;
+}
+
+/// Takes the path of a move, and the scene as it was checked: with pairs that count by exact
+/// geometry only.
+void TaskSearch::take_path(const SolveResult& solved, Entry& entry) const {
+  if (solved.scene) {
+    Problem checked = *entry.problem;
+    checked.scene = *solved.scene;
+    entry.problem = std::make_shared<const Problem>(std::move(checked));
+  }
+  entry.path = solved.plan.path;
+  entry.path.back() = run_.task.robot.turned_near(entry.problem->goals.front(), entry.path.back());
+  entry.states = solved.plan.states_checked;
+}
+
 Result<bool> TaskSearch::plan_move(std::size_t level) {
   Entry entry;
   if (!groups_[level].move) {
     levels_[level].entry = std::move(entry);
     return true;
   }
-  auto problem = std::make_shared<Problem>(problem_of(level));
-  SolveSettings settings = run_.settings.solve;
-  settings.plan.timeout_s = run_.remaining_s();
-  settings.plan.max_iterations =
-      std::min(iterations_, settings.plan.max_iterations.value_or(iterations_));
-  settings.plan.improve = 0;
-  settings.plan.improve_rounds.reset();
-  SolveResult solved = MNEME_TRY(mneme::solve(*problem, database_, settings));
+  auto problem = std::make_shared<Problem>(problem_of(level, levels_[level].candidate->begin));
+  SolveResult solved = MNEME_TRY(mneme::solve(*problem, database_, move_settings()));
   move_states_ += solved.plan.states_checked;
+  move_status_ = solved.plan.status;
   if (!solved.plan.is_solved()) {
-    drops_.add(*groups_[level].move, {DropReason::path, solved.plan.message});
+    drops_.add(*groups_[level].move, {DropReason::path, solved.plan.message},
+               levels_[level].candidate->alternative);
+    // More iterations do not mend ends.
+    const bool is_refused =
+        move_status_ == PlanStatus::invalid_start || move_status_ == PlanStatus::invalid_goal;
+    has_failed_paths_ = has_failed_paths_ || !is_refused;
     return false;
   }
-  // The scene as it was checked: with pairs that count by exact geometry only.
-  if (solved.scene) problem->scene = *std::move(solved.scene);
+  for (const std::string& note : solved.notes) {
+    entry.notes.push_back(
+        fmt::format("stage '{}': {}", stage_name(run_.task, *groups_[level].move), note));
+  }
   entry.problem = std::move(problem);
-  entry.path = std::move(solved.plan.path);
-  entry.path.back() = run_.task.robot.turned_near(entry.problem->goals.front(), entry.path.back());
-  entry.states = solved.plan.states_checked;
+  take_path(solved, entry);
   levels_[level].entry = std::move(entry);
   return true;
 }
@@ -243,27 +289,70 @@ Result<bool> TaskSearch::plan_move(std::size_t level) {
 void TaskSearch::keep_plan() {
   ++plans_;
   TaskPlan plan;
-  plan.duration_s = bound();
+  plan.path_time_s = bound();
   for (const Level& level : levels_) {
     plan.candidates.push_back(*level.candidate);
     plan.entries.push_back(*level.entry);
   }
-  if (!best_ || plan.duration_s < best_->duration_s) best_ = std::move(plan);
+  if (!best_ || plan.path_time_s < best_->path_time_s) best_ = std::move(plan);
 }
 
-void TaskSearch::improve_until_over() {
-  run_.end_s = std::min(run_.end_s, run_.stopwatch.elapsed_s() + run_.settings.improve);
-  const int most = run_.settings.improve_plans.value_or(std::numeric_limits<int>::max());
-  while (!run_.is_over() && plans_ < most && advance()) {
+/// Finds complete choices that take less time than the best one, until `most` plans were found.
+void TaskSearch::compare_plans(int most) {
+  while (!run_.is_over() && plans_ < most) {
     const Result<End> end = search();
-    if (!end || *end != End::plan) break;
+    if (!end || *end != End::plan || !advance()) break;
   }
+}
+
+/// Plans the moves of the best choice again, with improvement.
+void TaskSearch::polish_best() {
+  is_improving_ = true;
+  for (std::size_t i = 0; i < groups_.size() && !run_.is_over(); ++i) {
+    Entry& entry = best_->entries[i];
+    if (!entry.problem) continue;
+    const auto solved = mneme::solve(*entry.problem, database_, move_settings());
+    if (!solved) return;
+    move_states_ += solved->plan.states_checked;
+    if (!solved->plan.is_solved()) continue;
+    const double gain =
+        path_time(run_.task.robot, entry.path) - path_time(run_.task.robot, solved->plan.path);
+    if (gain <= 0) continue;
+    take_path(*solved, entry);
+    best_->path_time_s -= gain / run_.task.stages[as_index(*groups_[i].move)].speed;
+  }
+}
+
+/// Half of the effort compares choices with the first paths of their moves. Then moves are
+/// improved: those of the best choice, and those of all choices that may still be better.
+void TaskSearch::improve_until_over() {
+  const double begin_s = run_.stopwatch.elapsed_s();
+  const double end_s = std::min(run_.end_s, begin_s + run_.settings.improve);
+  const auto& limit = run_.settings.improve_plans;
+  const int most = limit.value_or(std::numeric_limits<int>::max());
+  run_.end_s = limit ? end_s : 0.5 * (begin_s + end_s);
+  if (advance()) compare_plans(limit ? (most + 1) / 2 : most);
+  run_.end_s = end_s;
+  polish_best();
+  levels_.clear();
+  compare_plans(most);
 }
 
 int TaskSearch::count_of(int stage) const {
   const Stage& at = run_.task.stages[as_index(stage)];
   const std::size_t all = at.configurations.size() + at.regions.size() + at.poses.poses.size();
   return static_cast<int>(all);
+}
+
+/// The alternatives that drops at the stage count: its own, or those of the choice near it.
+std::string TaskSearch::describe_choice(const Group& group, int stage) const {
+  if (const int count = count_of(stage); count > 0) {
+    return count > 1 ? fmt::format(" of {} alternatives", count) : "";
+  }
+  const int count = group.anchor ? count_of(*group.anchor) : 0;
+  if (count < 2) return "";
+  return fmt::format(" {} {} alternatives of '{}'", stage < *group.anchor ? "before" : "after",
+                     count, stage_name(run_.task, *group.anchor));
 }
 
 /// The deepest stage at which something was dropped, with its reasons.
@@ -275,9 +364,8 @@ std::string TaskSearch::describe_failure() const {
   for (const int stage : stages) {
     const std::vector<Dropped> all = drops_.of_stage(stage);
     if (all.empty()) continue;
-    text += fmt::format("{}stage '{}'", text.empty() ? "" : "; ", stage_name(run_.task, stage));
-    if (const int count = count_of(stage); count > 1)
-      text += fmt::format(" of {} alternatives", count);
+    text += fmt::format("{}stage '{}'{}", text.empty() ? "" : "; ", stage_name(run_.task, stage),
+                        describe_choice(group, stage));
     std::string reasons;
     for (const Dropped& dropped : all) {
       reasons += reasons.empty() ? ": " : ", ";
@@ -293,58 +381,67 @@ std::string TaskSearch::describe_failure() const {
 void TaskSearch::describe_stages(TaskResult& result) const {
   for (int i = 0; i < static_cast<int>(run_.task.stages.size()); ++i) {
     if (!drops_.has_any(i)) continue;
-    StageResult stage;
-    stage.name = stage_name(run_.task, i);
-    stage.kind = run_.task.stages[as_index(i)].kind;
-    stage.alternatives = count_of(i);
-    stage.dropped = drops_.of_stage(i);
-    result.stages.push_back(std::move(stage));
+    result.stages.push_back(describe_stage(i, -1));
   }
+}
+
+StageResult TaskSearch::describe_stage(int i, int alternative) const {
+  StageResult stage;
+  stage.name = stage_name(run_.task, i);
+  stage.kind = run_.task.stages[as_index(i)].kind;
+  stage.alternatives = count_of(i);
+  stage.alternative = alternative;
+  stage.dropped = drops_.of_stage(i, alternative);
+  return stage;
+}
+
+void TaskSearch::add_stage(StageResult stage, int i, TaskResult& result) const {
+  const Robot& robot = run_.task.robot;
+  const double speed = run_.task.stages[as_index(i)].speed;
+  stage.path_time_s = path_time(robot, stage.path) / speed;
+  if (stage.gripper) {
+    stage.path_time_s += path_time(stage.gripper->world->robot, stage.gripper->path) / speed;
+  }
+  // Continuous joints do not jump between stages.
+  if (!result.stages.empty()) {
+    stage.path = unwrapped(robot, std::move(stage.path), result.stages.back().path.back());
+  }
+  result.stages.push_back(std::move(stage));
 }
 
 void TaskSearch::add_stages(TaskResult& result) const {
   const Task& task = run_.task;
-  const auto describe = [&](int i, int alternative) {
-    StageResult stage;
-    stage.name = stage_name(task, i);
-    stage.kind = task.stages[as_index(i)].kind;
-    stage.alternatives = count_of(i);
-    stage.alternative = alternative;
-    stage.dropped = drops_.of_stage(i);
-    return stage;
-  };
-  const auto add = [&](StageResult stage, int i) {
-    stage.time_s = path_time(task.robot, stage.path) / task.stages[as_index(i)].speed;
-    // Continuous joints do not jump between stages.
-    if (!result.stages.empty()) {
-      stage.path = unwrapped(task.robot, std::move(stage.path), result.stages.back().path.back());
-    }
-    result.stages.push_back(std::move(stage));
-  };
   for (std::size_t k = 0; k < groups_.size(); ++k) {
     const Candidate& candidate = best_->candidates[k];
     const Group& group = groups_[k];
     if (group.move) {
-      StageResult move = describe(*group.move, group.is_line_anchor ? -1 : candidate.alternative);
-      move.world = best_->entries[k].problem;
-      move.path = best_->entries[k].path;
-      move.states_checked = best_->entries[k].states;
-      add(std::move(move), *group.move);
+      const Entry& entry = best_->entries[k];
+      StageResult move =
+          describe_stage(*group.move, group.is_line_anchor ? -1 : candidate.alternative);
+      move.world = entry.problem;
+      move.path = entry.path;
+      move.states_checked = entry.states;
+      result.notes.insert(result.notes.end(), entry.notes.begin(), entry.notes.end());
+      add_stage(std::move(move), *group.move, result);
     }
     for (const LocalStage& local : candidate.stages) {
       const bool is_anchor = group.is_line_anchor && local.stage == *group.anchor;
       StageResult stage =
-          describe(local.stage, is_anchor ? candidate.alternative : local.alternative);
-      const World& world = local.world->world;
+          describe_stage(local.stage, is_anchor ? candidate.alternative : local.alternative);
       stage.path = local.path;
+      stage.gripper = local.gripper;
+      for (const std::string& touch : local.touches) {
+        result.notes.push_back(fmt::format("stage '{}' ends in contact: {}", stage.name, touch));
+      }
+      const CheckedWorld& world = *local.world;
       stage.world = std::make_shared<const Problem>(Problem{task.name,
-                                                            world.robot,
+                                                            world.world.robot,
                                                             task.robot_path,
-                                                            local.world->checker.scene(),
+                                                            world.checker.scene(),
                                                             stage.path.front(),
                                                             {stage.path.back()},
                                                             {}});
-      add(std::move(stage), local.stage);
+      add_stage(std::move(stage), local.stage, result);
     }
   }
 }
@@ -373,7 +470,25 @@ void TaskSearch::remember(TaskResult& result) const {
   for (const Candidate& candidate : best_->candidates) anchors.push_back(candidate.anchor);
   if (const auto stored = memory_.remember(anchors, run_.task.name); !stored) {
     result.notes.push_back("the choices were not remembered: " + stored.error().message);
+  } else {
+    result.is_remembered = *stored;
   }
+}
+
+/// Refuses a start from which no move may begin: before any search, as solve() does.
+Result<bool> TaskSearch::refuse_start(TaskResult& result) {
+  if (!groups_.front().move) return false;
+  const Problem stay = problem_of(0, run_.task.start);
+  ++run_.states;
+  if (stay.constraints.empty() && is_clear(first_world_->checker, stay.start)) return false;
+  SolveSettings settings = run_.settings.solve;
+  settings.remember_after.reset();
+  const SolveResult solved = MNEME_TRY(mneme::solve(stay, database_, settings));
+  if (solved.plan.status != PlanStatus::invalid_start) return false;
+  result.status = solved.plan.status;
+  result.message = fmt::format("stage '{}': {}", stage_name(run_.task, *groups_.front().move),
+                               solved.plan.message);
+  return true;
 }
 
 void TaskSearch::refuse(End end, TaskResult& result) const {
@@ -394,13 +509,14 @@ Result<TaskResult> TaskSearch::solve() {
   TaskResult result;
   first_world_ = MNEME_TRY(check_world(first_world(run_.task), run_));
   result.remembered_rows = memory_.rows();
+  if (MNEME_TRY(refuse_start(result))) return result;
   const End end = MNEME_TRY(search_in_rounds());
   if (best_) {
     result.status = PlanStatus::solved;
     result.first_plan_time_s = run_.stopwatch.elapsed_s();
-    result.first_duration_s = best_->duration_s;
+    result.first_path_time_s = best_->path_time_s;
     if (run_.settings.improve > 0) improve_until_over();
-    result.duration_s = best_->duration_s;
+    result.path_time_s = best_->path_time_s;
     add_stages(result);
     remember(result);
   } else {

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "task/task_input.h"
+
 #include "mneme/goal.h"
-#include "mneme/task.h"
 
 #include "base/files.h"
 #include "problem/problem_input.h"
@@ -10,7 +11,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
+#include <numbers>
 #include <utility>
 
 namespace mneme {
@@ -44,6 +47,13 @@ std::vector<Transform> read_variation(const Input& input) {
     input.at("count").fail_expecting("a whole number from 1 to {}", kMostPoses);
   }
   const double from = input.at("from").finite_number(), to = input.at("to").finite_number();
+  constexpr double kWholeTurn = 2 * std::numbers::pi + 1e-3;
+  if (turn && std::max(std::abs(from), std::abs(to)) > kWholeTurn) {
+    input.fail(ErrorCode::invalid,
+               "turns from {} to {} go beyond a whole turn: expected radians; degrees are {:.4f} "
+               "to {:.4f} rad",
+               from, to, from * std::numbers::pi / 180, to * std::numbers::pi / 180);
+  }
   std::vector<Transform> all;
   for (std::uint64_t i = 0; i < *count; ++i) {
     const double share = *count == 1 ? 0 : static_cast<double>(i) / static_cast<double>(*count - 1);
@@ -250,16 +260,34 @@ Task read_task(const std::string& path, const ProblemOptions& options) {
             std::move(problem.constraints),
             std::move(problem.warnings),
             std::move(problem.files)};
-  StageReader reader(task.robot, read_frame(input, task.robot));
-  const std::vector<Input> stages = input.at("stages").items();
-  for (const Input& stage : stages) task.stages.push_back(reader.read(stage));
-  if (const auto checked = check_task(task); !checked) {
-    input.at("stages").fail(checked.error().code, checked.error().message);
-  }
+  const Input stages = input.at("stages");
+  task.stages = read_stages(stages, task.robot, read_frame(input, task.robot));
+  check_stages(stages, task);
   return task;
 }
 
 }  // namespace
+
+std::vector<Stage> read_stages(const Input& list, const Robot& robot, const Transform& X_RF) {
+  StageReader reader(robot, X_RF);
+  std::vector<Stage> stages;
+  std::size_t poses = 0;
+  for (const Input& input : list.items()) {
+    stages.push_back(reader.read(input));
+    poses += stages.back().poses.poses.size();
+    if (poses > kMostPoses) {
+      input.fail(ErrorCode::invalid, "expected at most {} poses in all stages", kMostPoses);
+    }
+  }
+  return stages;
+}
+
+void check_stages(const Input& list, const Task& task) {
+  if (const auto checked = check_task(task); !checked) {
+    list.fail(checked.error().code, checked.error().message);
+  }
+}
+
 }  // namespace internal
 
 Result<Task> load_task(const std::string& path, const ProblemOptions& options) {
@@ -270,11 +298,7 @@ Result<std::vector<Stage>> parse_stages(const std::string& text, const std::stri
                                         const Robot& robot) {
   return internal::without_throwing([&] {
     const internal::InputValue value = internal::parse_yaml(text, source);
-    internal::StageReader reader(robot, {});
-    std::vector<Stage> stages;
-    const std::vector<internal::Input> items = internal::Input(value, source).items();
-    for (const internal::Input& stage : items) stages.push_back(reader.read(stage));
-    return stages;
+    return internal::read_stages(internal::Input(value, source), robot, {});
   });
 }
 

@@ -106,9 +106,9 @@ Remembered TaskMemory::rank(std::size_t group, const World& world,
   return remembered;
 }
 
-Result<void> TaskMemory::remember(const std::vector<Configuration>& anchors,
+Result<bool> TaskMemory::remember(const std::vector<Configuration>& anchors,
                                   const std::string& name) const {
-  if (database_ == nullptr || object_.empty()) return {};
+  if (database_ == nullptr || object_.empty()) return false;
   Experience row;
   row.kind = kTaskRows;
   row.key = key();
@@ -120,7 +120,7 @@ Result<void> TaskMemory::remember(const std::vector<Configuration>& anchors,
   row.provenance = {"mneme " + std::string(version()), "solved task " + name, 0, {}};
   std::vector<Experience> rows;
   rows.push_back(std::move(row));
-  return database_->insert_later(std::move(rows));
+  return database_->insert_later(std::move(rows)).map([] { return true; });
 }
 
 }  // namespace mneme::internal

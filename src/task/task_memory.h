@@ -24,9 +24,9 @@ class TaskMemory {
                                 const std::vector<Transform>& targets, std::size_t first,
                                 const std::string& link) const;
 
-  /// Queues the anchors of a plan, one configuration per group, to be stored. Errors: as of
-  /// Database::insert_later().
-  [[nodiscard]] Result<void> remember(const std::vector<Configuration>& anchors,
+  /// Queues the anchors of a plan, one configuration per group, to be stored. Returns false if
+  /// there is no database or no object. Errors: as of Database::insert_later().
+  [[nodiscard]] Result<bool> remember(const std::vector<Configuration>& anchors,
                                       const std::string& name) const;
 
  private:

@@ -24,6 +24,24 @@ Json dropped_json(const std::vector<Dropped>& all) {
   return list;
 }
 
+/// The fingers move as fast as their own limits allow.
+Result<Trajectory> time_gripper(const GripperMotion& gripper, const SolveSettings& settings,
+                                const TrajectorySettings& timing, double speed) {
+  RateLimits limits = MNEME_TRY(find_rate_limits(gripper.world->robot, timing));
+  for (double& value : limits.velocity) value *= speed;
+  return make_trajectory(*gripper.world, settings, gripper.path, limits, timing);
+}
+
+Json gripper_json(const GripperMotion& gripper) {
+  Json json = Json::object();
+  const std::vector<std::string> names = gripper.world->robot.joint_names();
+  const Configuration &from = gripper.path.front(), &to = gripper.path.back();
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    if (from[j] != to[j]) json[names[j]] = {from[j], to[j]};
+  }
+  return json;
+}
+
 }  // namespace
 
 Result<TaskMotion> time_task(const Task& task, const TaskResult& result,
@@ -37,6 +55,14 @@ Result<TaskMotion> time_task(const Task& task, const TaskResult& result,
     const StageResult& stage = result.stages[i];
     begins_s.push_back(end_s);
     stages.emplace_back();
+    if (stage.gripper) {
+      Trajectory motion =
+          MNEME_TRY(time_gripper(*stage.gripper, settings, timing, task.stages[i].speed));
+      stretches.push_back({end_s, stage.path.back()});  // the group rests
+      end_s += motion.duration_s();
+      stages.back() = std::move(motion);
+      continue;
+    }
     if (stage.path.size() < 2) continue;
     RateLimits slower = limits;
     for (double& value : slower.velocity) value *= task.stages[i].speed;
@@ -58,29 +84,34 @@ Result<TaskMotion> time_task(const Task& task, const TaskResult& result,
                     std::move(begins_s), std::move(stages)};
 }
 
-std::string to_json(const Task& task, const TaskResult& result) {
+std::string to_json(const Task& task, const TaskResult& result, const TaskMotion* motion) {
   Json stages = Json::array();
-  for (const StageResult& stage : result.stages) {
-    Json one{{"name", stage.name}, {"kind", to_string(stage.kind)}, {"time_s", stage.time_s}};
+  for (std::size_t i = 0; i < result.stages.size(); ++i) {
+    const StageResult& stage = result.stages[i];
+    Json one{
+        {"name", stage.name}, {"kind", to_string(stage.kind)}, {"path_time_s", stage.path_time_s}};
+    if (motion != nullptr) one["begin_s"] = motion->begins_s[i];
     if (stage.alternatives > 0) one["alternatives"] = stage.alternatives;
     if (stage.alternative >= 0) one["alternative"] = stage.alternative;
     one["dropped"] = dropped_json(stage.dropped);
     one["states_checked"] = stage.states_checked;
     one["path"] = stage.path;
+    if (stage.gripper) one["gripper"] = gripper_json(*stage.gripper);
     stages.push_back(std::move(one));
   }
-  const Json json{{"task", task.name},
-                  {"status", to_string(result.status)},
-                  {"message", result.message},
-                  {"duration_s", result.duration_s},
-                  {"first_duration_s", result.first_duration_s},
-                  {"first_plan_time_s", result.first_plan_time_s},
-                  {"total_time_s", result.total_time_s},
-                  {"states_checked", result.states_checked},
-                  {"plans", result.plans},
-                  {"remembered_rows", result.remembered_rows},
-                  {"stages", stages},
-                  {"notes", result.notes}};
+  Json json{{"task", task.name},
+            {"status", to_string(result.status)},
+            {"message", result.message},
+            {"path_time_s", result.path_time_s},
+            {"first_path_time_s", result.first_path_time_s},
+            {"first_plan_time_s", result.first_plan_time_s},
+            {"total_time_s", result.total_time_s},
+            {"states_checked", result.states_checked},
+            {"plans", result.plans},
+            {"remembered_rows", result.remembered_rows},
+            {"stages", stages},
+            {"notes", result.notes}};
+  if (motion != nullptr) json["duration_s"] = motion->trajectory.duration_s();
   // Names may hold bytes that are not UTF-8.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

@@ -59,13 +59,6 @@ std::pair<double, std::string> distance_to_hand(const Robot& robot, const std::s
 
 Result<World> attached(const World& world, const Stage& stage, const Configuration& q) {
   const Obstacle* obstacle = world.scene.find(stage.object);
-  const auto [gap, nearest] = distance_to_hand(world.robot, stage.carrier, *obstacle, q);
-  if (!(gap <= kFarthestAttach)) {
-    return fail(ErrorCode::invalid,
-                "object '{}' is {:.1f} cm from link '{}', the nearest of the hand; a link attaches "
-                "what is within {:.0f} cm: move there first",
-                stage.object, 100 * gap, nearest, 100 * kFarthestAttach);
-  }
   const Transform X_WL = world.robot.link_poses(q)[as_index(*world.robot.find_link(stage.carrier))];
   AttachedObject object{stage.object, stage.carrier, {}, {}, stage.may_touch};
   for (const Shape& shape : obstacle->shapes) {
@@ -107,6 +100,12 @@ Result<World> detached(const World& world, const Stage& stage, const Configurati
   return next;
 }
 
+/// `robot` with the objects that `other` holds.
+Result<Robot> with_held(const Robot& robot, const Robot& other) {
+  if (other.attached().empty()) return robot;
+  return robot.with_attached({other.attached().begin(), other.attached().end()});
+}
+
 /// As with_joint_values(), once for each robot and values.
 Result<Robot> find_or_make_gripper(const World& world,
                                    const std::map<std::string, double>& values) {
@@ -119,8 +118,7 @@ Result<Robot> find_or_make_gripper(const World& world,
     made.push_back({bare, values, MNEME_TRY(with_joint_values(bare, values))});
     known = std::prev(made.end());
   }
-  if (world.robot.attached().empty()) return known->to;
-  return known->to.with_attached({world.robot.attached().begin(), world.robot.attached().end()});
+  return with_held(known->to, world.robot);
 }
 
 Result<World> with_allowed(const World& world, const Stage& stage) {
@@ -148,10 +146,7 @@ std::vector<std::pair<std::string, std::string>> unchecked_pairs(const Robot& ro
   return pairs;
 }
 
-}  // namespace
-
-Result<Robot> with_joint_values(const Robot& robot, const std::map<std::string, double>& values) {
-  const Robot bare = robot.without_attached();
+Robot::Parts parts_of(const Robot& bare) {
   Robot::Parts parts;
   parts.name = bare.name();
   parts.links.assign(bare.links().begin(), bare.links().end());
@@ -162,17 +157,47 @@ Result<Robot> with_joint_values(const Robot& robot, const std::map<std::string, 
     parts.exact_pairs.emplace_back(bare.links()[as_index(first)].name,
                                    bare.links()[as_index(second)].name);
   }
+  return parts;
+}
+
+/// The options that make the robot again.
+RobotOptions options_of(const Robot& robot) {
   RobotOptions options;
-  options.joints = bare.joint_names();
-  options.fixed_values = values;
-  for (std::size_t i = 0; i < parts.joints.size(); ++i) {
-    const Joint& joint = parts.joints[i];
-    const bool is_planned = std::ranges::count(bare.group(), static_cast<int>(i)) > 0;
+  options.joints = robot.joint_names();
+  for (std::size_t i = 0; i < robot.joints().size(); ++i) {
+    const Joint& joint = robot.joints()[i];
+    const bool is_planned = std::ranges::count(robot.group(), static_cast<int>(i)) > 0;
     if (is_free(joint) && !is_planned) options.fixed_values.emplace(joint.name, joint.fixed_value);
   }
-  const Robot changed = MNEME_TRY(make_robot(std::move(parts), options));
-  if (robot.attached().empty()) return changed;
-  return changed.with_attached({robot.attached().begin(), robot.attached().end()});
+  return options;
+}
+
+}  // namespace
+
+Result<Robot> with_joint_values(const Robot& robot, const std::map<std::string, double>& values) {
+  RobotOptions options = options_of(robot);
+  for (const auto& [joint, value] : values) options.fixed_values[joint] = value;
+  return with_held(MNEME_TRY(make_robot(parts_of(robot.without_attached()), options)), robot);
+}
+
+Result<Robot> find_or_make_wide(const World& world, const std::map<std::string, double>& values) {
+  const Robot bare = world.robot.without_attached();
+  std::vector<GripperRobots::Entry>& made = world.grippers->wide;
+  const auto is_same_joint = [](const auto& a, const auto& b) { return a.first == b.first; };
+  auto known = std::ranges::find_if(made, [&](const GripperRobots::Entry& entry) {
+    return entry.from.identity().lock() == bare.identity().lock() &&
+           std::ranges::equal(entry.values, values, is_same_joint);
+  });
+  if (known == made.end()) {
+    RobotOptions options = options_of(bare);
+    for (const auto& [joint, value] : values) {
+      options.fixed_values.erase(joint);
+      options.joints.push_back(joint);
+    }
+    made.push_back({bare, values, MNEME_TRY(make_robot(parts_of(bare), options))});
+    known = std::prev(made.end());
+  }
+  return with_held(known->to, world.robot);
 }
 
 Transform pose_of(const Shape& shape) {
@@ -193,6 +218,16 @@ World first_world(const Task& task) {
     if (!obstacle.shapes.empty()) world.poses[obstacle.name] = pose_of(obstacle.shapes.front());
   }
   return world;
+}
+
+Result<void> check_near(const World& world, const Stage& stage, const Configuration& q) {
+  const Obstacle* obstacle = world.scene.find(stage.object);
+  const auto [gap, nearest] = distance_to_hand(world.robot, stage.carrier, *obstacle, q);
+  if (gap <= kFarthestAttach) return {};
+  return fail(ErrorCode::invalid,
+              "object '{}' is {:.1f} cm from link '{}', the nearest of the hand; a link attaches "
+              "what is within {:.0f} cm: move there first",
+              stage.object, 100 * gap, nearest, 100 * kFarthestAttach);
 }
 
 Result<World> after_stage(const World& world, const Stage& stage, const Configuration& q) {

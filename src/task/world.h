@@ -31,6 +31,7 @@ struct GripperRobots {
     Robot to;
   };
   std::vector<Entry> made;  ///< without held objects
+  std::vector<Entry> wide;  ///< of find_or_make_wide(), found by the names of `values`
 };
 
 /// Robot and scene at one moment of a task. Immutable once shared.
@@ -50,14 +51,24 @@ using WorldPtr = std::shared_ptr<const World>;
 /// Returns the world at the start of a task.
 [[nodiscard]] World first_world(const Task& task);
 
+/// Error: at `q`, the object of an attach stage is farther than kFarthestAttach from the links that
+/// take it.
+[[nodiscard]] Result<void> check_near(const World& world, const Stage& stage,
+                                      const Configuration& q);
+
 /// Returns the world after an attach, detach, allow or gripper stage at `q`. Errors name no stage:
-/// an object that is not near the carrier; those of Robot::with_attached() and make_robot().
+/// those of Robot::with_attached() and make_robot().
 [[nodiscard]] Result<World> after_stage(const World& world, const Stage& stage,
                                         const Configuration& q);
 
 /// Returns the robot with other values of movable joints outside the group, such as those of
 /// fingers. Errors: those of make_robot(), such as an unknown joint or one of the group.
 [[nodiscard]] Result<Robot> with_joint_values(const Robot& robot,
+                                              const std::map<std::string, double>& values);
+
+/// Returns the world's robot with the joints of `values` in its planning group, too. Keeps it for
+/// the next call. Errors: those of make_robot().
+[[nodiscard]] Result<Robot> find_or_make_wide(const World& world,
                                               const std::map<std::string, double>& values);
 
 /// Largest distance of an object from the links that take it, metres.

@@ -42,6 +42,15 @@ TEST_SUITE("unit") {
         "stage 'b': it stands between a move without a goal and the line");
   }
 
+  TEST_CASE("turns in degrees are refused") {
+    const std::string message = load_failure(
+        stages("{move: {link: panda_hand, to: {vary: [{turn: z, from: -180, to: 180, count: "
+               "9}]}}}"));
+    CHECK_MESSAGE(message.find("turns from -180 to 180 go beyond a whole turn: expected radians; "
+                               "degrees are -3.1416 to 3.1416 rad") != std::string::npos,
+                  message);
+  }
+
   TEST_CASE("alternatives are the product of turns and shifts") {
     const Task task =
         make_task(kCell + stages("{move: {link: panda_hand, to: {position: [0.5, 0, "

@@ -98,6 +98,11 @@ inline void check_plan(const Task& task, const TaskResult& result) {
     CHECK(task.robot.distance(at, stage.path.front()) < 1e-6);
     CHECK(is_path_free(stage.world->robot, stage.world->scene, stage.path, 0.005,
                        end_tolerances(SolveSettings())));
+    if (stage.gripper) {
+      const Problem& moving = *stage.gripper->world;
+      CHECK(is_path_free(moving.robot, moving.scene, stage.gripper->path, 1e-3,
+                         end_tolerances(SolveSettings())));
+    }
     at = stage.path.back();
   }
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "task/small_tasks.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 
@@ -78,7 +80,7 @@ TEST_SUITE("flow") {
     settings.improve_plans = 3;
     const TaskResult result = solved(task, nullptr, settings);
     check_plan(task, result);
-    CHECK(result.duration_s <= result.first_duration_s);
+    CHECK(result.path_time_s <= result.first_path_time_s);
   }
 
   std::string dropped_of(const TaskResult& result, const std::string& stage) {
@@ -116,7 +118,7 @@ TEST_SUITE("flow") {
 
   TEST_CASE("grasps that are all in contact are refused with the bodies") {
     const std::string box =
-        "    - {name: box, type: box, position: [0.5, -0.1, 0.35], size: [0.5, 0.5, 0.3]}\n";
+        "    - {name: box, type: box, position: [0.5, -0.1, 0.3], size: [0.26, 0.3, 0.2]}\n";
     const TaskResult result = solved(make_task(kCell + box + kPickAndPlace));
     CHECK(result.status == PlanStatus::invalid_goal);
     CHECK(result.message.find("30 times contact") != std::string::npos);
@@ -163,6 +165,59 @@ TEST_SUITE("flow") {
     CHECK(result.stages[0].world->scene.find("table")->may_touch.empty());
     CHECK(result.stages[1].world->scene.find("table")->may_touch ==
           std::vector<std::string>{"panda_leftfinger"});
+  }
+
+  TEST_CASE("a task whose start breaks a cone is refused before any search") {
+    Task task = make_task(kCell + kPickAndPlace);
+    OrientationConstraint upright;
+    upright.link = "panda_hand";
+    upright.axis = Vec3::UnitX();
+    upright.up = Vec3::UnitZ();
+    upright.angle = 0.2;
+    task.constraints = {upright};
+    TaskSettings settings;
+    settings.solve.plan.timeout_s = 1000;
+    const TaskResult result = solved(task, nullptr, settings);
+    CHECK(result.status == PlanStatus::invalid_start);
+    CHECK_MESSAGE(result.message.find("start: panda_hand is tilted by") != std::string::npos,
+                  result.message);
+    CHECK(result.states_checked < 5000);
+  }
+
+  TEST_CASE("drops count the alternatives that the task has, not their configurations") {
+    // No grasp can be lifted: a lid is 6 cm above the cup.
+    const std::string lid =
+        "    - {name: lid, type: box, position: [0.5, -0.1, 0.37], size: [0.1, 0.1, 0.02]}\n";
+    const TaskResult result = solved(make_task(kCell + lid + kPickAndPlace));
+    REQUIRE(result.status == PlanStatus::invalid_goal);
+    for (const StageResult& stage : result.stages) {
+      INFO(stage.name);
+      for (const Dropped& dropped : stage.dropped) CHECK(dropped.count <= 30);
+    }
+    CHECK_MESSAGE(result.message.find("stage 'lift' after 30 alternatives of 'approach'") !=
+                      std::string::npos,
+                  result.message);
+  }
+
+  TEST_CASE("an object may rest above its support, or a few millimetres in it with a note") {
+    const auto lowered = [](double z) {
+      return solved(
+          make_task(kCell + replaced(kPickAndPlace, "position: [0.45, 0.2, 0.2505]",
+                                     fmt::format("position: [0.45, 0.2, {}]", 0.25 + z))));
+    };
+    for (const double above : {0.008, 0.0005}) {
+      const TaskResult result = lowered(above);
+      INFO(result.message);
+      CHECK(result.is_solved());
+      CHECK(std::ranges::none_of(result.notes, [](const std::string& note) {
+        return note.find("'cup' touches obstacle 'table'") != std::string::npos;
+      }));
+    }
+    const TaskResult inside = lowered(-0.002);
+    REQUIRE_MESSAGE(inside.is_solved(), inside.message);
+    const std::string note = "stage 'lower' ends in contact: 'cup' touches obstacle 'table'";
+    CHECK(std::ranges::count(inside.notes, note) == 1);
+    CHECK_FALSE(lowered(-0.02).is_solved());
   }
 
   TEST_CASE("an object that is not near is not attached") {

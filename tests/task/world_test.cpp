@@ -5,6 +5,8 @@
 #include "task/floating_body.h"
 #include "task/small_tasks.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace mneme::test {
@@ -33,6 +35,21 @@ TEST_SUITE("unit") {
     REQUIRE_FALSE(refused.has_value());
     CHECK(refused.error().message ==
           "stage 'gripper 1': joint 'grip' is to be at 0.6, beyond its limits [0, 0.05]");
+    const auto& gripper = result.stages[0].gripper;
+    REQUIRE(gripper != nullptr);
+    CHECK(gripper->world->robot.joint_names() == std::vector<std::string>{"lift", "turn", "grip"});
+    CHECK(gripper->path == Path{{0, 0, 0}, {0, 0, 0.03}});
+    const auto limits = find_rate_limits(task->robot);
+    REQUIRE(limits.has_value());
+    const auto motion = time_task(*task, result, {}, *limits);
+    REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+    REQUIRE(motion->stages[0].has_value());
+    CHECK(motion->begins_s[1] == doctest::Approx(motion->stages[0]->duration_s()));
+    CHECK(motion->begins_s[1] > 0.03);
+    for (double time = 0; time < motion->begins_s[1]; time += 1e-3) {
+      CHECK(motion->trajectory.at(time).position == task->start);
+      CHECK(motion->stages[0]->at(time).velocity[2] <= 1);
+    }
     const Robot& robot = result.stages[1].world->robot;
     const auto grip = std::ranges::find(robot.joints(), "grip", &Joint::name);
     CHECK(grip->fixed_value == 0.03);
@@ -42,6 +59,31 @@ TEST_SUITE("unit") {
     const Vec3 moved = robot.link_poses(task->start)[finger].translation -
                        task->robot.link_poses(task->start)[finger].translation;
     CHECK(moved.norm() == doctest::Approx(0.03));
+  }
+
+  TEST_CASE("fingers that are free at both ends may not pass through what is in between") {
+    const TemporaryDirectory directory;
+    write_file(directory / "lifter.urdf", kLiftUrdf);
+    const std::string before =
+        "robot: lifter.urdf\ngroup: \"world:arm\"\nstart: [0, 0]\n"
+        "attached: [{name: ball, link: finger, type: sphere, position: [0.3, 0, 0], radius: "
+        "0.004}]\n";
+    const auto solved_with = [&](double away) {
+      // The finger moves along y.
+      write_file(directory / "task.yaml",
+                 before +
+                     fmt::format("scene: {{obstacles: [{{name: pin, type: sphere, position: "
+                                 "[{}, 0.325, 0.5], radius: 0.004}}]}}\n",
+                                 away) +
+                     "stages: [{name: open, gripper: {grip: 0.05}}]\n");
+      const auto task = load_task(directory / "task.yaml");
+      REQUIRE_MESSAGE(task.has_value(), (task ? "" : task.error().message));
+      return solved(*task);
+    };
+    CHECK(solved_with(0.02).is_solved());
+    const TaskResult blocked = solved_with(0);
+    CHECK(blocked.status == PlanStatus::invalid_goal);
+    CHECK(blocked.message == "stage 'open': contact ('ball' with 'pin' while the gripper moves)");
   }
 
   TEST_CASE("an object goes with the hand and stays where it is detached") {
@@ -74,7 +116,7 @@ TEST_SUITE("law") {
   TEST_CASE("a floating hand touches what the hand of the arm touches") {
     const Task task = make_task(kCell + kPickAndPlace);
     const World world = internal::first_world(task);
-    const auto body = FloatingBody::of_link(world, "panda_hand", Isa::automatic);
+    const auto body = FloatingBody::of_link(world, "panda_hand", {});
     REQUIRE(body.has_value());
     const auto checker = CollisionChecker::make(task.robot, task.scene);
     REQUIRE(checker.has_value());

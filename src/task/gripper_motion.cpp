@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "task/gripper_motion.h"
+
+#include "base/as_index.h"
+#include "path/waypoints.h"
+#include "pipeline/end_exit.h"
+#include "planning/end_contacts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace mneme::internal {
+namespace {
+
+/// States of a motion that leaves or enters contact.
+constexpr int kFingerStates = 32;
+
+/// The joints that the stage moves, in the robot's order.
+std::vector<const Joint*> moved_joints(const Robot& robot, const Stage& stage) {
+  std::vector<const Joint*> moved;
+  for (const Joint& joint : robot.joints()) {
+    const auto value = stage.values.find(joint.name);
+    if (value != stage.values.end() && value->second != joint.fixed_value) moved.push_back(&joint);
+  }
+  return moved;
+}
+
+/// The configuration of the wide robot: `q` of the group, and the values of the other joints.
+Configuration widened(const Robot& wide, const Robot& robot, const Configuration& q,
+                      const std::map<std::string, double>& values) {
+  Configuration all;
+  const std::vector<std::string> group = robot.joint_names();
+  for (const std::string& name : wide.joint_names()) {
+    const auto own = std::ranges::find(group, name);
+    if (own != group.end()) {
+      all.push_back(q[as_index(static_cast<int>(own - group.begin()))]);
+    } else if (const auto value = values.find(name); value != values.end()) {
+      all.push_back(value->second);
+    } else {
+      all.push_back(std::ranges::find(robot.joints(), name, &Joint::name)->fixed_value);
+    }
+  }
+  return all;
+}
+
+bool is_motion_clear(const CollisionChecker& checker, const Configuration& from,
+                     const Configuration& to) {
+  const Robot& robot = checker.robot();
+  CheckCounters counters;
+  return is_clear(checker, from) &&
+         checker.is_motion_valid(to_floats(robot.normalized(from)), to_floats(robot.normalized(to)),
+                                 counters, {1, kVerificationMargin});
+}
+
+/// True if the motion only leaves contact at its start, or only enters contact at its end.
+bool is_only_in_contact_at_an_end(const TaskRun& run, const CollisionChecker& checker,
+                                  const Configuration& from, const Configuration& to) {
+  for (const bool is_start : {false, true}) {
+    EndExit exit(checker, end_tolerances(run.settings.solve), is_start, kFingerStates);
+    const Configuration &end = is_start ? from : to, &inside = is_start ? to : from;
+    if (exit.may_leave(exit.find_touches(end)) && exit.is_left_by(end, inside)) return true;
+  }
+  return false;
+}
+
+std::string describe_blocked(const CollisionChecker& checker, const Configuration& from,
+                             const Configuration& to) {
+  constexpr int kSteps = 32;
+  for (int i = 1; i <= kSteps; ++i) {
+    Configuration q = from;
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] += (to[j] - from[j]) * i / kSteps;
+    if (!is_clear(checker, q)) return describe_contact(checker, q) + " while the gripper moves";
+  }
+  return "too near to something while the gripper moves";
+}
+
+}  // namespace
+
+tl::expected<GripperMotionPtr, Failure> move_gripper(TaskRun& run, const CheckedWorld& world,
+                                                     const Stage& stage, const Configuration& q) {
+  const Robot& robot = world.world.robot;
+  if (moved_joints(robot, stage).empty()) return nullptr;
+  const auto invalid = [](const Error& error) {
+    return tl::unexpected(Failure{DropReason::world, error.message});
+  };
+  const auto wide = find_or_make_wide(world.world, stage.values);
+  if (!wide) return invalid(wide.error());
+  const Configuration from = widened(*wide, robot, q, {});
+  const Configuration to = widened(*wide, robot, q, stage.values);
+  const Scene& scene = world.checker.scene();
+  auto checked = make_query_checker(*wide, scene, run.checker_settings(), {from, {to}});
+  if (!checked) return invalid(checked.error());
+  const CollisionChecker& checker = checked->checker;
+  run.states += kFingerStates;
+  const bool is_free =
+      is_motion_clear(checker, from, to) ||
+      (run.may_touch_at_ends(world.world) && is_only_in_contact_at_an_end(run, checker, from, to));
+  if (!is_free) {
+    return tl::unexpected(Failure{DropReason::contact, describe_blocked(checker, from, to)});
+  }
+  return std::make_shared<const GripperMotion>(GripperMotion{
+      std::make_shared<const Problem>(
+          Problem{run.task.name, *wide, run.task.robot_path, checker.scene(), from, {to}, {}}),
+      {from, to}});
+}
+
+}  // namespace mneme::internal
