@@ -238,15 +238,17 @@ Answer Endpoints::plan(const Call& call) {
   return in_turn(call, [&](Work& work) { return plan_in_turn(call, work); });
 }
 
+bool Endpoints::wait_for_threads(const SolveSettings& settings, Work& work) const {
+  const auto planner = find_planner(settings.planner);
+  const bool is_alone = planner && (*planner)->is_exclusive;
+  if (settings.threads > 1 || is_alone) work.wait_again(settings.threads, is_alone);
+  return work.has_turn();
+}
+
 Answer Endpoints::plan_in_turn(const Call& call, Work& work) {
   Result<PlanRequest> request = read_plan_request(call.body, call.query, context());
   if (!request) return refusal(request.error());
-  const auto planner = find_planner(request->settings.planner);
-  const bool is_alone = planner && (*planner)->is_exclusive;
-  if (request->settings.threads > 1 || is_alone) {
-    work.wait_again(request->settings.threads, is_alone);
-    if (!work.has_turn()) return no_turn(call.is_cancelled);
-  }
+  if (!wait_for_threads(request->settings, work)) return no_turn(call.is_cancelled);
 
   request->settings.plan.cancel = &call.is_cancelled;
   if (request->may_remember) request->settings.remember_after = settings_.remember_after;
@@ -298,6 +300,49 @@ Answer Endpoints::answer_plan(PlanRequest request, Outcome outcome, PlanRecorder
   if (request.wants_trace) {
     json["id"] = keep_trace({std::move(request.problem), result, std::move(recorder)});
   }
+  return answer(json);
+}
+
+Answer Endpoints::task(const Call& call) {
+  return in_turn(call, [&](Work& work) { return task_in_turn(call, work); });
+}
+
+Result<TaskResult> Endpoints::solve_remembering(const TaskRequest& request) {
+  const Stopwatch stopwatch;
+  Result<TaskResult> result = solve_task(request.task, database_.get(), request.settings);
+  if (result || database_ == nullptr || is_of_client(result.error().code)) return result;
+  set_failure(&Endpoints::read_failure_, result.error().message);
+  TaskSettings settings = request.settings;
+  double& timeout_s = settings.solve.plan.timeout_s;
+  timeout_s = std::max(0.0, timeout_s - stopwatch.elapsed_s());
+  return solve_task(request.task, nullptr, settings).map([&](TaskResult without) {
+    without.notes.push_back("planned without memory: " + result.error().message);
+    return without;
+  });
+}
+
+Answer Endpoints::task_in_turn(const Call& call, Work& work) {
+  Result<TaskRequest> request = read_task_request(call.body, call.query, context());
+  if (!request) return refusal(request.error());
+  SolveSettings& settings = request->settings.solve;
+  if (!wait_for_threads(settings, work)) return no_turn(call.is_cancelled);
+  settings.plan.cancel = &call.is_cancelled;
+  if (request->may_remember) settings.remember_after = settings_.remember_after;
+  work.go_on();
+  const Result<TaskResult> result = solve_remembering(*request);
+  if (!result) return refusal(result.error());
+  metrics_.add_plan(to_string(result->status), 0);
+  const Task& task = request->task;
+  if (!request->timing || !result->is_solved()) return {200, to_json(task, *result) + "\n"};
+  work.go_on();
+  const auto limits = find_rate_limits(task.robot, *request->timing);
+  if (!limits) return refusal(limits.error());
+  const auto motion = time_task(task, *result, settings, *limits, *request->timing);
+  if (!motion) return refusal(motion.error());
+  const auto points = motion->trajectory.sample(request->timing->dt);
+  if (!points) return refusal(points.error());
+  Json json = Json::parse(to_json(task, *result, &*motion));
+  json["trajectory"] = Json::parse(to_json(task.robot, *points, stage_begins(*result, *motion)));
   return answer(json);
 }
 

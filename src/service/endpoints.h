@@ -59,6 +59,7 @@ class Endpoints {
             LivePage page);
 
   [[nodiscard]] Answer plan(const Call& call);
+  [[nodiscard]] Answer task(const Call& call);
   [[nodiscard]] Answer inverse_kinematics(const Call& call);
   [[nodiscard]] Answer check(const Call& call);
   [[nodiscard]] Answer put_scene(const Call& call);
@@ -99,12 +100,17 @@ class Endpoints {
   /// `work` and all functions that it calls may throw Interrupted.
   [[nodiscard]] Answer in_turn(const Call& call, const std::function<Answer(Work&)>& work);
   [[nodiscard]] Answer plan_in_turn(const Call& call, Work& work);
+  [[nodiscard]] Answer task_in_turn(const Call& call, Work& work);
   [[nodiscard]] Answer inverse_kinematics_in_turn(const Call& call);
   [[nodiscard]] Answer check_in_turn(const Call& call);
   [[nodiscard]] RequestContext context() const;
   /// Returns the answer of a cell, if the request is a task of one.
   [[nodiscard]] std::optional<Outcome> ask_cells(const PlanRequest& request);
   [[nodiscard]] Result<Outcome> solve_remembering(const PlanRequest& request);
+  /// Plans without memory, and says why, if the database does not answer.
+  [[nodiscard]] Result<TaskResult> solve_remembering(const TaskRequest& request);
+  /// Waits for the threads that the settings need. Returns false if the turn was lost.
+  [[nodiscard]] bool wait_for_threads(const SolveSettings& settings, Work& work) const;
   [[nodiscard]] Answer answer_plan(PlanRequest request, Outcome outcome, PlanRecorder recorder,
                                    const PathMeasures* measures, const TimedPath& timed);
   [[nodiscard]] std::string keep_trace(TracedPlan plan);

@@ -6,6 +6,7 @@
 #include "pipeline/settings_input.h"
 #include "problem/problem_input.h"
 #include "scene/scene_input.h"
+#include "task/task_input.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -123,7 +124,8 @@ Scene read_scene_of_request(const Input& input, const std::string& name,
   return scene;
 }
 
-void check_setting_names(const Input& settings, const SolveSettings& all) {
+void check_setting_names(const Input& settings, const SolveSettings& all,
+                         const TaskSettings* task) {
   std::vector<std::string_view> names = {"planner", "sampler", "kind"};
   const auto add = [&](const char* name, const auto&, auto, auto, std::string_view) {
     const std::string_view key = name;
@@ -134,6 +136,7 @@ void check_setting_names(const Input& settings, const SolveSettings& all) {
   visit_settings(all.plan, add);
   visit_settings(all.memory, add);
   visit_settings(all.ik, add);
+  if (task != nullptr) visit_settings(*task, add);
   settings.allow_keys(names);
 }
 
@@ -174,15 +177,18 @@ void check_limits(const Input& input, const SolveSettings& settings,
   }
 }
 
-SolveSettings read_settings(const Input& request, const RequestContext& context) {
+/// Reads also those of a task, if `task` is not null.
+SolveSettings read_settings(const Input& request, const RequestContext& context,
+                            TaskSettings* task = nullptr) {
   SolveSettings settings;
   settings.sampler = context.has_memory ? "gl" : "uniform";
   settings.plan.timeout_s = std::min(settings.plan.timeout_s, context.limits.longest_plan_s);
   settings.plan.max_nodes = context.limits.nodes;
   const auto input = request.find("settings");
   if (!input) return settings;
-  check_setting_names(*input, settings);
+  check_setting_names(*input, settings, task);
   visit_all_settings(settings, SettingsReader(*input));
+  if (task != nullptr) visit_settings(*task, SettingsReader(*input));
   read_names(*input, settings);
   check_limits(*input, settings, context.limits);
   return settings;
@@ -270,6 +276,34 @@ PlanRequest read_plan(const Input& input, std::string_view query, const RequestC
   return request;
 }
 
+TaskRequest read_task(const Input& input, std::string_view query, const RequestContext& context) {
+  input.allow_keys({"name", "robot", "joints", "frame", "scene", "obstacles", "circles", "attached",
+                    "allow", "start", "trajectory", "constraints", "self_filter", "settings",
+                    "remember", "stages"});
+  // Stages take the place of the goals.
+  ProblemOptions options;
+  options.goal = Configuration();
+  Problem problem = read_problem_of_request(input, options, context);
+  TaskRequest request{{std::move(problem.name),
+                       std::move(problem.robot),
+                       std::move(problem.robot_path),
+                       std::move(problem.scene),
+                       std::move(problem.start),
+                       {},
+                       std::move(problem.constraints),
+                       std::move(problem.warnings)},
+                      {},
+                      read_timing(input)};
+  request.settings.solve = read_settings(input, context, &request.settings);
+  read_query(query, request.timing);
+  request.may_remember = read_switch(input, "remember", true);
+  Task& task = request.task;
+  const Input stages = input.at("stages");
+  task.stages = read_stages(stages, task.robot, read_frame(input, context.robot));
+  check_stages(stages, task);
+  return request;
+}
+
 /// Reads the start of inverse kinematics.
 Configuration read_near(const Input& input, const Robot& robot) {
   const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
@@ -345,6 +379,11 @@ void set_obstacle(Obstacle obstacle, Scene& scene) {
 Result<PlanRequest> read_plan_request(std::string_view body, std::string_view query,
                                       const RequestContext& context) {
   return read_body(body, [&](const Input& input) { return read_plan(input, query, context); });
+}
+
+Result<TaskRequest> read_task_request(std::string_view body, std::string_view query,
+                                      const RequestContext& context) {
+  return read_body(body, [&](const Input& input) { return read_task(input, query, context); });
 }
 
 Result<IkRequest> read_ik_request(std::string_view body, const RequestContext& context) {

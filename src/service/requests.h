@@ -6,6 +6,7 @@
 
 #include "mneme/pipeline.h"
 #include "mneme/service.h"
+#include "mneme/task.h"
 
 #include "service/scene_store.h"
 
@@ -36,6 +37,17 @@ struct PlanRequest {
 /// the service's; an unknown scene or setting; a limit is exceeded. `query`: of the URL; its keys
 /// `trajectory` and `dt` stand for those of the body.
 [[nodiscard]] Result<PlanRequest> read_plan_request(std::string_view body, std::string_view query,
+                                                    const RequestContext& context);
+
+struct TaskRequest {
+  Task task;
+  TaskSettings settings;
+  std::optional<TrajectorySettings> timing;  ///< of the trajectory, if one is wanted
+  bool may_remember = true;
+};
+/// Reads the body of a request to plan a task: as a request to plan, with `stages` in place of
+/// goals. Errors: as of read_plan_request() and check_task().
+[[nodiscard]] Result<TaskRequest> read_task_request(std::string_view body, std::string_view query,
                                                     const RequestContext& context);
 
 struct CheckRequest {

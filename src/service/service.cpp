@@ -57,6 +57,7 @@ struct Route {
 
 constexpr Route kRoutes[] = {
     {http::verb::post, "/v1/plan", &Endpoints::plan},
+    {http::verb::post, "/v1/tasks", &Endpoints::task},
     {http::verb::post, "/v1/ik", &Endpoints::inverse_kinematics},
     {http::verb::post, "/v1/check", &Endpoints::check},
     {http::verb::get, "/v1/plans/{id}/trace", &Endpoints::trace},

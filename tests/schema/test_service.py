@@ -94,6 +94,12 @@ def test_plans_are_as_documented(service):
     assert answer["remembered"] == "queued"
     service.ask("GET", f"/v1/plans/{answer['id']}/trace")
     service.ask("GET", "/v1/plans/99/trace", status=404)
+    task = {key: value for key, value in question().items() if key != "goal"}
+    stages = [{"name": "there", "move": question()["goal"]}, {"move": question()["start"]}]
+    answer = service.ask("POST", "/v1/tasks", {**task, "stages": stages, "trajectory": True,
+                                               "settings": {"seed": 3, "branches": 2}})
+    assert answer["status"] == "solved" and answer["trajectory"]["stages"][0]["name"] == "there"
+    service.ask("POST", "/v1/tasks", {**task, "stages": []}, status=400)
     hopeless = service.ask("POST", "/v1/plan", {**question(), "settings": {"max-iterations": 1}})
     assert hopeless["status"] == "iteration_limit"
 
