@@ -16,8 +16,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -149,12 +151,21 @@ struct CellQueryOptions {
   bool is_json = false;
 };
 
-/// Offsets in the order x, y, z, yaw; missing ones are 0.
+/// Offsets in the order x, y, z, yaw; notes that missing ones are 0.
 CellTask parse_offsets(const std::string& flag, const std::string& text) {
   const std::vector<double> values = parse_numbers(flag, text);
   CellTask task = {};
   if (values.size() > task.size()) {
     throw CLI::ValidationError(flag, fmt::format("'{}' has more numbers than x, y, z, yaw", text));
+  }
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (std::isfinite(values[k])) continue;
+    throw CLI::ValidationError(
+        flag, fmt::format("{} is {}: expected a finite number", kTaskNames[k], values[k]));
+  }
+  if (values.size() < task.size()) {
+    const std::span missing = std::span(kTaskNames).subspan(values.size());
+    print_note(fmt::format("{} {}: taken as 0: {}", flag, text, fmt::join(missing, ", ")));
   }
   std::ranges::copy(values, task.begin());
   return task;
@@ -473,7 +484,10 @@ void add_cell_regions(CLI::App& group, Action& action) {
   add_text(
       command, "--pivot",
       [options](const std::string& text) {
-        const CellTask values = parse_offsets("--pivot", text);
+        const std::vector<double> values = parse_numbers("--pivot", text);
+        if (values.size() != 3) {
+          throw CLI::ValidationError("--pivot", fmt::format("'{}' is not x,y,z in metres", text));
+        }
         options->settings.pivot = Vec3(values[0], values[1], values[2]);
       },
       "point of the link that yaw keeps in place, x,y,z (default: its origin)");

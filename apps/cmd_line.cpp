@@ -15,6 +15,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -134,6 +135,7 @@ Result<ExitCode> run_line(const LineOptions& options) {
   } else {
     print_text(result, time_s);
   }
+  for (const std::string& note : result.notes) print_note(note);
   if (!result.is_whole()) {
     print_error(result.reason);
     if (result.is_cancelled) return ExitCode::interrupted;
@@ -146,7 +148,8 @@ Result<ExitCode> run_line(const LineOptions& options) {
 void add_line_flags(CLI::App& command, LineOptions& options) {
   const auto read_vector = [&options](const std::string& text) {
     const std::vector<double> v = parse_numbers("--by", text);
-    if (v.size() != 3) {
+    const bool is_finite = std::ranges::all_of(v, [](double x) { return std::isfinite(x); });
+    if (v.size() != 3 || !is_finite) {
       throw CLI::ValidationError("--by", fmt::format("'{}' is not X,Y,Z in metres", text));
     }
     options.line.displacement = Vec3(v[0], v[1], v[2]);

@@ -185,7 +185,13 @@ void print_memory(const Problem& problem, const SolveResult& result) {
   if (result.replay.is_hit() || !needs_memory(result.sampler)) return;
   const GlSampler& gl = result.gl;
   if (gl.retrieval_time_s == 0) {
-    fmt::print("memory      not used: solved before --retrieve-after\n");
+    const PlanStatus status = result.plan.status;
+    const bool is_refused =
+        status == PlanStatus::invalid_start || status == PlanStatus::invalid_goal;
+    fmt::print("memory      not used: {}\n", is_refused ? "the query was refused before any search"
+                                             : result.plan.is_solved()
+                                                 ? "solved before --retrieve-after"
+                                                 : "the search ended before --retrieve-after");
     return;
   }
   std::size_t retrieved = 0;
@@ -298,6 +304,10 @@ Result<ExitCode> run_stages(const PlanOptions& options) {
   if (!files.svg.empty() || !files.trace.empty() || !files.beside.empty()) {
     print_note("--svg, --trace and --beside have no effect on a task");
   }
+  if (options.start_velocity) {
+    return fail(ErrorCode::unsupported,
+                "--start-velocity: a task starts at rest; plan the way to its start first");
+  }
   TaskRunOptions task;
   task.file = options.problem;
   task.reading = MNEME_TRY(problem_options(options.robot, options.robot_options));
@@ -316,17 +326,6 @@ Result<ExitCode> run_stages(const PlanOptions& options) {
     task.settings.improve_plans = static_cast<int>(std::min<std::uint64_t>(*rounds, 1000000));
   }
   return run_task(task);
-}
-
-/// Waits until what was remembered is stored.
-void store_remembered(Database& database) {
-  constexpr double kLongest_s = 30;
-  if (const auto stored = database.flush(kLongest_s); !stored) {
-    print_note("the path was not remembered: " + stored.error().message);
-    database.stop_waiting();
-  }
-  const QueuedRows rows = database.queued_rows();
-  if (rows.lost > 0) print_note("the path was not remembered: " + rows.failure);
 }
 
 Result<ExitCode> run_plan(const PlanOptions& options) {
@@ -348,7 +347,7 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   // An error of the trajectory is reported last: the path is still valid.
   const auto timed = time_path(options, *loaded, settings, result.plan.path);
   print_answer(options, *loaded, result, timed ? *timed : std::nullopt);
-  if (result.remembered.is_queued) store_remembered(*database);
+  if (result.remembered.is_queued) store_remembered(*database, "the path was");
   ShownPlan shown{loaded->problem, result, recorder, loaded->load_time_s};
   shown.settings.package_paths = options.robot_options.package_paths;
   if (timed && *timed) shown.timed = {&**timed, loaded->limits.get()};

@@ -115,10 +115,22 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
   return std::move(database).map_error([&](Error error) {
     std::error_code ignored;
     if (error.code == ErrorCode::io && !can_insert && !std::filesystem::exists(url, ignored)) {
-      error.message += "; 'mneme learn' makes a database, and so does planning with --learn-budget";
+      error.message +=
+          "; 'mneme learn' makes a database, and so does planning with --remember-after or "
+          "--learn-budget";
     }
     return error;
   });
+}
+
+void store_remembered(Database& database, const std::string& what) {
+  constexpr double kLongest_s = 30;
+  if (const auto stored = database.flush(kLongest_s); !stored) {
+    print_note(fmt::format("{} not remembered: {}", what, stored.error().message));
+    database.stop_waiting();
+  }
+  const QueuedRows rows = database.queued_rows();
+  if (rows.lost > 0) print_note(fmt::format("{} not remembered: {}", what, rows.failure));
 }
 
 }  // namespace mneme::app

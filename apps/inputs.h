@@ -59,4 +59,7 @@ struct PlacedRobot {
                                            const SolveSettings& settings,
                                            const DatabaseSettings& kept = {});
 
+/// Waits until what was remembered is stored; notes what is not. `what`: such as "the path was".
+void store_remembered(Database& database, const std::string& what);
+
 }  // namespace mneme::app

@@ -78,9 +78,9 @@ std::string full_name(const CLI::App& command) {
 
 /// The first word that `command` does not know, with what it may have been meant to be; otherwise
 /// what CLI11 says.
-std::string describe(const CLI::ParseError& error, const CLI::App& command) {
+std::string describe(const std::string& error, const CLI::App& command) {
   const std::vector<std::string> words = command.remaining();
-  if (words.empty()) return error.what();
+  if (words.empty()) return error;
   // An unknown flag leaves its value over too: the flag is what to complain about.
   auto word = std::ranges::find_if(words, [](const auto& w) { return w.starts_with('-'); });
   if (word == words.end()) word = words.begin();
@@ -134,10 +134,12 @@ int run(int argument_count, char** arguments) {
   try {
     program.parse(argument_count, arguments);
   } catch (const CLI::Success& request) {
-    return program.exit(request);
+    const CLI::App& command = chosen_command(program);
+    if (command.remaining().empty()) return program.exit(request);
+    return report_usage_error(command, describe(request.what(), command));
   } catch (const CLI::ParseError& error) {
     const CLI::App& command = chosen_command(program);
-    return report_usage_error(command, describe(error, command));
+    return report_usage_error(command, describe(error.what(), command));
   }
   const char* isa = std::getenv("MNEME_ISA");
   const Result<Isa> parsed = parse_isa(isa == nullptr || *isa == '\0' ? "automatic" : isa);

@@ -64,17 +64,23 @@ class TaskTracer {
     const StageResult& stage = plan_.stages[i];
     SolveResult solved;
     solved.plan.status = PlanStatus::solved;
-    solved.plan.path = stage.path;
+    solved.plan.path = stage.gripper ? stage.gripper->path : stage.path;
     solved.plan.states_checked = plan_.states_checked;
     solved.total_time_s = plan_.total_time_s;
     solved.planning_time_s = plan_.first_plan_time_s;
     solved.planner = "task";
-    solved.goals = {stage.path.back()};
+    solved.goals = {solved.plan.path.back()};
     TraceSettings settings = settings_;
     settings.waypoints = std::max(2, settings.waypoints / static_cast<int>(plan_.stages.size()));
     const auto& timed = motion_.stages[i];
-    return make_trace(*stage.world, solved, nullptr, 0, settings,
-                      {timed ? &*timed : nullptr, &limits_});
+    const Problem& world = world_of(stage);
+    const RateLimits limits = stage.gripper ? MNEME_TRY(find_rate_limits(world.robot)) : limits_;
+    return make_trace(world, solved, nullptr, 0, settings, {timed ? &*timed : nullptr, &limits});
+  }
+
+  /// Robot and scene of what moves in the stage.
+  static const Problem& world_of(const StageResult& stage) {
+    return stage.gripper ? *stage.gripper->world : *stage.world;
   }
 
   void find_objects(const StageResult& stage, const PlanTrace& traced) {
@@ -119,7 +125,8 @@ class TaskTracer {
 
   void add_stage(std::size_t i, const PlanTrace& traced) {
     if (traced.waypoints.size() < 2 && !whole_.waypoints.empty()) return;
-    const Problem& world = *plan_.stages[i].world;
+    const StageResult& stage = plan_.stages[i];
+    const Problem& world = world_of(stage);
     const auto index_of = [](const auto& list, const std::string& name) {
       const auto found =
           std::ranges::find_if(list, [&](const auto& each) { return each.name == name; });
@@ -139,6 +146,7 @@ class TaskTracer {
                             : waypoint.poses[static_cast<std::size_t>(at)]);
       }
       waypoint.poses = std::move(poses);
+      if (stage.gripper) waypoint.q = stage.path.front();
       waypoint.travelled += before;
       waypoint.time_s += motion_.begins_s[i];
       if (waypoint.nearest_link >= 0) {

@@ -13,6 +13,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 
 namespace mneme::app {
 namespace {
@@ -43,29 +44,30 @@ void print_stages(const TaskResult& result) {
   for (const StageResult& stage : result.stages) {
     fmt::print("  {:<{}}  {:<7}", printable(stage.name), width, to_string(stage.kind));
     if (stage.path.size() > 1) {
-      fmt::print(" {:6.3f} s  {:2} configurations", stage.time_s, stage.path.size());
+      fmt::print(" {:6.3f} s  {:2} configurations", stage.path_time_s, stage.path.size());
     }
     if (stage.alternative >= 0 && stage.alternatives > 1) {
-      fmt::print("  choice {} of {}", stage.alternative, stage.alternatives);
+      fmt::print("  choice {} of {}", stage.alternative + 1, stage.alternatives);
     }
     fmt::print("\n");
     print_dropped(stage);
   }
 }
 
-void print_answer(const TaskRunOptions& options, const Task& task, const TaskResult& result) {
+void print_answer(const TaskRunOptions& options, const Task& task, const TaskResult& result,
+                  const TaskMotion* motion) {
   if (options.is_json) {
-    fmt::print("{}\n", to_json(task, result));
+    fmt::print("{}\n", to_json(task, result, motion));
   } else {
     fmt::print("{}: {}, seed {}\n", to_string(result.status),
                counted(task.stages.size(), "stage", "stages"), options.settings.solve.plan.seed);
     if (result.is_solved()) {
       fmt::print("planning    {:.3f} ms to the first plan, {:.3f} ms in all\n",
                  1e3 * result.first_plan_time_s, 1e3 * result.total_time_s);
-      fmt::print("duration    {:.3f} s at the velocity limits", result.duration_s);
+      fmt::print("path time   {:.3f} s at the velocity limits", result.path_time_s);
       if (result.plans > 1) {
         fmt::print(", the best of {} plans, the first {:.3f} s", result.plans,
-                   result.first_duration_s);
+                   result.first_path_time_s);
       }
       fmt::print("\n");
     }
@@ -83,7 +85,8 @@ void print_answer(const TaskRunOptions& options, const Task& task, const TaskRes
 Result<void> write_files(const TaskRunOptions& options, const Task& task, const TaskResult& result,
                          const TaskMotion& motion, const RateLimits& limits) {
   if (options.trajectory.is_wanted()) {
-    MNEME_TRY(write_trajectory(options.trajectory, task.robot, motion.trajectory));
+    MNEME_TRY(write_trajectory(options.trajectory, task.robot, motion.trajectory,
+                               stage_begins(result, motion)));
   }
   if (options.view.empty()) return {};
   TraceSettings shown;
@@ -93,6 +96,21 @@ Result<void> write_files(const TaskRunOptions& options, const Task& task, const 
   return to_page(to_json(trace), options.view).and_then([&](const std::string& page) {
     return write_file(options.view, page);
   });
+}
+
+struct TimedTask {
+  TaskMotion motion;
+  RateLimits limits;
+};
+
+Result<TimedTask> time_plan(const TaskRunOptions& options, const Task& task,
+                            const TaskResult& result, const SolveSettings& settings) {
+  RateLimits limits = MNEME_TRY(find_rate_limits(task.robot, options.trajectory.settings,
+                                                 options.trajectory.limits, options.robot.strict));
+  for (const std::string& warning : limits.warnings) print_warning(warning);
+  TaskMotion motion =
+      MNEME_TRY(time_task(task, result, settings, limits, options.trajectory.settings));
+  return TimedTask{std::move(motion), std::move(limits)};
 }
 
 }  // namespace
@@ -108,21 +126,21 @@ Result<ExitCode> run_task(const TaskRunOptions& options) {
         open_memory(options.db, task.robot.without_attached(), settings.solve, options.kept));
   }
   const TaskResult result = MNEME_TRY(solve_task(task, database ? &*database : nullptr, settings));
-  print_answer(options, task, result);
+  if (result.is_remembered) store_remembered(*database, "the choices were");
   const bool needs_motion = options.trajectory.is_wanted() || !options.view.empty();
-  if (!result.is_solved()) {
+  if (!result.is_solved() || !needs_motion) {
+    print_answer(options, task, result, nullptr);
     for (const std::string& file : {options.view, options.trajectory.file}) {
       if (!file.empty()) print_note(fmt::format("'{}' was not written: there is no plan", file));
     }
+    return exit_code(result.status);
   }
-  if (!result.is_solved() || !needs_motion) return exit_code(result.status);
-  const RateLimits limits = MNEME_TRY(find_rate_limits(
-      task.robot, options.trajectory.settings, options.trajectory.limits, options.robot.strict));
-  for (const std::string& warning : limits.warnings) print_warning(warning);
-  const TaskMotion motion =
-      MNEME_TRY(time_task(task, result, settings.solve, limits, options.trajectory.settings));
-  if (!options.is_json) fmt::print("motion      {:.3f} s\n", motion.trajectory.duration_s());
-  MNEME_TRY(write_files(options, task, result, motion, limits));
+  // An error of the motion is reported last: the plan is still valid.
+  const Result<TimedTask> timed = time_plan(options, task, result, settings.solve);
+  print_answer(options, task, result, timed ? &timed->motion : nullptr);
+  if (!timed) return tl::unexpected(timed.error());
+  if (!options.is_json) fmt::print("motion      {:.3f} s\n", timed->motion.trajectory.duration_s());
+  MNEME_TRY(write_files(options, task, result, timed->motion, timed->limits));
   return exit_code(result.status);
 }
 

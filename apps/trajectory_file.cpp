@@ -3,6 +3,7 @@
 #include "trajectory_file.h"
 
 #include "mneme/report.h"
+#include "mneme/task.h"
 
 #include "options.h"
 
@@ -19,7 +20,8 @@ namespace {
 
 struct Format {
   std::string_view ending;
-  std::string (*write)(const Robot&, std::span<const Trajectory::Point>);
+  std::string (*write)(const Robot&, std::span<const Trajectory::Point>,
+                       std::span<const StageBegin>);
 };
 constexpr std::array<Format, 4> kFormats = {
     {{".csv", &to_csv}, {".json", &mneme::to_json}, {".yaml", &to_yaml}, {".yml", &to_yaml}}};
@@ -57,9 +59,9 @@ void add_trajectory_flags(CLI::App& command, TrajectoryOptions& options) {
 }
 
 Result<void> write_trajectory(const TrajectoryOptions& options, const Robot& robot,
-                              const Trajectory& trajectory) {
+                              const Trajectory& trajectory, std::span<const StageBegin> stages) {
   return trajectory.sample(options.settings.dt).and_then([&](const auto& points) {
-    return write_file(options.file, find_format(options.file)->write(robot, points));
+    return write_file(options.file, find_format(options.file)->write(robot, points, stages));
   });
 }
 

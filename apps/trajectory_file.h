@@ -5,10 +5,12 @@
 #pragma once
 
 #include "mneme/pipeline.h"
+#include "mneme/task.h"
 
 #include <CLI/CLI.hpp>
 
 #include <optional>
+#include <span>
 #include <string>
 
 namespace mneme::app {
@@ -24,8 +26,10 @@ struct TrajectoryOptions {
 /// The flags --trajectory and --joint-limits, and those of the settings, which need the first.
 void add_trajectory_flags(CLI::App& command, TrajectoryOptions& options);
 
-/// Writes the trajectory, sampled at `dt`, in the format of the file's ending.
+/// Writes the trajectory, sampled at `dt`, in the format of the file's ending, with the stages of a
+/// task if there are any.
 [[nodiscard]] Result<void> write_trajectory(const TrajectoryOptions& options, const Robot& robot,
-                                            const Trajectory& trajectory);
+                                            const Trajectory& trajectory,
+                                            std::span<const StageBegin> stages = {});
 
 }  // namespace mneme::app

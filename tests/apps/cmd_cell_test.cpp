@@ -62,7 +62,11 @@ TEST_SUITE("flow") {
     CHECK(run_program({"cell", "query", cell, "--at", "0,0,0,0,0"}).exit_code == 2);
     const ProgramRun beyond = run_program({"cell", "query", cell, "--at", "1"});
     CHECK(beyond.exit_code == 3);
-    CHECK(beyond.err.find("beyond the region") != std::string::npos);
+    CHECK(beyond.err.find("beyond the region: x is 1, expected at most") != std::string::npos);
+    CHECK(beyond.err.find("--at 1: taken as 0: y, z, yaw") != std::string::npos);
+    const ProgramRun nan = run_program({"cell", "query", cell, "--at", "0,0,nan,0"});
+    CHECK(nan.exit_code == 2);
+    CHECK(nan.err.find("--at: z is nan: expected a finite number") != std::string::npos);
     write_file(cell, "no cell");
     const ProgramRun damaged = run_program({"cell", "show", cell});
     CHECK(damaged.exit_code == 5);

@@ -62,6 +62,8 @@ TEST_SUITE("unit") {
         {line_of({}), 2, {"--by, --to: expected one of both"}},
         {line_of({"--by", "0,0"}), 2, {"'0,0' is not X,Y,Z in metres"}},
         {line_of({"--by", "0,0,0"}), 1, {"has no length"}},
+        {line_of({"--by", "0,nan,0"}), 2, {"--by", "'0,nan,0' is not X,Y,Z in metres"}},
+        {line_of({"--by", "1e308,1e308,0"}), 1, {"m long: expected metres, at most 100"}},
         {line_of({"--by", "0,0,0.1", "--frame", "table"}), 1, {"\"table\" is no link of robot"}},
         {line_of({"--by", "0,0,0.1", "--free-axis", "w"}), 2, {"'w' is not x, y or z"}},
         {line_of({"--to", "panda_link7:0,0,1"}), 2, {"'panda_link7' is not the link"}},

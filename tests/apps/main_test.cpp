@@ -75,6 +75,7 @@ TEST_SUITE("unit") {
     check_bad_inputs({
         {{}, 2, {"subcommand is required", "see 'mneme --help'"}},
         {{"plam"}, 2, {"unexpected argument 'plam'", "did you mean 'plan'?"}},
+        {{"nosuch", "--help"}, 2, {"unexpected argument 'nosuch'"}},
         {{"xyzzy"}, 2, {"unexpected argument 'xyzzy'", "see 'mneme --help'"}},
         {{"db", "inof", "x.db"},
          2,

@@ -38,7 +38,13 @@ TEST_SUITE("flow") {
       CHECK(plan["stages"][1]["alternatives"] >= 40);
       CHECK(plan["stages"][1]["alternative"] >= 0);
       const Json timed = Json::parse(read_file(motion));
-      CHECK(timed["duration_s"] > plan["duration_s"]);
+      CHECK(plan["duration_s"] == doctest::Approx(timed["duration_s"].get<double>()));
+      REQUIRE(timed["stages"].size() == 9);
+      for (std::size_t i = 0; i < 9; ++i) {
+        CHECK(timed["stages"][i]["name"] == plan["stages"][i]["name"]);
+        CHECK(timed["stages"][i]["begin_s"] == plan["stages"][i]["begin_s"]);
+      }
+      CHECK(timed["duration_s"] > plan["path_time_s"]);
       // The object is a link of the page's trace, and no obstacle.
       const std::string html = read_file(page);
       const std::string object = example == std::string("pick_and_place") ? "mug" : "blank";
@@ -71,6 +77,7 @@ TEST_SUITE("flow") {
     REQUIRE_MESSAGE(second.exit_code == 0, second.err);
     CHECK(first.out.find("ranked the alternatives") == std::string::npos);
     CHECK(second.out.find("memory      1 plan ranked the alternatives") != std::string::npos);
+    CHECK(first.out.find("  choice 0 of") == std::string::npos);
   }
 
   TEST_CASE("flags that mean nothing for a task are noted, and mistakes have their line") {
@@ -78,6 +85,9 @@ TEST_SUITE("flow") {
     const ProgramRun run = run_program({"plan", task, "--goal", "0,0,0,0,0,0,0"});
     CHECK(run.exit_code == 0);
     CHECK(run.err.find("--goal and --goal-pose have no effect") != std::string::npos);
+    const ProgramRun moving = run_program({"plan", task, "--start-velocity", "0,0,0,0,0,0,0.1"});
+    CHECK(moving.exit_code != 0);
+    CHECK(moving.err.find("--start-velocity: a task starts at rest") != std::string::npos);
     const TemporaryDirectory directory;
     write_file(directory / "task.yaml",
                without(read_file(task), "  - {name: grasp", "  - {name: lift"));
