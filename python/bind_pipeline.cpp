@@ -14,6 +14,7 @@
 #include "origins.h"
 #include "pickling.h"
 #include "problem.h"
+#include "timed_plan.h"
 
 #include <fmt/format.h>
 #include <pybind11/numpy.h>
@@ -21,6 +22,18 @@
 #include <pybind11/stl.h>
 
 namespace mneme::python {
+RateLimits find_limits(const Robot& robot, const TrajectorySettings& timing,
+                       const py::object& limits) {
+  const std::string file =
+      limits.is_none() ? "" : py::module_::import("os").attr("fspath")(limits).cast<std::string>();
+  RateLimits rates = unwrap(find_rate_limits(robot, timing, file));
+  for (const std::string& warning : rates.warnings) {
+    const std::string text = to_text(warning);
+    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+  }
+  return rates;
+}
+
 namespace {
 
 /// Input and result of a call of solve(). Owns the database, because the retrieved mixture refers
@@ -34,18 +47,6 @@ struct Plan {
   SolveResult result;
   TrajectorySettings timing = {};  ///< of the trajectory that was announced, or defaults
 };
-
-RateLimits find_limits(const Robot& robot, const TrajectorySettings& timing,
-                       const py::object& limits) {
-  const std::string file =
-      limits.is_none() ? "" : py::module_::import("os").attr("fspath")(limits).cast<std::string>();
-  RateLimits rates = unwrap(find_rate_limits(robot, timing, file));
-  for (const std::string& warning : rates.warnings) {
-    const std::string text = to_text(warning);
-    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
-  }
-  return rates;
-}
 
 /// Takes the keywords of Plan.trajectory() for the trajectory that will be made.
 void read_timing(const py::dict& keywords, Plan& plan) {
@@ -115,17 +116,23 @@ py::list primitives_of(const Plan& plan) {
   return rows;
 }
 
-/// A sampled trajectory.
-struct TimedPlan {
-  Robot robot;
-  std::vector<Trajectory::Point> points;
+py::array_t<double> rows_of(const TimedPlan& timed,
+                            std::vector<double> Trajectory::Point::*quantity) {
+  Path values;
+  for (const Trajectory::Point& point : timed.points) values.push_back(point.*quantity);
+  return to_array(values, timed.robot.joint_count());
+}
 
-  [[nodiscard]] py::array_t<double> rows(std::vector<double> Trajectory::Point::*quantity) const {
-    Path values;
-    for (const Trajectory::Point& point : points) values.push_back(point.*quantity);
-    return to_array(values, robot.joint_count());
+py::list begins_of(const TimedPlan& timed) {
+  py::list stages;
+  for (const StageBegin& stage : timed.stages) {
+    py::dict one;
+    one["name"] = to_text(stage.name);
+    one["begin_s"] = stage.begin_s;
+    stages.append(one);
   }
-};
+  return stages;
+}
 
 TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& limits,
                     const py::kwargs& arguments) {
@@ -146,7 +153,7 @@ TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& li
     return make_trajectory(plan.problem, plan.settings, plan.result.plan.path, rates, timing)
         .and_then([&](const Trajectory& timed) { return timed.sample(timing.dt); });
   });
-  return {robot, unwrap(std::move(points))};
+  return {robot, unwrap(std::move(points)), {}};
 }
 
 py::array_t<double> times_of(const TimedPlan& timed) {
@@ -280,22 +287,28 @@ void bind_trajectory(py::module_& module) {
           "duration", [](const TimedPlan& self) { return self.points.back().time_s; }, "Seconds.")
       .def_property_readonly("times", &times_of, "Shape (n,), seconds; the last is the duration.")
       .def_property_readonly(
-          "positions", [](const TimedPlan& self) { return self.rows(&Point::position); },
+          "positions", [](const TimedPlan& self) { return rows_of(self, &Point::position); },
           "Shape (n, joint_count), radians and metres.")
       .def_property_readonly(
-          "velocities", [](const TimedPlan& self) { return self.rows(&Point::velocity); },
+          "velocities", [](const TimedPlan& self) { return rows_of(self, &Point::velocity); },
           "Shape (n, joint_count), per second.")
       .def_property_readonly(
-          "accelerations", [](const TimedPlan& self) { return self.rows(&Point::acceleration); },
+          "accelerations",
+          [](const TimedPlan& self) { return rows_of(self, &Point::acceleration); },
           "Shape (n, joint_count), per second squared; from each time on.")
+      .def_property_readonly("stages", &begins_of,
+                             "Of a task: a dict per stage, name and begin_s. Otherwise empty.")
       .def(
-          "to_csv", [](const TimedPlan& self) { return to_csv(self.robot, self.points); },
+          "to_csv",
+          [](const TimedPlan& self) { return to_csv(self.robot, self.points, self.stages); },
           "Returns the text of `mneme plan --trajectory FILE.csv`.")
       .def(
-          "to_yaml", [](const TimedPlan& self) { return to_yaml(self.robot, self.points); },
+          "to_yaml",
+          [](const TimedPlan& self) { return to_yaml(self.robot, self.points, self.stages); },
           "Returns the text of FILE.yaml, in the form of trajectory_msgs/JointTrajectory.")
       .def(
-          "to_json", [](const TimedPlan& self) { return to_json(self.robot, self.points); },
+          "to_json",
+          [](const TimedPlan& self) { return to_json(self.robot, self.points, self.stages); },
           "Returns the text of FILE.json.")
       .def("__repr__", [](const TimedPlan& self) {
         return fmt::format("<mneme.Trajectory: {:.3f} s, {} points>", self.points.back().time_s,

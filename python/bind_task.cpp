@@ -9,6 +9,7 @@
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
+#include "timed_plan.h"
 
 #include <fmt/format.h>
 #include <pybind11/pybind11.h>
@@ -68,6 +69,18 @@ PlannedTask plan_task(const Task& task, const py::object& database, const py::kw
   return {task, settings.solve, std::move(result)};
 }
 
+/// From and to, by joint.
+py::dict gripper_of(const StageResult& stage) {
+  py::dict moved;
+  if (!stage.gripper) return moved;
+  const std::vector<std::string> names = stage.gripper->world->robot.joint_names();
+  const Configuration &from = stage.gripper->path.front(), &to = stage.gripper->path.back();
+  for (std::size_t j = 0; j < names.size(); ++j) {
+    if (from[j] != to[j]) moved[to_text(names[j])] = py::make_tuple(from[j], to[j]);
+  }
+  return moved;
+}
+
 py::list stages_of(const PlannedTask& plan) {
   py::list rows;
   for (const StageResult& stage : plan.result.stages) {
@@ -82,18 +95,20 @@ py::list stages_of(const PlannedTask& plan) {
     py::dict row;
     row["name"] = to_text(stage.name);
     row["kind"] = to_text(to_string(stage.kind));
-    row["time_s"] = stage.time_s;
+    row["path_time_s"] = stage.path_time_s;
     row["path"] = read_only(to_array(stage.path, plan.task.robot.joint_count()));
     row["alternative"] =
         stage.alternative < 0 ? py::object(py::none()) : py::int_(stage.alternative);
     row["alternatives"] = stage.alternatives;
     row["dropped"] = dropped;
+    row["gripper"] = gripper_of(stage);
     rows.append(row);
   }
   return rows;
 }
 
-py::dict trajectory_of(const PlannedTask& plan, const py::object& dt, const py::kwargs& arguments) {
+TimedPlan trajectory_of(const PlannedTask& plan, const py::object& dt, const py::object& limits,
+                        const py::kwargs& arguments) {
   TrajectorySettings timing;
   py::kwargs all(arguments);
   if (!dt.is_none()) all["dt"] = dt;
@@ -103,24 +118,11 @@ py::dict trajectory_of(const PlannedTask& plan, const py::object& dt, const py::
   if (!plan.result.is_solved()) {
     raise_invalid("trajectory: there is no plan: " + plan.result.message);
   }
-  const RateLimits limits = unwrap(find_rate_limits(plan.task.robot, timing));
-  TaskMotion motion = unwrap(run_interruptible(
-      [&] { return time_task(plan.task, plan.result, plan.settings, limits, timing); }));
-  const auto points = unwrap(motion.trajectory.sample(timing.dt));
-  std::vector<double> times;
-  Path positions, velocities;
-  for (const Trajectory::Point& point : points) {
-    times.push_back(point.time_s);
-    positions.push_back(point.position);
-    velocities.push_back(point.velocity);
-  }
-  const int joints = plan.task.robot.joint_count();
-  py::dict result;
-  result["times"] = to_array(times);
-  result["positions"] = to_array(positions, joints);
-  result["velocities"] = to_array(velocities, joints);
-  result["begins"] = to_array(motion.begins_s);
-  return result;
+  const Robot& robot = plan.task.robot;
+  const RateLimits rates = find_limits(robot, timing, limits);
+  const TaskMotion motion = unwrap(run_interruptible(
+      [&] { return time_task(plan.task, plan.result, plan.settings, rates, timing); }));
+  return {robot, unwrap(motion.trajectory.sample(timing.dt)), stage_begins(plan.result, motion)};
 }
 
 void bind_plan(py::module_& module) {
@@ -134,19 +136,18 @@ void bind_plan(py::module_& module) {
           "message", [](const PlannedTask& self) { return to_text(self.result.message); },
           "The stage that fails and what is in its way; empty if solved.")
       .def_property_readonly("stages", &stages_of,
-                             "A dict per stage: name, kind, time_s, path, alternative,\n"
-                             "alternatives and dropped.")
+                             "A dict per stage: name, kind, path_time_s, path, alternative,\n"
+                             "alternatives, dropped and gripper.")
       .def_property_readonly(
-          "duration_s", [](const PlannedTask& self) { return self.result.duration_s; },
-          "Seconds at the velocity limits, without stops.")
+          "path_time_s", [](const PlannedTask& self) { return self.result.path_time_s; },
+          "Seconds at the velocity limits; the motion's are trajectory().duration.")
       .def_property_readonly(
           "planning_time_s", [](const PlannedTask& self) { return self.result.first_plan_time_s; },
           "Seconds until the first plan.")
       .def_property_readonly("states_checked",
                              [](const PlannedTask& self) { return self.result.states_checked; })
-      .def("trajectory", &trajectory_of, py::arg("dt") = py::none(),
-           "Returns times, positions and velocities of the whole task, and the time at which each\n"
-           "stage begins. Keywords are those of Plan.trajectory().")
+      .def("trajectory", &trajectory_of, py::arg("dt") = py::none(), py::arg("limits") = py::none(),
+           "Returns the motion of the whole task. Keywords are those of Plan.trajectory().")
       .def("to_json", [](const PlannedTask& self) { return to_json(self.task, self.result); });
 }
 

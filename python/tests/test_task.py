@@ -39,8 +39,13 @@ def test_a_cup_is_lifted():
     for before, after in zip(plan.stages, plan.stages[1:]):
         np.testing.assert_allclose(before["path"][-1], after["path"][0], atol=1e-6)
     motion = plan.trajectory(dt=0.05)
-    assert motion["positions"].shape == (len(motion["times"]), 7)
-    assert len(motion["begins"]) == 4
+    assert motion.positions.shape == (len(motion.times), 7)
+    assert [stage["name"] for stage in motion.stages] == ["reach", "approach", "attach 3", "lift"]
+    begins = [stage["begin_s"] for stage in motion.stages]
+    assert begins == sorted(begins) and begins[2] == begins[3] < motion.duration
+    assert motion.to_csv().splitlines()[-1].endswith(",lift")
+    assert json.loads(motion.to_json())["stages"] == motion.stages
+    assert 0 < plan.path_time_s < motion.duration
     assert json.loads(plan.to_json())["status"] == "solved"
 
 
