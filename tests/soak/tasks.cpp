@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Random tasks with a known plan. Checks every stage of every plan by exact distances. Succeeds if
-/// all tasks are solved without a contact.
+/// Random tasks with a known plan. Checks every stage of every plan by exact distances, with
+/// --motion also all states of the timed motion, and its limits. Succeeds if all tasks are solved
+/// without a contact.
 #include "mneme/experience.h"
 #include "mneme/instances.h"
 #include "mneme/task.h"
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -26,7 +28,7 @@ struct Options {
   std::uint64_t seed = 1;
   double resolution = 0.005;
   double moved = 0.05;  ///< how far the cup is moved for the second time, metres
-  bool is_verbose = false;
+  bool has_motion = false, is_first_only = false, is_verbose = false;
 };
 
 double quantile(std::vector<double> values, double share) {
@@ -36,7 +38,7 @@ double quantile(std::vector<double> values, double share) {
 }
 
 struct Sums {
-  int tasks = 0, solved = 0, contacts = 0, stages = 0;
+  int tasks = 0, solved = 0, contacts = 0, stages = 0, motions = 0;
   std::vector<double> times_ms, states;
 
   void print(const std::string& name) const {
@@ -60,6 +62,7 @@ class Campaign {
       settings.placements = options_.placements;
       const TaskInstance instance = MNEME_TRY(make_task_instance(panda, settings, seed));
       MNEME_TRY(solve_and_check(instance.task, nullptr, without_));
+      if (options_.is_first_only) continue;
       MNEME_TRY(repeat_with_memory(instance.task, seed));
       settings.is_blocked = true;
       const TaskInstance blocked = MNEME_TRY(make_task_instance(panda, settings, seed));
@@ -72,11 +75,15 @@ class Campaign {
     again_.print("cup moved");
     again_without_.print("moved, no memory");
     refused_.print("blocked");
+    const double hours = stopwatch_.elapsed_s() / 3600;
+    fmt::print("{} motions checked, largest share of a limit {:.9f}; {:.0f} tasks per hour\n",
+               without_.motions + first_.motions + again_.motions + again_without_.motions, use_,
+               without_.tasks / hours);
     const bool is_whole =
         without_.solved == without_.tasks && again_.solved == again_without_.solved;
     const int hits =
         without_.contacts + first_.contacts + again_.contacts + again_without_.contacts;
-    return is_whole && hits == 0 && refused_.solved == 0;
+    return is_whole && hits == 0 && refused_.solved == 0 && use_ <= 1 + kLimitShare;
   }
 
  private:
@@ -111,7 +118,37 @@ class Campaign {
       }
       at = stage.path.back();
     }
+    if (options_.has_motion) MNEME_TRY(check_motion(task, result, settings.solve, sums));
     return result;
+  }
+
+  /// The timed motion, every 4 ms, by exact distances in the world of each stage.
+  Result<void> check_motion(const Task& task, const TaskResult& result,
+                            const SolveSettings& settings, Sums& sums) {
+    constexpr double kStep_s = 0.004;
+    const RateLimits limits = MNEME_TRY(find_rate_limits(task.robot));
+    const TaskMotion motion = MNEME_TRY(time_task(task, result, settings, limits));
+    for (std::size_t i = 0; i < result.stages.size(); ++i) {
+      const StageResult& stage = result.stages[i];
+      if (!motion.stages[i] || stage.gripper) continue;
+      ++sums.motions;
+      Path states;
+      for (const Trajectory::Point& point : MNEME_TRY(motion.stages[i]->sample(kStep_s))) {
+        states.push_back(point.position);
+        for (std::size_t j = 0; j < point.velocity.size(); ++j) {
+          use_ = std::max({use_, std::abs(point.velocity[j]) / limits.velocity[j],
+                           std::abs(point.acceleration[j]) / limits.acceleration[j]});
+        }
+      }
+      const Problem& world = *stage.world;
+      if (is_path_free(world.robot, world.scene, states, options_.resolution,
+                       end_tolerances(settings))) {
+        continue;
+      }
+      ++sums.contacts;
+      fmt::print("  {}: its motion is in contact\n", stage.name);
+    }
+    return {};
   }
 
   /// Solves the task with an empty database, then with the cup moved.
@@ -137,7 +174,12 @@ class Campaign {
     return {};
   }
 
+  /// Share of a limit by which rounding may exceed it.
+  static constexpr double kLimitShare = 1e-6;
+
   const Options& options_;
+  Stopwatch stopwatch_;
+  double use_ = 0;  ///< largest share of a velocity or acceleration limit
   Sums without_, first_, again_, again_without_, refused_;
 };
 
@@ -153,6 +195,8 @@ int main(int argc, char** argv) {
   app.add_option("--seed", options.seed, "seed of the tasks");
   app.add_option("--resolution", options.resolution, "largest step of the check, radians");
   app.add_option("--moved", options.moved, "how far the cup is moved for the second time, metres");
+  app.add_flag("--motion", options.has_motion, "check the timed motions, too");
+  app.add_flag("--first-only", options.is_first_only, "without memory, and without blocked tasks");
   app.add_flag("--verbose", options.is_verbose, "print each task");
   CLI11_PARSE(app, argc, argv);
   const auto passed = mneme::soak::Campaign(options).run();
