@@ -226,6 +226,8 @@ class MotionSource {
   /// Adds the checked states to `counters`. Returns false once no motion is left.
   [[nodiscard]] virtual bool find_more(std::vector<PlacedMotion>& placed,
                                        CheckCounters& counters) = 0;
+  /// True if some places are known before find_more() checks anything.
+  [[nodiscard]] virtual bool knows_places() const { return false; }
   /// Returns the share of the usual effort to take: 1, less if motions have hardly paid so far.
   [[nodiscard]] virtual double trust() const { return 1; }
   /// Receives the outcome of the search: the states that find_more() checked, and PlacedMotion::row

@@ -8,15 +8,18 @@
 namespace mneme::internal {
 namespace {
 
-/// Iterations before the first motion: easy problems do not pay for memory.
-constexpr double kFirstBridge = 1000;
+/// Iterations before the first motion: easy problems do not pay for memory. Fewer if places are
+/// known.
+constexpr double kFirstBridge = 1000, kFirstKnown = 100;
 /// Probability of appending a motion instead of growing a tree: at first, and where motions were
 /// tried in vain.
 constexpr double kBridgeShare = 0.1, kLeastBridgeShare = 0.01;
 /// A motion tried n times in vain is chosen 1 / (1 + kVain n) times as often.
 constexpr double kVain = 0.1;
-/// Largest share of the search's work that finding motions takes.
-constexpr double kFindingShare = 0.3;
+/// Largest share of the search's work that finding motions takes; the smaller one once kMostMisses
+/// motions in a row fitted nowhere.
+constexpr double kFindingShare = 0.3, kLeastFindingShare = 0.03;
+constexpr int kMostMisses = 16;
 
 }  // namespace
 
@@ -24,11 +27,14 @@ Bridges::Bridges(PlannerRun& run)
     : run_(run),
       rng_(run.make_rng(RngStream::bridges)),
       is_more_left_(run.motions() != nullptr),
-      trust_(is_more_left_ ? run.motions()->trust() : 0) {}
+      trust_(is_more_left_ ? run.motions()->trust() : 0),
+      first_iteration_(is_more_left_ && run.motions()->knows_places() ? kFirstKnown
+                                                                      : kFirstBridge) {}
 
 bool Bridges::is_due() {
-  if (static_cast<double>(run_.iterations()) * trust_ < kFirstBridge) return false;
-  const double allowed = kFindingShare * trust_ * static_cast<double>(run_.work());
+  if (static_cast<double>(run_.iterations()) * trust_ < first_iteration_) return false;
+  const double share = misses_ < kMostMisses ? kFindingShare : kLeastFindingShare;
+  const double allowed = share * trust_ * static_cast<double>(run_.work());
   if (is_more_left_ && static_cast<double>(finding_) < allowed) find_more();
   return !motions_.empty() && rng_.uniform() < share_;
 }
@@ -51,6 +57,7 @@ void Bridges::find_more() {
   for (const PlacedMotion& placed : found) add_free_stretches(placed);
   finding_ += run_.work() - before;
   found_with_ += counters.states;
+  misses_ = found.empty() ? misses_ + 1 : 0;
   if (!found.empty()) adapt_share();
 }
 

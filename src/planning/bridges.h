@@ -51,6 +51,8 @@ class Bridges {
   double trust_;                  ///< MotionSource::trust()
   std::uint64_t finding_ = 0;     ///< work of finding motions
   std::uint64_t found_with_ = 0;  ///< states checked to find them
+  int misses_ = 0;                ///< calls in a row that found none
+  double first_iteration_;
   std::vector<Motion> motions_;
   double share_ = 0;  ///< of iterations that append
 };

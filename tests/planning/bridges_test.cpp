@@ -101,11 +101,10 @@ TEST_SUITE("flow") {
       (void)plan_with_motions(narrow_hole(), &useless);
       return static_cast<double>(useless.calls());
     };
-    const double many = calls_of_work(1'000'000), few = calls_of_work(10'000'000);
+    const double many = calls_of_work(100'000), few = calls_of_work(10'000'000);
     CHECK(many < 10000);
     CHECK(few > 1);
-    CHECK(10 * (few - 1) <= many);
-    CHECK(many <= 10 * few);
+    CHECK(5 * few <= many);
   }
 
   TEST_CASE("motions that have hardly paid are looked for later, and less") {
