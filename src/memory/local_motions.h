@@ -21,6 +21,7 @@ namespace mneme::internal {
 
 /// Clearance below which a state is tight, metres.
 inline constexpr float kTightClearance = 0.01f;
+[[nodiscard]] inline bool is_tight(float clearance) { return clearance < kTightClearance; }
 
 /// Returns the tight stretches of `path`, which is free, after widening it, each with a little of
 /// the path before and after. `empty`: checker of the same robot in a scene without obstacles.
@@ -36,6 +37,7 @@ using MotionPlaces = std::map<ContentHash, std::vector<float>>;
 class KnownPlaces {
  public:
   [[nodiscard]] MotionPlaces copy() const;
+  [[nodiscard]] bool empty() const;
   /// Drops all places first if there would be more than kMost motions.
   void add(const MotionPlaces& found);
 
@@ -67,6 +69,7 @@ class MotionFinder {
   void keep(std::vector<float>& places, std::size_t state, double extra_margin, bool is_free);
   [[nodiscard]] double free_share(std::span<const float> rows, float place, double extra_margin);
   [[nodiscard]] bool fits(const RememberedPath& motion, float place);
+  [[nodiscard]] float refined(const RememberedPath& motion, float place);
   [[nodiscard]] std::span<const float> core(std::size_t first, std::size_t count) const;
   [[nodiscard]] std::size_t core_size() const { return core_.size() / joints_; }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace mneme::internal {
 namespace {
@@ -26,15 +27,21 @@ constexpr double kLeastNearAtOnce = 0.2;  ///< share of them
 constexpr double kLeastNear = 0.3;        ///< share of the core
 constexpr double kLeastMissed = 0.65;     ///< share of the near misses that are blocked
 constexpr int kTriesPerRun = 3;
+constexpr int kPartsOfStep = 8;  ///< of a fine step, to refine a place
 
-/// Indices from the first tight waypoint to the last: the tightest first, then always the one
-/// farthest from those before, tight ones before others.
+/// The range from the first tight waypoint to behind the last.
+std::pair<std::size_t, std::size_t> core_range(const std::vector<float>& clearances) {
+  std::size_t begin = 0, end = clearances.size();
+  while (begin < end && !is_tight(clearances[begin])) ++begin;
+  while (end > begin && !is_tight(clearances[end - 1])) --end;
+  return {begin, end};
+}
+
+/// Indices of the core: the tightest first, then always the one farthest from those before, tight
+/// ones before others.
 std::vector<std::size_t> deciding_order(const RememberedPath& motion) {
   const std::vector<float>& clearances = motion.clearances;
-  const auto is_tight = [&](std::size_t i) { return clearances[i] < kTightClearance; };
-  std::size_t begin = 0, end = clearances.size();
-  while (begin < end && !is_tight(begin)) ++begin;
-  while (end > begin && !is_tight(end - 1)) --end;
+  const auto [begin, end] = core_range(clearances);
   std::vector<std::size_t> order;
   if (begin == end) return order;
   const auto first = clearances.begin();
@@ -48,7 +55,8 @@ std::vector<std::size_t> deciding_order(const RememberedPath& motion) {
       gap[i] = std::min(gap[i], i > next ? i - next : next - i);
     }
     for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t merit = gap[i] == 0 ? 0 : gap[i] + (is_tight(i) ? clearances.size() : 0);
+      const std::size_t merit =
+          gap[i] == 0 ? 0 : gap[i] + (is_tight(clearances[i]) ? clearances.size() : 0);
       if (merit > best) best = merit, next = i;
     }
   }
@@ -72,6 +80,11 @@ std::vector<std::size_t> outwards(std::size_t length, int most) {
 MotionPlaces KnownPlaces::copy() const {
   const std::lock_guard lock(mutex_);
   return places_;
+}
+
+bool KnownPlaces::empty() const {
+  const std::lock_guard lock(mutex_);
+  return places_.empty();
 }
 
 void KnownPlaces::add(const MotionPlaces& found) {
@@ -182,6 +195,23 @@ bool MotionFinder::fits(const RememberedPath& motion, float place) {
          1 - free_share(motion.near_misses, place, 0) >= kLeastMissed;
 }
 
+/// The place nearest to `place` at which the core is free between its states, too; `place` without
+/// one. A step of the fine search is as wide as a passage.
+float MotionFinder::refined(const RememberedPath& motion, float place) {
+  if (carrier_ < 0) return place;
+  const float step = step_ / kFineSteps / kPartsOfStep;
+  const auto [first, last] = core_range(motion.clearances);
+  for (int i = 0; i <= kPartsOfStep; ++i) {
+    const float part = static_cast<float>((i + 1) / 2) * (i % 2 == 0 ? -step : step);
+    const std::vector<float> rows = placed(motion, place + part);
+    if (checker_.is_chain_valid(std::span(rows).subspan(first * joints_, (last - first) * joints_),
+                                counters_)) {
+      return place + part;
+    }
+  }
+  return place;
+}
+
 std::vector<float> MotionFinder::find(const RememberedPath& motion, CheckCounters& counters) {
   std::vector<float> found;
   counters_ = {};
@@ -200,7 +230,7 @@ std::vector<float> MotionFinder::find(const RememberedPath& motion, CheckCounter
     for (end = begin + 1; end < places.size() && places[end] - places[end - 1] < neighbours;) ++end;
     for (const std::size_t i : outwards(end - begin, kTriesPerRun)) {
       if (!fits(motion, places[begin + i])) continue;
-      found.push_back(places[begin + i]);
+      found.push_back(refined(motion, places[begin + i]));
       break;
     }
   }

@@ -56,8 +56,6 @@ std::vector<float> clearances_of(const CollisionChecker& checker, const std::vec
   return clearances;
 }
 
-bool is_tight(float clearance) { return clearance < kTightClearance; }
-
 /// The first and last tight state of each stretch.
 std::vector<std::pair<int, int>> find_stretches(const std::vector<float>& clearances) {
   std::vector<std::pair<int, int>> stretches;
@@ -180,7 +178,7 @@ extern constinit const MemoryKind kLocalMotions = {
           return none;
         },
     .learn_from_paths = remember_motions,
-    .least_work = 200'000,
+    .least_work = 50'000,
     .is_placed_by_checking = true,
 };
 

@@ -69,6 +69,13 @@ TEST_SUITE("law") {
       std::vector<std::uint8_t> is_free(rows.size() / 7);
       checker.check_states(rows, is_free);
       CHECK(std::ranges::count(is_free, 0) <= 2);
+      int blocked = 0;
+      for (std::size_t i = 7; i < rows.size(); i += 7) {
+        CheckCounters counters;
+        const std::span all(rows);
+        if (!checker.is_motion_valid(all.subspan(i - 7, 7), all.subspan(i, 7), counters)) ++blocked;
+      }
+      CHECK(blocked <= 2);
     }
   }
 
