@@ -3,6 +3,7 @@
 #include "pipeline/motion_memory.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <tuple>
 #include <utility>
@@ -16,8 +17,7 @@ const MemoryKind& kind_of_motions(const Query& query) {
   return *std::ranges::find_if(query.kinds, holds_motions)->kind;
 }
 
-/// All rows of motions, the most expensive searches first. A database that cannot be read has none:
-/// motions are a hint.
+/// All rows of motions. A database that cannot be read has none: motions are a hint.
 std::vector<std::shared_ptr<const Experience>> read_motions(const Query& query) {
   std::vector<std::shared_ptr<const Experience>> rows;
   const MemoryKind& kind = kind_of_motions(query);
@@ -29,9 +29,6 @@ std::vector<std::shared_ptr<const Experience>> read_motions(const Query& query) 
   for (KeyMatch& match : *found) {
     if (match.experience->is_path()) rows.push_back(std::move(match.experience));
   }
-  std::ranges::sort(rows, {}, [](const std::shared_ptr<const Experience>& row) {
-    return std::tuple(~row->path().planning_states.value_or(0), row->id);
-  });
   return rows;
 }
 
@@ -40,6 +37,10 @@ std::vector<std::shared_ptr<const Experience>> read_motions(const Query& query) 
 bool MotionMemory::is_used(const Query& query) {
   return query.database != nullptr && query.sampler.uses_memory &&
          std::ranges::any_of(query.kinds, holds_motions);
+}
+
+bool MotionMemory::knows_places() const {
+  return resolved_.cell != nullptr && !resolved_.cell->places().empty();
 }
 
 double MotionMemory::trust() const {
@@ -53,6 +54,12 @@ void MotionMemory::load(std::vector<PlacedMotion>& placed) {
   for (auto& row : read_motions(resolved_.query)) {
     rows_.push_back({EncodedRow(*row).content(), std::move(row)});
   }
+  // Expensive searches first, each twice as expensive as the next; otherwise in random order, which
+  // spreads the motions of one passage: any one of them will do.
+  std::ranges::sort(rows_, {}, [](const Row& row) {
+    const std::uint64_t states = row.experience->path().planning_states.value_or(0);
+    return std::tuple(-std::bit_width(states), row.content);
+  });
   const auto unknown = std::ranges::stable_partition(
       rows_, [&](const Row& row) { return known.contains(row.content); });
   next_ = rows_.size() - unknown.size();

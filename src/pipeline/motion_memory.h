@@ -36,6 +36,7 @@ class MotionMemory final : public MotionSource {
   [[nodiscard]] static bool is_used(const Query& query);
 
   bool find_more(std::vector<PlacedMotion>& placed, CheckCounters& counters) override;
+  [[nodiscard]] bool knows_places() const override;
   [[nodiscard]] double trust() const override;
   void report(std::uint64_t states, std::span<const int> followed) override;
   /// Returns what the search has found.

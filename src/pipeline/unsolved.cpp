@@ -18,7 +18,7 @@ namespace mneme::internal {
 namespace {
 
 /// Shorter searches may have failed by chance.
-constexpr std::uint64_t kLeastIterations = 10'000;
+constexpr std::uint64_t kLeastIterations = 5'000;
 
 /// Numbers of a key: the digest of all but the scene, whose keys are at least 1 apart; then, small
 /// enough not to matter for a lookup, the digest of the scene, and the limits of the search.
