@@ -50,8 +50,8 @@ class IdleLearner {
 
  private:
   static constexpr std::size_t kMostWaiting = 16;
-  /// Iterations and checked states of a search that is worth a study: some 0.1 s.
-  static constexpr std::uint64_t kLeastWork = 200'000;
+  /// Iterations and checked states of a search that is worth a study: 20 to 100 ms.
+  static constexpr std::uint64_t kLeastWork = 50'000;
 
   /// A study that requests end this often is given up.
   static constexpr int kMostTries = 3;
