@@ -26,6 +26,7 @@ struct TrajectorySettings {
   std::optional<double> jerk_limit;
   double path_tolerance = 1;
   int time_rounds = 8;
+  double blend_tolerance = 0.2;
 };
 
 template <class Settings, class Visitor>
@@ -51,6 +52,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Rounds in which a trajectory becomes faster by leaving its path, within path-tolerance "
         "and as far as it is proven free. More is faster and takes longer to compute. At 0 it "
         "leaves the path at corners only.");
+  visit("blend-tolerance", s.blend_tolerance, 0.0, 10.0,
+        "Largest L2 joint distance from where two stages of a task join at which their motions may "
+        "blend. Larger is faster; at 0 the robot stops there.");
 }
 
 /// Returns the limits of `file` where it has them, otherwise those of the robot's URDF, otherwise
@@ -64,8 +68,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
                                                   const std::string& file = "",
                                                   bool strict = false);
 
-/// A motion that ends at rest. Velocity is continuous; so is acceleration if jerk is limited.
-/// Limits hold at every time, not only at sampled points. Const and parallel-safe.
+/// A motion. Velocity is continuous; so is acceleration if jerk is limited. Limits hold at every
+/// time, not only at sampled points. Const and parallel-safe.
 class Trajectory {
  public:
   /// Continuous joints do not wrap: they may leave [-pi, pi), so that nothing jumps.
@@ -82,13 +86,17 @@ class Trajectory {
     std::vector<double> coefficients;
   };
 
-  /// Takes stretches in order of time that come to rest at `end` after `end_s` seconds.
-  Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s);
+  /// Takes stretches in order of time that reach `end` after `end_s` seconds, with `end_velocity`
+  /// (empty: at rest).
+  Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s,
+             std::vector<double> end_velocity = {});
 
   /// Returns the duration, rounded up to a multiple of 1 ns.
   [[nodiscard]] double duration_s() const;
   /// Returns the state at any time; at rest before 0 and after the duration.
   [[nodiscard]] Point at(double time_s) const;
+  /// Returns the motion between two times, seconds, which it mostly begins and ends moving.
+  [[nodiscard]] Trajectory between(double from_s, double to_s) const;
   /// Returns points `dt` seconds apart from 0 on, and the end. The last step takes dt/2 to 3/2 dt,
   /// or the whole duration if that is less. Errors: `dt` is not above 0, or gives more than ten
   /// million points.
@@ -101,6 +109,7 @@ class Trajectory {
   std::vector<Stretch> stretches_;
   Configuration end_;
   double end_s_;
+  std::vector<double> end_velocity_;
 };
 
 /// Measures of a motion. Jerk is that within stretches: jumps of acceleration do not count.
@@ -146,6 +155,26 @@ inline constexpr double kLeastStop = 2e-6;
                                               const TrajectorySettings& settings,
                                               const MotionVerifier* verifier,
                                               const std::vector<double>& start_velocity = {});
+
+/// A motion to be joined with others, which have their own limits and obstacles.
+struct MotionPart {
+  Trajectory motion;  ///< from rest to rest, from where the part before ends
+  RateLimits limits;
+  const MotionVerifier* verifier = nullptr;  ///< null: no blends
+  bool stops = false;                        ///< true: ends at rest, without a blend
+};
+/// Several motions in one.
+struct JoinedMotion {
+  Trajectory trajectory;
+  std::vector<double> begins_s;  ///< of each part: when the one before stops, or the middle of the
+                                 ///< blend with it
+};
+/// Returns the parts in one motion. It does not stop where two parts join if a faster blend is
+/// found, from the last half of one part to the first half of the next. A blend stays within
+/// `tolerance` (L2 joint distance) of where the parts join, passes both verifiers and keeps the
+/// limits of both parts. Elsewhere the motion is that of the parts. Precondition: `parts` is not
+/// empty. Cost: below 1 ms per blend.
+[[nodiscard]] JoinedMotion join_motions(std::span<const MotionPart> parts, double tolerance);
 
 /// Returns CSV: a header and a row per point with time, positions, velocities and accelerations.
 [[nodiscard]] std::string to_csv(const Robot& robot, std::span<const Trajectory::Point> points);

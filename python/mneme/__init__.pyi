@@ -569,6 +569,7 @@ class Plan:
         jerk_limit: Optional[float] = None,
         path_tolerance: float = 1.0,
         time_rounds: int = 8,
+        blend_tolerance: float = 0.2,
         # /settings
         limits: Optional[PathLike] = None,
     ) -> Trajectory: ...

@@ -52,14 +52,29 @@ Path without_turns(const Robot& robot, Path path, const Configuration& turns) {
   return unwrapped(robot, std::move(path), start);
 }
 
+/// Changes the coefficients of polynomials in time to those of the same motion from `later_s` on.
+void begin_later(std::vector<double>& coefficients, std::size_t joints, double later_s) {
+  for (std::size_t first = 0; first < coefficients.size(); first += joints) {
+    for (std::size_t i = coefficients.size() - joints; i-- > first;) {
+      coefficients[i] += later_s * coefficients[i + joints];
+    }
+  }
+}
+
 bool is_moving(const std::vector<double>& velocity) {
   return std::ranges::any_of(velocity, [](double v) { return v != 0; });
 }
 
 }  // namespace
 
-Trajectory::Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s)
-    : stretches_(std::move(stretches)), end_(std::move(end)), end_s_(end_s) {}
+Trajectory::Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s,
+                       std::vector<double> end_velocity)
+    : stretches_(std::move(stretches)),
+      end_(std::move(end)),
+      end_s_(end_s),
+      end_velocity_(std::move(end_velocity)) {
+  end_velocity_.resize(end_.size());
+}
 
 double Trajectory::duration_s() const {
   // Rounding of the product must not add a nanosecond.
@@ -77,7 +92,9 @@ void Trajectory::shift(const Configuration& offset) {
 
 Trajectory::Point Trajectory::at(double time_s) const {
   const std::vector<double> still(end_.size(), 0.0);
-  if (stretches_.empty() || time_s >= end_s_) return {time_s, end_, still, still};
+  if (stretches_.empty() || time_s >= end_s_) {
+    return {time_s, end_, time_s > duration_s() ? still : end_velocity_, still};
+  }
   Point point{time_s, still, still, still};
   const auto after = std::ranges::upper_bound(stretches_, time_s, {}, &Stretch::begin_s);
   const Stretch& stretch = after == stretches_.begin() ? *after : *std::prev(after);
@@ -90,6 +107,22 @@ Trajectory::Point Trajectory::at(double time_s) const {
   }
   if (time_s < 0) point.velocity = point.acceleration = still;
   return point;
+}
+
+Trajectory Trajectory::between(double from_s, double to_s) const {
+  from_s = std::clamp(from_s, 0.0, end_s_);
+  to_s = std::clamp(to_s, from_s, end_s_);
+  std::vector<Stretch> stretches;
+  for (std::size_t i = 0; i < stretches_.size(); ++i) {
+    const double begin_s = stretches_[i].begin_s;
+    const double end_s = i + 1 < stretches_.size() ? stretches_[i + 1].begin_s : end_s_;
+    if (end_s <= from_s || begin_s >= to_s) continue;
+    const double later_s = std::max(0.0, from_s - begin_s);
+    stretches.push_back({begin_s + later_s - from_s, stretches_[i].coefficients});
+    if (later_s > 0) begin_later(stretches.back().coefficients, end_.size(), later_s);
+  }
+  Point end = at(to_s);
+  return {std::move(stretches), std::move(end.position), to_s - from_s, std::move(end.velocity)};
 }
 
 Result<std::vector<Trajectory::Point>> Trajectory::sample(double dt) const {
