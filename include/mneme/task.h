@@ -71,7 +71,8 @@ struct Stage {
   std::vector<std::pair<std::string, std::string>> pairs = {};  ///< allow
   std::map<std::string, double> values = {};                    ///< gripper: by joint
   std::vector<OrientationConstraint> constraints = {};          ///< move: in addition to the task's
-  double speed = 1;  ///< move, line: share of the velocity limits, in (0, 1]
+  double speed = 1;   ///< move, line: share of the velocity limits, in (0, 1]
+  bool stop = false;  ///< the robot stops at its end; else only where hand or fingers change
 };
 
 /// A robot, a scene, a start, and stages.
@@ -204,12 +205,14 @@ struct TaskResult {
 /// The motion of a whole task.
 struct TaskMotion {
   Trajectory trajectory;
-  std::vector<double> begins_s;                   ///< per stage
+  std::vector<double> begins_s;                   ///< per stage, see JoinedMotion
   std::vector<std::optional<Trajectory>> stages;  ///< per stage, each from 0 on; nothing for one
                                                   ///< without a path, which takes no time
 };
-/// Times the path of each stage, from rest to rest, within `limits` scaled by the stage's speed.
-/// Precondition: `result` is a plan of `task`. Errors: those of parameterize().
+/// Times the path of each stage within `limits`, velocities scaled by the stage's speed, and joins
+/// them by join_motions(). Stops where a stage attaches, detaches, moves a gripper or has
+/// Stage::stop, and where no blend is found. Precondition: `result` is a plan of `task`. Errors:
+/// those of parameterize().
 [[nodiscard]] Result<TaskMotion> time_task(const Task& task, const TaskResult& result,
                                            const SolveSettings& settings, const RateLimits& limits,
                                            const TrajectorySettings& timing = {});

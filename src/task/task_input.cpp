@@ -75,11 +75,12 @@ class StageReader {
   }
 
   Stage read(const Input& input) {
-    input.allow_keys(
-        {"name", "speed", "constraints", "move", "line", "attach", "detach", "allow", "gripper"});
+    input.allow_keys({"name", "speed", "stop", "constraints", "move", "line", "attach", "detach",
+                      "allow", "gripper"});
     Stage stage;
     stage.name = input.text_or("name", "");
     if (const auto speed = input.find("speed")) stage.speed = speed->positive_number();
+    if (const auto stop = input.find("stop")) stage.stop = stop->boolean();
     std::optional<Input> found;
     constexpr std::array kKinds = {StageKind::move,   StageKind::line,  StageKind::attach,
                                    StageKind::detach, StageKind::allow, StageKind::gripper};

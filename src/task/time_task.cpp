@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/task.h"
 
+#include "pipeline/trajectory_checker.h"
+
 #include <nlohmann/json.hpp>
 
-#include <iterator>
+#include <algorithm>
+#include <deque>
+#include <optional>
 #include <utility>
 
 namespace mneme {
@@ -42,46 +46,81 @@ Json gripper_json(const GripperMotion& gripper) {
   return json;
 }
 
-}  // namespace
+/// Motions of the stages that take time.
+struct MovingStages {
+  const SolveSettings& settings;
+  const RateLimits& limits;
+  const TrajectorySettings& timing;
+  // Parts refer to verifiers, and these to checkers.
+  std::deque<internal::TrajectoryChecker> checkers = {};
+  std::deque<MotionVerifier> verifiers = {};
+  std::vector<MotionPart> parts = {};
+  std::vector<std::size_t> firsts = {};                 ///< per stage: parts before it
+  std::vector<std::optional<Trajectory>> fingers = {};  ///< per stage
 
-Result<TaskMotion> time_task(const Task& task, const TaskResult& result,
-                             const SolveSettings& settings, const RateLimits& limits,
-                             const TrajectorySettings& timing) {
-  std::vector<Trajectory::Stretch> stretches;
-  std::vector<double> begins_s;
-  std::vector<std::optional<Trajectory>> stages;
-  double end_s = 0;
-  for (std::size_t i = 0; i < result.stages.size(); ++i) {
-    const StageResult& stage = result.stages[i];
-    begins_s.push_back(end_s);
-    stages.emplace_back();
-    if (stage.gripper) {
-      Trajectory motion =
-          MNEME_TRY(time_gripper(*stage.gripper, settings, timing, task.stages[i].speed));
-      stretches.push_back({end_s, stage.path.back()});  // the group rests
-      end_s += motion.duration_s();
-      stages.back() = std::move(motion);
-      continue;
+  Result<void> add(const Stage& stage, const StageResult& planned) {
+    firsts.push_back(parts.size());
+    fingers.emplace_back();
+    const bool changes_hand = stage.kind == StageKind::attach || stage.kind == StageKind::detach ||
+                              stage.kind == StageKind::gripper;
+    if (changes_hand && !parts.empty()) parts.back().stops = true;
+    if (planned.gripper) {
+      Trajectory motion = MNEME_TRY(time_gripper(*planned.gripper, settings, timing, stage.speed));
+      const Configuration& q = planned.path.back();
+      // The group rests meanwhile.
+      parts.push_back({Trajectory({{0, q}}, q, motion.duration_s()), limits, nullptr, true});
+      fingers.back() = std::move(motion);
+    } else if (planned.path.size() > 1) {
+      MNEME_TRY(add_path(stage, planned));
     }
-    if (stage.path.size() < 2) continue;
+    if (stage.stop && !parts.empty()) parts.back().stops = true;
+    return {};
+  }
+
+  Result<void> add_path(const Stage& stage, const StageResult& planned) {
     RateLimits slower = limits;
-    for (double& value : slower.velocity) value *= task.stages[i].speed;
+    for (double& value : slower.velocity) value *= stage.speed;
     TrajectorySettings near_path = timing;
     if (stage.kind == StageKind::line) {
       near_path.path_tolerance = std::min(timing.path_tolerance, kLineTolerance);
       near_path.time_rounds = 0;
     }
+    const Problem& world = *planned.world;
+    checkers.push_back(MNEME_TRY(internal::make_trajectory_checker(world, settings, planned.path)));
+    verifiers.push_back(checkers.back().verifier());
+    const MotionVerifier* verifier = &verifiers.back();
     Trajectory motion =
-        MNEME_TRY(make_trajectory(*stage.world, settings, stage.path, slower, near_path));
-    for (Trajectory::Stretch stretch : motion.stretches()) {
-      stretch.begin_s += end_s;
-      stretches.push_back(std::move(stretch));
-    }
-    end_s += motion.duration_s();
-    stages.back() = std::move(motion);
+        MNEME_TRY(parameterize(world.robot, planned.path, slower, near_path, verifier));
+    parts.push_back({std::move(motion), std::move(slower), verifier, false});
+    return {};
   }
-  return TaskMotion{Trajectory(std::move(stretches), result.stages.back().path.back(), end_s),
-                    std::move(begins_s), std::move(stages)};
+
+  [[nodiscard]] TaskMotion join(const Configuration& end) const {
+    if (parts.empty()) return {Trajectory({}, end, 0), std::vector<double>(firsts.size()), fingers};
+    auto [trajectory, begins_s] = join_motions(parts, timing.blend_tolerance);
+    begins_s.push_back(trajectory.duration_s());
+    TaskMotion motion{std::move(trajectory), {}, fingers};
+    for (std::size_t i = 0; i < firsts.size(); ++i) {
+      const double begin_s = begins_s[firsts[i]];
+      motion.begins_s.push_back(begin_s);
+      const std::size_t next = i + 1 < firsts.size() ? firsts[i + 1] : parts.size();
+      if (next == firsts[i] || fingers[i]) continue;
+      motion.stages[i] = motion.trajectory.between(begin_s, begins_s[next]);
+    }
+    return motion;
+  }
+};
+
+}  // namespace
+
+Result<TaskMotion> time_task(const Task& task, const TaskResult& result,
+                             const SolveSettings& settings, const RateLimits& limits,
+                             const TrajectorySettings& timing) {
+  MovingStages moving{settings, limits, timing};
+  for (std::size_t i = 0; i < result.stages.size(); ++i) {
+    MNEME_TRY(moving.add(task.stages[i], result.stages[i]));
+  }
+  return moving.join(result.stages.back().path.back());
 }
 
 std::string to_json(const Task& task, const TaskResult& result, const TaskMotion* motion) {
