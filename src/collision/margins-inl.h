@@ -16,7 +16,7 @@
 
 #include "collision/collision_kernels.h"
 #include "collision/kinematics-inl.h"
-#include "collision/separation_table-inl.h"
+#include "tables/separation_table-inl.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();

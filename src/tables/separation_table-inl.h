@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Values of separation tables, one configuration per lane.
-#if defined(MNEME_COLLISION_SEPARATION_TABLE_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef MNEME_COLLISION_SEPARATION_TABLE_INL_H_
-#undef MNEME_COLLISION_SEPARATION_TABLE_INL_H_
+#if defined(MNEME_TABLES_SEPARATION_TABLE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef MNEME_TABLES_SEPARATION_TABLE_INL_H_
+#undef MNEME_TABLES_SEPARATION_TABLE_INL_H_
 #else
-#define MNEME_COLLISION_SEPARATION_TABLE_INL_H_
+#define MNEME_TABLES_SEPARATION_TABLE_INL_H_
 #endif
 
 #include <cstddef>
@@ -52,4 +52,4 @@ HWY_INLINE V rings_around(V cells) {
 }  // namespace mneme::internal
 HWY_AFTER_NAMESPACE();
 
-#endif  // MNEME_COLLISION_SEPARATION_TABLE_INL_H_
+#endif  // MNEME_TABLES_SEPARATION_TABLE_INL_H_
