@@ -74,28 +74,6 @@ constexpr float kFinestSweep = 5e-6f;
 constexpr float kMostIntervals = 1e6f;
 constexpr float kLeastShare = 1e-6f;
 
-/// Displacement bounds of a motion, one per row of `reaches`.
-std::vector<float> displacements_of(std::span<const float> reaches, std::span<const float> delta) {
-  std::vector<float> moved(reaches.size() / delta.size(), 0.0f);
-  for (std::size_t i = 0; i < moved.size(); ++i) {
-    const float* row = reaches.data() + i * delta.size();
-    for (std::size_t j = 0; j < delta.size(); ++j) moved[i] += row[j] * std::abs(delta[j]);
-  }
-  return moved;
-}
-
-float largest(std::span<const float> values) {
-  return values.empty() ? 0.0f : *std::ranges::max_element(values);
-}
-
-/// Displacement bounds of a motion, metres.
-struct Displacements {
-  std::vector<float> bodies;  ///< for each moving body
-  std::vector<float> pairs;   ///< for the approach of each pair of bodies
-  float longest = 0;
-  float farthest_reach = 0;  ///< for one radian of any joint
-};
-
 /// Returns the tables without the pairs that are checked by exact geometry.
 World make_world(const std::shared_ptr<const internal::CheckedRobot>& checked, const Robot& robot,
                  const Scene& scene, internal::SceneTables tables) {
@@ -145,26 +123,12 @@ struct CollisionChecker::Tables {
     return world.scene.compounds.empty() || extra_margin <= internal::kSpareReach;
   }
 
-  [[nodiscard]] static Displacements find_displacements(const internal::RobotTables& tables,
-                                                        std::span<const float> from,
-                                                        std::span<const float> to,
-                                                        std::span<const float> delta) {
-    const auto with = [&](const internal::Reaches& reaches) {
-      Displacements moved{displacements_of(reaches.bodies, delta),
-                          displacements_of(reaches.pairs, delta)};
-      moved.longest = std::max(largest(moved.bodies), largest(moved.pairs));
-      moved.farthest_reach = largest(reaches.bodies);
-      return moved;
-    };
-    return tables.has_far_slides ? with(internal::find_reaches(tables, from, to))
-                                 : with(tables.reaches);
-  }
-
   [[nodiscard]] bool is_sweep_free(std::span<const float> from, std::span<const float> delta,
                                    const SweepDetail& detail, CheckCounters& counters) const {
     FloatConfiguration end;
     for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
-    Displacements moved = find_displacements(*world.robot, from, {end.data(), from.size()}, delta);
+    internal::Displacements moved =
+        internal::find_displacements(*world.robot, from, {end.data(), from.size()}, delta);
     if (!(moved.longest > 0)) return true;
     // The kernel skips pairs that do not approach.
     if (detail.are_links_apart) std::ranges::fill(moved.pairs, 0.0f);
@@ -362,11 +326,11 @@ bool CollisionChecker::project(std::span<float> q) const {
 
 double CollisionChecker::displacement_bound(std::span<const float> from, std::span<const float> to,
                                             std::span<const float> delta) const {
-  const Displacements moved =
-      Tables::find_displacements(tables_->checked_robot->tables, from, to, delta);
+  const internal::Displacements moved =
+      internal::find_displacements(tables_->checked_robot->tables, from, to, delta);
   if (tables_->robot.exact_pairs().empty()) return moved.longest;
   // The tables lack the robot's exact pairs, whose links each move by a body's bound at most.
-  return std::max(moved.longest, 2 * largest(moved.bodies));
+  return std::max(moved.longest, 2 * moved.longest_of_bodies);
 }
 
 bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<const double> to,

@@ -50,6 +50,29 @@ class Reach {
   std::span<const float> from_, to_;
 };
 
+/// Displacement bounds of a motion, one per row of `reaches`.
+std::vector<float> displacements_of(std::span<const float> reaches, std::span<const float> delta) {
+  std::vector<float> moved(reaches.size() / delta.size(), 0.0f);
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    const float* row = reaches.data() + i * delta.size();
+    for (std::size_t j = 0; j < delta.size(); ++j) moved[i] += row[j] * std::abs(delta[j]);
+  }
+  return moved;
+}
+
+float largest(std::span<const float> values) {
+  return values.empty() ? 0.0f : *std::ranges::max_element(values);
+}
+
+Displacements displacements_with(const Reaches& reaches, std::span<const float> delta) {
+  Displacements moved{displacements_of(reaches.bodies, delta),
+                      displacements_of(reaches.pairs, delta)};
+  moved.longest_of_bodies = largest(moved.bodies);
+  moved.longest = std::max(moved.longest_of_bodies, largest(moved.pairs));
+  moved.farthest_reach = largest(reaches.bodies);
+  return moved;
+}
+
 int common_ancestor(const RobotTables& tables, int a, int b) {
   while (a != b) {
     int& lower = a > b ? a : b;
@@ -78,6 +101,12 @@ Reaches find_reaches(const RobotTables& tables, std::span<const float> from,
     reach.add(second, ancestor, result.pairs.data() + i * joints);
   }
   return result;
+}
+
+Displacements find_displacements(const RobotTables& tables, std::span<const float> from,
+                                 std::span<const float> to, std::span<const float> delta) {
+  return tables.has_far_slides ? displacements_with(find_reaches(tables, from, to), delta)
+                               : displacements_with(tables.reaches, delta);
 }
 
 void add_reaches(RobotTables& tables) {

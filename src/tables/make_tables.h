@@ -58,6 +58,20 @@ void store(const Matrix& m, float* out) {
 [[nodiscard]] Reaches find_reaches(const RobotTables& tables, std::span<const float> from,
                                    std::span<const float> to);
 
+/// Displacement bounds of a motion, metres.
+struct Displacements {
+  std::vector<float> bodies;  ///< for each moving body
+  std::vector<float> pairs;   ///< for the approach of each pair of bodies
+  float longest_of_bodies = 0;
+  float longest = 0;
+  float farthest_reach = 0;  ///< for one radian of any joint
+};
+/// Bounds the motion by `delta` per joint anywhere between two configurations.
+[[nodiscard]] Displacements find_displacements(const RobotTables& tables,
+                                               std::span<const float> from,
+                                               std::span<const float> to,
+                                               std::span<const float> delta);
+
 /// Fills `reaches` and `has_far_slides` of tables that are otherwise complete.
 void add_reaches(RobotTables& tables);
 
