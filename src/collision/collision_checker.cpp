@@ -78,6 +78,7 @@ constexpr float kLeastShare = 1e-6f;
 World make_world(const std::shared_ptr<const internal::CheckedRobot>& checked, const Robot& robot,
                  const Scene& scene, internal::SceneTables tables) {
   tables.may_touch = internal::find_allowed_contacts(robot, checked->tables, scene);
+  tables.clearances = internal::find_clearances(checked->tables, tables);
   World world{{checked, &checked->tables}, std::move(tables)};
   // The robot's own exact pairs are not in its tables.
   if (scene.exact_pairs.empty()) return world;

@@ -292,13 +292,15 @@ HWY_INLINE V clearance_of(const ObstacleRow& row, const V3& p, V3& normal) {
 
 // Bounding boxes of obstacles.
 
-/// The box around a point in all lanes: three coordinates, in arrays that hold a whole vector.
+/// The box around balls in all lanes: three coordinates, in arrays that hold a whole vector.
 struct Extent {
   static constexpr int kSize = kLanes < 4 ? 4 : kLanes;
   HWY_ALIGN float lower[kSize];
   HWY_ALIGN float upper[kSize];
 
-  HWY_INLINE void set(const V3& p) { store_extent(p, lower, upper); }
+  HWY_INLINE void set(const V3& center, float radius) {
+    store_extent(center, radius, lower, upper);
+  }
 };
 
 HWY_INLINE M is_below(V distance2, V reach2) { return hn::Lt(distance2, reach2); }
@@ -312,17 +314,13 @@ HWY_INLINE std::uint64_t scan_work(const SceneTables& scene, int bodies) {
   return static_cast<std::uint64_t>(bodies) * scene.lower[0].size();
 }
 
-/// Returns a bit for each of the kLanes obstacles from `begin` on whose box is within `reach` of
-/// `extent`.
-HWY_INLINE unsigned find_overlaps(const SceneTables& scene, const Extent& extent, float reach,
-                                  size_t begin) {
+/// Returns a bit for each of the kLanes obstacles from `begin` on whose box overlaps `extent`.
+HWY_INLINE unsigned find_overlaps(const SceneTables& scene, const Extent& extent, size_t begin) {
   const Tag d;
   M overlap = hn::MaskFromVec(hn::Zero(d));
   for (int axis = 0; axis < 3; ++axis) {
-    const M is_below =
-        hn::Le(hn::LoadU(d, &scene.lower[axis][begin]), splat(extent.upper[axis] + reach));
-    const M is_above =
-        hn::Ge(hn::LoadU(d, &scene.upper[axis][begin]), splat(extent.lower[axis] - reach));
+    const M is_below = hn::Le(hn::LoadU(d, &scene.lower[axis][begin]), splat(extent.upper[axis]));
+    const M is_above = hn::Ge(hn::LoadU(d, &scene.upper[axis][begin]), splat(extent.lower[axis]));
     const M both = hn::And(is_below, is_above);
     overlap = axis == 0 ? both : hn::And(overlap, both);
   }

@@ -48,11 +48,6 @@ HWY_INLINE Pose splat_rotation(const float* r) {
           {zero, zero, zero}};
 }
 
-HWY_INLINE V3 with_sign(const V3& a, float sign) {
-  const V bits = splat(sign);
-  return {hn::Xor(a.x, bits), hn::Xor(a.y, bits), hn::Xor(a.z, bits)};
-}
-
 /// The axes of a frame in its parent's, at joint value 0.
 HWY_INLINE void turn_axes(const Pose& parent, const FrameRow& frame, Pose& pose) {
   for (int i = 0; i < 3; ++i) {
@@ -61,7 +56,8 @@ HWY_INLINE void turn_axes(const Pose& parent, const FrameRow& frame, Pose& pose)
       pose.axes[i] = mul_add(splat(r[0]), parent.axes[0],
                              mul_add(splat(r[3]), parent.axes[1], splat(r[6]) * parent.axes[2]));
     } else if (frame.turn == Turn::permutation) {
-      pose.axes[i] = with_sign(parent.axes[frame.source[i]], frame.sign[i]);
+      const V3& source = parent.axes[frame.source[i]];
+      pose.axes[i] = frame.is_reversed[i] ? negated(source) : source;
     } else {
       pose.axes[i] = parent.axes[i];
     }

@@ -65,7 +65,6 @@ class StateChecker {
       for (int i = begin; i < end; ++i) {
         const BodyRow& body = robot_.bodies[i];
         centers_[i] = transform_point(poses_[body.frame], body.ball.center);
-        extents_[i].set(centers_[i]);
       }
       if (hits_scene(begin, end, verdict)) return true;
     }
@@ -74,16 +73,23 @@ class StateChecker {
 
  private:
   HWY_INLINE bool hits_scene(int first, int last, Verdict<kIsMotion>& verdict) const {
-    counters_.work += scan_work(scene_, last - first);
-    for (size_t begin = 0; begin < scene_.lower[0].size(); begin += kLanes) {
+    int bodies[kLinkBatch];
+    Extent extents[kLinkBatch];
+    int body_count = 0;
+    for (int i = first; i < last; ++i) {
+      const float margin = margins_.widest_of_body(i);
+      if (!margins_.moves_body(i) || !scene_.is_reached(i, margin)) continue;
+      extents[body_count].set(centers_[i], robot_.bodies[i].ball.radius + margin);
+      bodies[body_count++] = i;
+    }
+    counters_.work += scan_work(scene_, body_count);
+    for (size_t begin = 0; body_count > 0 && begin < scene_.lower[0].size(); begin += kLanes) {
       int near[kLinkBatch];
       unsigned overlaps[kLinkBatch];
       int count = 0;
-      for (int i = first; i < last; ++i) {
-        near[count] = i;
-        if (!margins_.moves_body(i)) continue;
-        const float reach = robot_.bodies[i].ball.radius + margins_.widest_of_body(i);
-        overlaps[count] = find_overlaps(scene_, extents_[i], reach, begin);
+      for (int i = 0; i < body_count; ++i) {
+        near[count] = bodies[i];
+        overlaps[count] = find_overlaps(scene_, extents[i], begin);
         count += overlaps[count] != 0;
       }
       for (int i = 0; i < count; ++i) {
@@ -292,7 +298,6 @@ class StateChecker {
   CheckCounters& counters_;
   Pose poses_[kMaxFrames + 1];
   V3 centers_[kMaxBodies];
-  Extent extents_[kMaxBodies];
 };
 
 }  // namespace HWY_NAMESPACE

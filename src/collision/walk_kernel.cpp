@@ -113,9 +113,9 @@ class Walker {
       const V3 center = transform_point(poses_[body.frame], body.ball.center);
       const float reach = body.ball.radius + request_.clearance;
       Extent extent;
-      extent.set(center);
+      extent.set(center, reach);
       for (size_t begin = 0; begin < scene_.lower[0].size(); begin += kLanes) {
-        unsigned bits = find_overlaps(scene_, extent, reach, begin);
+        unsigned bits = find_overlaps(scene_, extent, begin);
         for (; bits != 0; bits &= bits - 1) {
           const size_t obstacle = begin + static_cast<size_t>(__builtin_ctz(bits));
           // Compound shapes push nothing: checks reject candidates in contact with them.

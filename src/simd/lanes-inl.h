@@ -76,9 +76,13 @@ HWY_INLINE M mask_of(unsigned bits) {
 
 #if HWY_TARGET == HWY_SCALAR
 
-HWY_INLINE void store_extent(const V3& p, float* HWY_RESTRICT lower, float* HWY_RESTRICT upper) {
+HWY_INLINE void store_extent(const V3& p, float radius, float* HWY_RESTRICT lower,
+                             float* HWY_RESTRICT upper) {
   const V* coordinates[3] = {&p.x, &p.y, &p.z};
-  for (int i = 0; i < 3; ++i) lower[i] = upper[i] = hn::GetLane(*coordinates[i]);
+  for (int i = 0; i < 3; ++i) {
+    lower[i] = hn::GetLane(*coordinates[i]) - radius;
+    upper[i] = hn::GetLane(*coordinates[i]) + radius;
+  }
 }
 
 #else
@@ -103,11 +107,14 @@ HWY_INLINE V pick_lanes(const V3& p, const Pick& pick) {
   return result;
 }
 
-/// Writes the least and greatest x, y and z over all lanes to the first three values of `lower` and
-/// `upper`. Both arrays must have room for a whole vector.
-HWY_INLINE void store_extent(const V3& p, float* HWY_RESTRICT lower, float* HWY_RESTRICT upper) {
-  hn::Store(pick_lanes(p, [](V a, V b) { return hn::Min(a, b); }), Tag(), lower);
-  hn::Store(pick_lanes(p, [](V a, V b) { return hn::Max(a, b); }), Tag(), upper);
+/// Writes the least and greatest x, y and z of balls in all lanes to the first three values of
+/// `lower` and `upper`. Both arrays must have room for a whole vector.
+HWY_INLINE void store_extent(const V3& p, float radius, float* HWY_RESTRICT lower,
+                             float* HWY_RESTRICT upper) {
+  const V least = pick_lanes(p, [](V a, V b) { return hn::Min(a, b); });
+  const V most = pick_lanes(p, [](V a, V b) { return hn::Max(a, b); });
+  hn::Store(hn::Sub(least, splat(radius)), Tag(), lower);
+  hn::Store(hn::Add(most, splat(radius)), Tag(), upper);
 }
 
 #endif

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mneme::internal {
 namespace {
@@ -73,6 +74,23 @@ Displacements displacements_with(const Reaches& reaches, std::span<const float> 
   return moved;
 }
 
+/// A ball that contains a body in every configuration.
+struct ReachedBall {
+  const FrameRow* base = nullptr;  ///< the frame at the ball's centre, a child of the root
+  float radius = 0;                ///< infinite if a prismatic joint moves the body
+};
+
+ReachedBall reached_ball(const RobotTables& tables, const BodyRow& body) {
+  const auto norm = [](const float* v) { return std::hypot(v[0], v[1], v[2]); };
+  ReachedBall ball{nullptr, norm(body.ball.center) + body.ball.radius};
+  for (int frame = body.frame; frame > 0; frame = ball.base->parent) {
+    if (ball.base != nullptr) ball.radius += norm(ball.base->translation);
+    ball.base = &tables.frames[as_index(frame - 1)];
+    if (ball.base->is_prismatic) ball.radius = std::numeric_limits<float>::infinity();
+  }
+  return ball;
+}
+
 int common_ancestor(const RobotTables& tables, int a, int b) {
   while (a != b) {
     int& lower = a > b ? a : b;
@@ -101,6 +119,30 @@ Reaches find_reaches(const RobotTables& tables, std::span<const float> from,
     reach.add(second, ancestor, result.pairs.data() + i * joints);
   }
   return result;
+}
+
+std::vector<float> find_clearances(const RobotTables& robot, const SceneTables& scene) {
+  constexpr float kSlack = 1e-4f;  // metres, for rounding
+  std::vector<float> clearances;
+  for (int i = 0; i < robot.moving_count; ++i) {
+    const ReachedBall ball = reached_ball(robot, robot.bodies[as_index(i)]);
+    float nearest = std::numeric_limits<float>::max();
+    for (std::size_t k = 0; k < scene.obstacles.size(); ++k) {
+      float squares = 0;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        float center = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+          center += scene.rotation[3 * axis + j] * ball.base->translation[j];
+        }
+        const float beyond =
+            std::max({scene.lower[axis][k] - center, center - scene.upper[axis][k], 0.0f});
+        squares += beyond * beyond;
+      }
+      nearest = std::min(nearest, std::sqrt(squares));
+    }
+    clearances.push_back(nearest - ball.radius * kRounding - kSlack);
+  }
+  return clearances;
 }
 
 Displacements find_displacements(const RobotTables& tables, std::span<const float> from,

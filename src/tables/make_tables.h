@@ -53,6 +53,10 @@ void store(const Matrix& m, float* out) {
                                                                const RobotTables& tables,
                                                                const Scene& scene);
 
+/// Finds SceneTables::clearances: bodies near the robot's base often reach no obstacle.
+[[nodiscard]] std::vector<float> find_clearances(const RobotTables& robot,
+                                                 const SceneTables& scene);
+
 /// Finds the displacement bounds on the straight motion between two configurations. The radius of a
 /// turn is at most the length of the links and slides between joint and point.
 [[nodiscard]] Reaches find_reaches(const RobotTables& tables, std::span<const float> from,

@@ -69,7 +69,7 @@ void store_turn(const Eigen::Matrix3d& rotation, FrameRow& row) {
     Eigen::Index source = 0;
     rounded.col(i).cwiseAbs().maxCoeff(&source);
     row.source[i] = static_cast<int>(source);
-    row.sign[i] = rounded(source, i) < 0 ? -0.0f : 0.0f;
+    row.is_reversed[i] = rounded(source, i) < 0;
   }
 }
 

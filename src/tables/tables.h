@@ -45,7 +45,7 @@ struct FrameRow {
   Turn turn = Turn::none;
   float rotation[9] = {};     ///< row-major, in the parent frame, at joint value 0
   int source[3] = {0, 1, 2};  ///< for a permutation: the parent's axis for each axis
-  float sign[3] = {};         ///< for a permutation: -0 where that axis is reversed, otherwise 0
+  bool is_reversed[3] = {};   ///< for a permutation: whether that axis is reversed
   float translation[3] = {};
 };
 
@@ -206,7 +206,14 @@ struct SceneTables {
   /// Bits of the obstacles that each group may touch: kObstacleBlock bits a word, group by group.
   /// Empty if no contact is allowed.
   std::vector<std::uint16_t> may_touch;
+  /// For each moving body of the robot: metres that it keeps from all obstacles in every
+  /// configuration. Negative: nothing is known. Empty: nothing is known of any body.
+  std::vector<float> clearances;
 
+  /// Returns false if body `body` keeps `margin` from all obstacles in every configuration.
+  [[nodiscard]] bool is_reached(int body, float margin) const {
+    return clearances.empty() || margin >= clearances[static_cast<std::size_t>(body)];
+  }
   [[nodiscard]] bool may_group_touch(std::size_t group, std::size_t obstacle) const {
     const std::size_t words = lower[0].size() / kObstacleBlock;
     return may_touch[group * words + obstacle / kObstacleBlock] >> obstacle % kObstacleBlock & 1;

@@ -502,6 +502,54 @@ TEST_SUITE("unit") {
 }
 
 TEST_SUITE("law") {
+  TEST_CASE("no configuration brings a body closer to obstacles than its clearance") {
+    Rng rng(29);
+    int known_count = 0;
+    for (int round = 0; round < rounds(40); ++round) {
+      INFO("round ", round);
+      const Robot robot = random_robot(rng);
+      const RobotTables tables = require_tables(robot);
+      const Scene scene = random_scene(robot, 6, rng, small_shape);
+      const auto made = internal::make_scene_tables(scene);
+      REQUIRE(made.has_value());
+      const std::vector<float> clearances = internal::find_clearances(tables, *made);
+      REQUIRE(clearances.size() == static_cast<std::size_t>(tables.moving_count));
+      // A checker whose margin is a body's clearance sees no contact of that body.
+      for (int i = 0; i < tables.moving_count; ++i) {
+        const float clearance = clearances[static_cast<std::size_t>(i)];
+        if (clearance <= 0) continue;
+        ++known_count;
+        const internal::BodyRow& body = tables.bodies[static_cast<std::size_t>(i)];
+        std::set<std::string> links;
+        for (int g = body.group_begin; g < body.group_end; ++g) {
+          const int link = tables.link_of_group[static_cast<std::size_t>(g)];
+          links.insert(robot.links()[static_cast<std::size_t>(link)].name);
+        }
+        const CollisionChecker checker = require_checker(robot, scene, {.margin = clearance});
+        const std::vector<float> states = random_states(robot, 20, rng);
+        for (std::size_t k = 0; k < 20; ++k) {
+          const std::span<const float> q = row(states, k, robot);
+          for (const Contact& contact : checker.contacts(Configuration(q.begin(), q.end()))) {
+            CHECK((contact.is_self || !links.contains(contact.link)));
+          }
+        }
+      }
+    }
+    CHECK(known_count > 10);
+  }
+
+  TEST_CASE("a body on the first joint keeps clear of what is far from the joint") {
+    const RobotTables tables = require_tables(*long_chain(2, 0));
+    Scene scene = make_circle_scene("", {{0.1f, 1.0f, 0.2f}});
+    const auto made = internal::make_scene_tables(scene);
+    REQUIRE(made.has_value());
+    const std::vector<float> clearances = internal::find_clearances(tables, *made);
+    REQUIRE(clearances.size() == 2);
+    // Tips first. The second joint is 0.1 m from the first.
+    CHECK(clearances[1] == doctest::Approx(1.0 - 0.2 - 0.01).epsilon(1e-3));
+    CHECK(clearances[0] == doctest::Approx(1.0 - 0.2 - 0.11).epsilon(1e-3));
+  }
+
   TEST_CASE("the bounds of an obstacle contain it, and touch it") {
     Rng rng(511);
     for (int i = 0; i < 400; ++i) {
