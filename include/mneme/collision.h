@@ -104,8 +104,15 @@ inline constexpr int kShortcuts = 16;
 struct Shortcut {
   float begin = 0, end = 0;   ///< arc lengths; begin <= end
   std::uint64_t joints = 0;   ///< subset of joints that go straight: a bit per joint
+  float probe = 0.5f;         ///< fraction of the stretch at which its state is checked
   float gain = 0;             ///< reduction of the path's cost (MotionCost)
-  bool is_promising = false;  ///< the gain suffices, and the midpoint is free of contact
+  bool is_promising = false;  ///< the gain suffices, and the state at `probe` is free of contact
+};
+
+/// A point of a path: the share `fraction` of motion number `motion`.
+struct PathPoint {
+  int motion = 0;
+  float fraction = 0;
 };
 
 /// Candidates for an inner waypoint: each of four subsets of joints goes 1, 1/2, 1/4 or 1/8 of the
@@ -235,13 +242,15 @@ class CollisionChecker {
 
   /// True if the motions between consecutive rows of `configurations` pass is_motion_valid(). The
   /// first row is assumed valid. Faster than one call per motion where motions are short, because
-  /// short motions share SIMD vectors.
+  /// short motions share SIMD vectors. If a state touches an obstacle or the robot itself, writes
+  /// where to `contact`, unless that is null.
   [[nodiscard]] bool is_chain_valid(std::span<const float> configurations, CheckCounters& counters,
-                                    const MotionDetail& detail = {}) const;
+                                    const MotionDetail& detail = {},
+                                    std::optional<PathPoint>* contact = nullptr) const;
 
   /// Writes `gain` and `is_promising` of each shortcut. A shortcut is promising if it reduces the
-  /// path's cost by at least `least_gain` and its midpoint is free of contact. This is a quick
-  /// filter: no other state, no exact geometry and no constraint is checked.
+  /// path's cost by at least `least_gain` and its state at `probe` is free of contact. This is a
+  /// quick filter: no other state, no exact geometry and no constraint is checked.
   void rate_shortcuts(const PathView& path, float least_gain,
                       std::span<Shortcut, kShortcuts> shortcuts) const;
   /// Writes by how much each candidate reduces the path's cost; 0 if the candidate is in contact. A

@@ -248,7 +248,8 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
 }
 
 bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
-                                      CheckCounters& counters, const MotionDetail& detail) const {
+                                      CheckCounters& counters, const MotionDetail& detail,
+                                      std::optional<PathPoint>* contact) const {
   const Tables& t = *tables_;
   const std::size_t joints = t.joints();
   assert(configurations.size() % joints == 0);
@@ -257,7 +258,7 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
   const float margin = t.margin + static_cast<float>(detail.margin);
   const std::size_t count = configurations.size() / joints - 1;
   counters.motions += count;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < count && !t.cones.constraints().empty(); ++i) {
     const auto from = configurations.subspan(i * joints, joints);
     if (!keeps_constraints(from, configurations.subspan((i + 1) * joints, joints))) return false;
   }
@@ -274,7 +275,11 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
       states[i] = std::max(1, t.count_states(length, detail.refinement));
     }
     const internal::MotionChain chain{points, deltas.data(), states.data(), static_cast<int>(some)};
-    if (!t.kernels->is_chain_free(*t.world.robot, t.world.scene, chain, margin, counters)) {
+    PathPoint blocked;
+    if (!t.kernels->is_chain_free(*t.world.robot, t.world.scene, chain, margin, counters,
+                                  blocked)) {
+      blocked.motion += static_cast<int>(begin);
+      if (contact != nullptr) *contact = blocked;
       return false;
     }
     for (std::size_t i = 0; i < some && !t.exact_pairs.empty(); ++i) {

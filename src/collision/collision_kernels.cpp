@@ -5,6 +5,7 @@
 #include "collision/collision_kernels.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 
 #undef HWY_TARGET_INCLUDE
@@ -71,8 +72,23 @@ HWY_INLINE void pose_chain(const MotionChain& chain, int joint_count, V number, 
   }
 }
 
+/// A state of a chain that is hit, in the middle of those that are.
+PathPoint find_contact(const MotionChain& chain, V number, M hit) {
+  const unsigned bits = bits_of(hit);
+  const int middle = (std::countr_zero(bits) + static_cast<int>(std::bit_width(bits)) - 1) / 2;
+  const int lane = middle + std::countr_zero(bits >> middle);
+  HWY_ALIGN float numbers[kLanes];
+  hn::Store(number, Tag(), numbers);
+  float rest = numbers[lane];
+  int motion = 0;
+  for (; motion + 1 < chain.count && rest > static_cast<float>(chain.states[motion]); ++motion) {
+    rest -= static_cast<float>(chain.states[motion]);
+  }
+  return {motion, std::min(rest / static_cast<float>(chain.states[motion]), 1.0f)};
+}
+
 bool is_chain_free(const RobotTables& robot, const SceneTables& scene, const MotionChain& chain,
-                   float margin, CheckCounters& counters) {
+                   float margin, CheckCounters& counters, PathPoint& contact) {
   const Tag d;
   std::int64_t states = 0;
   for (int i = 0; i < chain.count; ++i) states += chain.states[i];
@@ -91,10 +107,13 @@ bool is_chain_free(const RobotTables& robot, const SceneTables& scene, const Mot
           hn::Floor(hn::Div(hn::Add(rank, splat(0.5f)), hn::Sub(spacing, splat(1.0f))));
       number = hn::Add(hn::Add(rank, skipped), splat(1.0f));
     }
-    pose_chain(chain, robot.joint_count, hn::Min(number, most), q);
+    number = hn::Min(number, most);
+    pose_chain(chain, robot.joint_count, number, q);
     counters.states += static_cast<std::uint64_t>(kLanes);
     Verdict<true> verdict;
-    if (checker.check(q, verdict)) return false;
+    if (!checker.check(q, verdict)) continue;
+    contact = find_contact(chain, number, verdict.hit);
+    return false;
   }
   return true;
 }

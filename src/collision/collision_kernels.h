@@ -57,9 +57,10 @@ struct CollisionKernels {
                          const float* delta, int states, float margin,
                          CheckCounters& counters) = nullptr;
   /// is_motion_free for all motions of a chain, which share vectors: motion i has exactly
-  /// `states[i]` states.
+  /// `states[i]` states. If it returns false, `contact` is a state in contact.
   bool (*is_chain_free)(const RobotTables& robot, const SceneTables& scene,
-                        const MotionChain& chain, float margin, CheckCounters& counters) = nullptr;
+                        const MotionChain& chain, float margin, CheckCounters& counters,
+                        PathPoint& contact) = nullptr;
   /// True if intervals that cover the motion are free. An interval is free if the state in its
   /// middle is, with bodies inflated by their margin and their displacement within the interval.
   /// Intervals that fail are halved. An interval of the shortest length also passes if its middle

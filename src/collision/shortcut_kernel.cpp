@@ -4,6 +4,8 @@
 // Compiled once per instruction set. A vector holds one candidate per lane.
 #include "collision/shortcut_kernel.h"
 
+#include <bit>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/shortcut_kernel.cpp"  // NOLINT
 #include "hwy/foreach_target.h"
@@ -40,15 +42,22 @@ class JointSubsets {
 };
 
 HWY_INLINE V cost_of(const MotionCost& cost, const V* a, const V* b, int joint_count) {
-  V sum = hn::Zero(Tag()), most = sum;
+  V sum = hn::Zero(Tag());
+  if (cost.pace.empty()) {
+    for (int j = 0; j < joint_count; ++j) {
+      const V delta = hn::Sub(b[j], a[j]);
+      sum = hn::MulAdd(delta, delta, sum);
+    }
+    return hn::Sqrt(sum);
+  }
+  V most = sum;
   for (int j = 0; j < joint_count; ++j) {
-    V delta = hn::Sub(b[j], a[j]);
-    if (!cost.pace.empty()) delta = hn::Mul(delta, splat(cost.pace[static_cast<size_t>(j)]));
+    const V delta = hn::Mul(hn::Sub(b[j], a[j]), splat(cost.pace[static_cast<size_t>(j)]));
     sum = hn::MulAdd(delta, delta, sum);
     most = hn::Max(most, hn::Abs(delta));
   }
   const V all = hn::Sqrt(sum);
-  return cost.pace.empty() ? all : hn::MulAdd(splat(MotionCost::kSlowest), hn::Sub(most, all), all);
+  return hn::MulAdd(splat(MotionCost::kSlowest), hn::Sub(most, all), all);
 }
 
 /// The states of a path at an arc length per lane.
@@ -73,22 +82,32 @@ class Stretches {
   HWY_INLINE Stretches(const PathView& path, int joint_count, const Shortcut* shortcuts)
       : path_(path), joint_count_(joint_count) {
     const Tag d;
-    HWY_ALIGN float begins[kLanes], ends[kLanes];
+    HWY_ALIGN float begins[kLanes], ends[kLanes], probes[kLanes];
+    JointSubsets subsets;
+    std::uint64_t shared = ~std::uint64_t{0};
     for (int lane = 0; lane < kLanes; ++lane) {
       begins[lane] = shortcuts[lane].begin;
       ends[lane] = shortcuts[lane].end;
-      subsets_.set(lane, shortcuts[lane].joints);
+      probes[lane] = shortcuts[lane].probe;
+      subsets.set(lane, shortcuts[lane].joints);
+      shared &= shortcuts[lane].joints;
     }
+    is_straight_ = std::popcount(shared) >= joint_count;
+    for (int j = 0; j < joint_count && !is_straight_; ++j) goes_straight_[j] = subsets.holding(j);
     begin_ = hn::Load(d, begins);
     end_ = hn::Load(d, ends);
+    probe_ = hn::Load(d, probes);
     pose_on(path, joint_count, begin_, from_);
     pose_on(path, joint_count, end_, to_);
+    for (int j = 0; j < joint_count; ++j) way_[j] = hn::Sub(to_[j], from_[j]);
   }
 
   /// How much shorter each stretch becomes.
   [[nodiscard]] HWY_INLINE V gains() const {
+    const V before = hn::Sub(end_, begin_);
+    if (is_straight_) return hn::Sub(before, cost_of(path_.cost, from_, to_, joint_count_));
     const Tag d;
-    const V inverse = hn::Div(splat(1.0f), hn::Max(hn::Sub(end_, begin_), splat(1e-9f)));
+    const V inverse = hn::Div(splat(1.0f), hn::Max(before, splat(1e-9f)));
     V length = hn::Zero(d);
     V last[kMaxFrames], next[kMaxFrames];
     for (int j = 0; j < joint_count_; ++j) last[j] = from_[j];
@@ -104,27 +123,33 @@ class Stretches {
       for (int j = 0; j < joint_count_; ++j) last[j] = hn::IfThenElse(is_inside, next[j], last[j]);
     }
     length = hn::Add(length, cost_of(path_.cost, last, to_, joint_count_));
-    return hn::Sub(hn::Sub(end_, begin_), length);
+    return hn::Sub(before, length);
   }
 
-  HWY_INLINE void write_middles(V* q) const {
-    const V half = splat(0.5f);
-    pose_on(path_, joint_count_, hn::Mul(half, hn::Add(begin_, end_)), q);
-    for (int j = 0; j < joint_count_; ++j) q[j] = straight_or(q[j], half, j);
+  HWY_INLINE void write_probes(V* q) const {
+    if (is_straight_) {
+      for (int j = 0; j < joint_count_; ++j) q[j] = straight(probe_, j);
+      return;
+    }
+    pose_on(path_, joint_count_, hn::MulAdd(probe_, hn::Sub(end_, begin_), begin_), q);
+    for (int j = 0; j < joint_count_; ++j) q[j] = straight_or(q[j], probe_, j);
   }
 
  private:
+  [[nodiscard]] HWY_INLINE V straight(V fraction, int j) const {
+    return hn::MulAdd(fraction, way_[j], from_[j]);
+  }
   /// The value of joint `j` on the way from end to end where it goes straight, else `value`.
   [[nodiscard]] HWY_INLINE V straight_or(V value, V fraction, int j) const {
-    const V straight = hn::MulAdd(fraction, hn::Sub(to_[j], from_[j]), from_[j]);
-    return hn::IfThenElse(subsets_.holding(j), straight, value);
+    return hn::IfThenElse(goes_straight_[j], straight(fraction, j), value);
   }
 
   const PathView& path_;
   int joint_count_;
-  JointSubsets subsets_;
-  V begin_, end_;
-  V from_[kMaxFrames], to_[kMaxFrames];
+  bool is_straight_ = false;     ///< all joints, in all lanes
+  M goes_straight_[kMaxFrames];  ///< by joint; not set if `is_straight_`
+  V begin_, end_, probe_;
+  V from_[kMaxFrames], to_[kMaxFrames], way_[kMaxFrames];
 };
 
 void rate_shortcuts(const RobotTables& robot, const SceneTables& scene, const PathView& path,
@@ -141,7 +166,7 @@ void rate_shortcuts(const RobotTables& robot, const SceneTables& scene, const Pa
     verdict.hit = hn::Lt(gain, splat(least_gain));
     if (!hn::AllTrue(d, verdict.hit)) {
       V q[kMaxFrames];
-      stretches.write_middles(q);
+      stretches.write_probes(q);
       checker.check(q, verdict);
     }
     hn::Store(gain, d, gains);

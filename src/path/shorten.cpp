@@ -15,7 +15,6 @@ namespace mneme {
 namespace {
 
 using internal::as_index;
-using internal::PathPoint;
 
 /// States checked together. Independent of the vector width, so that results are, too.
 constexpr int kBatch = kShortcuts;

@@ -24,12 +24,6 @@ namespace mneme::internal {
 [[nodiscard]] std::vector<float> paces_of(const Robot& robot, const Path& path,
                                           const RateLimits* limits);
 
-/// A point of a path: the share `fraction` of motion number `motion`.
-struct PathPoint {
-  int motion = 0;
-  float fraction = 0;
-};
-
 /// Waypoints row by row. Continuous joints are unwrapped, so that linear interpolation gives the
 /// motion between neighbours. Radians, metres for prismatic joints.
 class Waypoints {

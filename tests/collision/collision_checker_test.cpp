@@ -97,6 +97,21 @@ PointCloud point_at(float x) {
 
 Obstacle named(const std::string& name, const Shape& shape) { return {name, {shape}}; }
 
+/// The state at a point of a chain of motions.
+std::vector<float> state_at(const Robot& robot, const std::vector<float>& rows, PathPoint point) {
+  const auto row_of = [&](std::size_t i) {
+    const std::span<const float> q = row(rows, i, robot);
+    return Configuration(q.begin(), q.end());
+  };
+  const auto motion = static_cast<std::size_t>(point.motion);
+  const Configuration from = row_of(motion), delta = robot.difference(from, row_of(motion + 1));
+  std::vector<float> q;
+  for (std::size_t j = 0; j < from.size(); ++j) {
+    q.push_back(static_cast<float>(from[j] + point.fraction * delta[j]));
+  }
+  return q;
+}
+
 TEST_SUITE("unit") {
   TEST_CASE("an obstacle that the kernels cannot check is an error that names it") {
     const Transform here;
@@ -466,8 +481,14 @@ TEST_SUITE("law") {
         };
         CheckCounters counters;
         INFO("seed 304, world " << i << ", " << to_string(isa));
-        const bool is_valid = checker.is_chain_valid(rows, counters);
+        std::optional<PathPoint> contact;
+        const bool is_valid = checker.is_chain_valid(rows, counters, {}, &contact);
         ++(is_valid ? valid_count : invalid_count);
+        CHECK(contact.has_value() == !is_valid);
+        if (contact) {
+          const std::vector<float> q = state_at(robot, rows, *contact);
+          CHECK(!checker.is_motion_valid(q, q, counters, {1, 1e-5}));
+        }
         CHECK(counters.motions <= count - 1);
         if (is_valid) {
           // Self-contact has no margin: a state that only rounding decides is rare enough.

@@ -90,9 +90,10 @@ float gain_of(const OwnedPath& path, const Shortcut& shortcut) {
   return whole - length - cost_of(path.pace, last, to);
 }
 
-Row middle_of(const OwnedPath& path, const Shortcut& shortcut) {
-  return with_straight(path.at(0.5f * (shortcut.begin + shortcut.end)), shortcut.joints,
-                       path.at(shortcut.begin), path.at(shortcut.end), 0.5f);
+Row probe_of(const OwnedPath& path, const Shortcut& shortcut) {
+  const float whole = shortcut.end - shortcut.begin;
+  return with_straight(path.at(shortcut.begin + shortcut.probe * whole), shortcut.joints,
+                       path.at(shortcut.begin), path.at(shortcut.end), shortcut.probe);
 }
 
 /// True if a state 1e-4 rad away is judged otherwise, so that rounding may decide this one.
@@ -127,7 +128,11 @@ TEST_SUITE("oracle") {
         const float length = path.arc_lengths.back();
         const auto a = static_cast<float>(rng.uniform()) * length;
         const auto b = static_cast<float>(rng.uniform()) * length;
-        shortcut = {std::min(a, b), std::max(a, b), random_subset(robot, rng), 0, false};
+        const bool is_straight = round % 3 == 0;
+        shortcut = {
+            std::min(a, b), std::max(a, b),
+            is_straight ? (std::uint64_t{1} << robot.joint_count()) - 1 : random_subset(robot, rng),
+            0.1f + 0.8f * static_cast<float>(rng.uniform())};
       }
       for (const Isa isa : available_isas()) {
         CheckerSettings settings;
@@ -139,9 +144,9 @@ TEST_SUITE("oracle") {
         for (const Shortcut& shortcut : shortcuts) {
           const float gain = gain_of(path, shortcut);
           CHECK(shortcut.gain == doctest::Approx(gain).epsilon(1e-3));
-          const Row middle = middle_of(path, shortcut);
-          if (std::abs(gain - kLeast) < 1e-3f || is_near_contact(checker, middle)) continue;
-          const bool is_free = checker.is_valid(middle);
+          const Row probe = probe_of(path, shortcut);
+          if (std::abs(gain - kLeast) < 1e-3f || is_near_contact(checker, probe)) continue;
+          const bool is_free = checker.is_valid(probe);
           (is_free ? free_count : blocked_count) += gain > kLeast;
           CHECK(shortcut.is_promising == (gain > kLeast && is_free));
         }
