@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <utility>
 
 namespace mneme {
@@ -21,10 +22,40 @@ constexpr int kBatch = kShortcuts;
 /// Margin of motions next to an end of the path that does not keep the effort's margin but keeps
 /// this one.
 constexpr double kEndMargin = 2.5e-4;  ///< metres
-/// Waypoints to relax per two batches of stretches.
-constexpr int kRelaxed = 3;
+/// Waypoints to relax per two batches of shortcuts.
+constexpr int kRelaxed = 2;
 /// Share of the least gain that a single waypoint must reach.
 constexpr float kLeastRelaxed = 0.1f;
+/// Number of waypoints to which pruning tries the straight motion from another.
+constexpr int kMostPruned = 5;
+
+/// Where shortcuts touched last, as arc lengths of a path. Further shortcuts past these places
+/// touch there more often than in their middle.
+class Contacts {
+ public:
+  void add(float arc_length) {
+    std::shift_right(places_.begin(), places_.end(), 1);
+    places_.front() = arc_length;
+  }
+  /// Follows the path when its stretch from `begin` to `end` shrinks to `length`.
+  void follow(float begin, float end, float length) {
+    if (!(end > begin)) return;
+    const float scale = (length - (end - begin)) / (end - begin);
+    for (float& place : places_) place += scale * std::clamp(place - begin, 0.0f, end - begin);
+  }
+  /// The fraction of a stretch where contact is most likely.
+  [[nodiscard]] float probe(float begin, float end) const {
+    constexpr float kBorder = 0.1f;  // ends of stretches are free
+    for (const float place : places_) {
+      const float fraction = (place - begin) / (end - begin);
+      if (fraction > kBorder && fraction < 1 - kBorder) return fraction;
+    }
+    return 0.5f;
+  }
+
+ private:
+  std::array<float, 4> places_ = {-1, -1, -1, -1};
+};
 
 class Shortener {
  public:
@@ -53,7 +84,7 @@ class Shortener {
   /// From each waypoint on, straight to the farthest one that can be reached.
   void prune() {
     for (int i = 0; i + 2 < waypoints_.count() && !is_stopped(); ++i)
-      waypoints_.replace(i, find_farthest(i), {});
+      replace(i, find_farthest(i), {});
     waypoints_.assign({waypoints_[0], waypoints_[0] + waypoints_.count() * joints_});
   }
 
@@ -80,7 +111,13 @@ class Shortener {
   void store();
 
  private:
-  [[nodiscard]] bool is_stopped() const { return must_stop_ && must_stop_(); }
+  /// Reads the clock only after so many states that it costs little.
+  [[nodiscard]] bool is_stopped() {
+    if (is_stopped_ || counters_.states < next_look_) return is_stopped_;
+    next_look_ = counters_.states + kBatch * kBatch;
+    is_stopped_ = must_stop_ && must_stop_();
+    return is_stopped_;
+  }
   [[nodiscard]] float* state(int i) { return states_.data() + i * joints_; }
 
   /// The margin of motions next to an end of the path.
@@ -106,6 +143,7 @@ class Shortener {
 
   /// True if the motions along `rows`, which replace those between two waypoints, are free.
   bool is_free(std::span<const float> rows, int first, int last) {
+    contact_.reset();
     const auto count = static_cast<int>(rows.size()) / joints_;
     for (int i = 0; i + 1 < count; ++i) {
       if (!waypoints_.has_unique_direction(&rows[as_index(i * joints_)],
@@ -116,8 +154,8 @@ class Shortener {
   }
 
   bool is_chain_free(std::span<const float> rows, int first, int last) {
-    if (!checker_.is_chain_valid(rows, counters_, {effort_.refinement, margin(first, last)}))
-      return false;
+    const MotionDetail detail{effort_.refinement, margin(first, last)};
+    if (!checker_.is_chain_valid(rows, counters_, detail, &contact_)) return false;
     const auto joints = as_index(joints_);
     for (std::size_t i = 0; verifier_ != nullptr && i + joints < rows.size(); i += joints) {
       const MotionEnds ends{first == 0 && i == 0,
@@ -130,6 +168,14 @@ class Shortener {
     return true;
   }
 
+  /// Replaces the waypoints between two.
+  void replace(int first, int last, std::span<const float> rows) {
+    const float begin = waypoints_.arc_length(first), end = waypoints_.arc_length(last);
+    const float before = waypoints_.length();
+    waypoints_.replace(first, last, rows);
+    contacts_.follow(begin, end, end - begin - (before - waypoints_.length()));
+  }
+
   int find_farthest(int first);
   void relax();
   bool take_relaxed(const Relaxation& relaxation, int candidate);
@@ -137,7 +183,10 @@ class Shortener {
   std::array<Shortcut, kShortcuts> sample_shortcuts(bool has_all_joints);
   int take_shortcut(bool has_all_joints);
   void write_rows(const Shortcut& shortcut, PathPoint begin, PathPoint end);
+  static void follow(const Shortcut& taken, Shortcut& other);
   bool take(const Shortcut& shortcut);
+  [[nodiscard]] float arc_length_of(PathPoint point, const Shortcut& shortcut,
+                                    PathPoint begin) const;
 
   const CollisionChecker& checker_;
   Path& path_;
@@ -152,29 +201,35 @@ class Shortener {
   std::vector<float> states_;
   float least_gain_;
   std::array<std::uint8_t, kBatch> is_free_ = {};
-  std::vector<float> rows_, ends_;
+  std::vector<float> rows_, delta_;
   double start_margin_ = 0, goal_margin_ = 0;
-  int relaxed_ = 0;  ///< the waypoint that was relaxed last
+  int relaxed_ = 0;                   ///< the waypoint that was relaxed last
+  std::optional<PathPoint> contact_;  ///< of the chain that was checked last
+  Contacts contacts_;
+  std::uint64_t next_look_ = 0;  ///< at the clock, in states
+  bool is_stopped_ = false;
 };
 
 int Shortener::find_farthest(int first) {
   const internal::JointSpace& space = waypoints_.space();
-  std::vector<float> delta(as_index(joints_));
+  delta_.resize(as_index(joints_));
   const float* from = waypoints_[first];
-  for (int last = waypoints_.count() - 1; last > first + 1;) {
-    const int count = std::min(kBatch, last - first - 1);
-    for (int i = 0; i < count; ++i) {
-      space.difference(from, waypoints_[last - i], delta.data());
-      for (int j = 0; j < joints_; ++j) state(i)[j] = from[j] + 0.5f * delta[as_index(j)];
-    }
-    check_middles(count);
-    for (int i = 0; i < count; ++i, --last) {
-      if (is_free_[as_index(i)] == 0) continue;
-      rows_.assign(from, from + joints_);
-      space.difference(from, waypoints_[last], delta.data());
-      for (int j = 0; j < joints_; ++j) rows_.push_back(from[j] + delta[as_index(j)]);
-      if (is_free(rows_, first, last)) return last;
-    }
+  const int end = waypoints_.count() - 1;
+  const int stride = (end - first - 2) / kBatch + 1;
+  const int count = (end - first - 2) / stride + 1;
+  for (int i = 0; i < count; ++i) {
+    space.difference(from, waypoints_[end - i * stride], delta_.data());
+    for (int j = 0; j < joints_; ++j) state(i)[j] = from[j] + 0.5f * delta_[as_index(j)];
+  }
+  check_middles(count);
+  for (int i = 0, tries = 0; i < count && tries < kMostPruned; ++i) {
+    if (is_free_[as_index(i)] == 0) continue;
+    const int last = end - i * stride;
+    space.difference(from, waypoints_[last], delta_.data());
+    rows_.assign(from, from + joints_);
+    for (int j = 0; j < joints_; ++j) rows_.push_back(from[j] + delta_[as_index(j)]);
+    if (is_free(rows_, first, last)) return last;
+    ++tries;
   }
   return first + 1;
 }
@@ -216,27 +271,26 @@ bool Shortener::take_relaxed(const Relaxation& relaxation, int candidate) {
   }
   rows_.insert(rows_.end(), b, b + joints_);
   if (!is_free(rows_, k - 1, k + 1)) return false;
-  waypoints_.replace(k - 1, k + 1, {rows_.data() + joints_, as_index(is_dropped ? 0 : joints_)});
+  replace(k - 1, k + 1, {rows_.data() + joints_, as_index(is_dropped ? 0 : joints_)});
   return true;
 }
 
 /// Writes the straightened stretch, with its ends, into rows_.
 void Shortener::write_rows(const Shortcut& shortcut, PathPoint begin, PathPoint end) {
-  ends_.resize(as_index(2 * joints_));
-  float *from = ends_.data(), *to = from + joints_;
+  const int inner = shortcut.joints == all_joints_ ? 0 : end.motion - begin.motion;
+  rows_.resize(as_index((inner + 2) * joints_));
+  float *from = rows_.data(), *to = from + (inner + 1) * joints_;
   waypoints_.write(begin, from);
   waypoints_.write(end, to);
-  rows_.assign(from, to);
   const float length = shortcut.end - shortcut.begin;
-  for (int i = begin.motion + 1; i <= end.motion && shortcut.joints != all_joints_; ++i) {
-    const float fraction = (waypoints_.arc_length(i) - shortcut.begin) / length;
-    const float* q = waypoints_[i];
+  for (int i = 1; i <= inner; ++i) {
+    const float fraction = (waypoints_.arc_length(begin.motion + i) - shortcut.begin) / length;
+    const float* q = waypoints_[begin.motion + i];
     for (int j = 0; j < joints_; ++j) {
       const bool is_straight = (shortcut.joints >> j & 1) != 0;
-      rows_.push_back(is_straight ? from[j] + fraction * (to[j] - from[j]) : q[j]);
+      from[i * joints_ + j] = is_straight ? from[j] + fraction * (to[j] - from[j]) : q[j];
     }
   }
-  rows_.insert(rows_.end(), to, to + joints_);
 }
 
 std::array<Shortcut, kShortcuts> Shortener::sample_shortcuts(bool has_all_joints) {
@@ -248,12 +302,13 @@ std::array<Shortcut, kShortcuts> Shortener::sample_shortcuts(bool has_all_joints
     shortcut.begin = std::min(first, second);
     shortcut.end = std::max(first, second);
     shortcut.joints = has_all_joints ? all_joints_ : random_joints();
+    shortcut.probe = contacts_.probe(shortcut.begin, shortcut.end);
   }
   return shortcuts;
 }
 
-/// Takes the first free shortcut of a batch, largest gain first, and returns the batch's size. A
-/// shortcut whose midpoint is in contact costs one lane only.
+/// Takes free shortcuts of a batch that do not overlap, largest gain first, and returns the batch's
+/// size. A shortcut that is in contact where it is probed costs one lane only.
 int Shortener::take_shortcut(bool has_all_joints) {
   std::array<Shortcut, kShortcuts> shortcuts = sample_shortcuts(has_all_joints);
   const float least = least_gain_ * waypoints_.length();
@@ -261,22 +316,47 @@ int Shortener::take_shortcut(bool has_all_joints) {
   std::ranges::sort(shortcuts, std::greater(), &Shortcut::gain);
   if (shortcuts.front().gain < least) return kBatch;
   counters_.states += kBatch;
-  for (const Shortcut& shortcut : shortcuts) {
-    if (shortcut.is_promising && (is_stopped() || take(shortcut))) break;
+  for (std::size_t i = 0; i < shortcuts.size() && !is_stopped(); ++i) {
+    if (!shortcuts[i].is_promising || !take(shortcuts[i])) continue;
+    for (std::size_t k = i + 1; k < shortcuts.size(); ++k) follow(shortcuts[i], shortcuts[k]);
   }
   return kBatch;
+}
+
+/// Moves a shortcut along with the path after another was taken, or drops it where they overlap.
+void Shortener::follow(const Shortcut& taken, Shortcut& other) {
+  if (other.begin >= taken.end) {
+    other.begin -= taken.gain;
+    other.end -= taken.gain;
+  } else if (other.end > taken.begin) {
+    other.is_promising = false;
+  }
 }
 
 bool Shortener::take(const Shortcut& shortcut) {
   const PathPoint begin = waypoints_.locate(shortcut.begin), end = waypoints_.locate(shortcut.end);
   if (begin.motion == end.motion) return false;
   write_rows(shortcut, begin, end);
-  if (!is_free(rows_, begin.motion, end.motion + 1)) return false;
+  if (!is_free(rows_, begin.motion, end.motion + 1)) {
+    if (contact_) contacts_.add(arc_length_of(*contact_, shortcut, begin));
+    return false;
+  }
   // The stretch begins between checked states of its old motion.
   const std::span<const float> first(rows_.data(), as_index(joints_));
   if (effort_.refinement >= 1 && !checker_.is_motion_valid(first, first, counters_)) return false;
-  waypoints_.replace(begin.motion, end.motion + 1, rows_);
+  replace(begin.motion, end.motion + 1, rows_);
   return true;
+}
+
+/// The arc length of the path that corresponds to a point of rows_.
+float Shortener::arc_length_of(PathPoint point, const Shortcut& shortcut, PathPoint begin) const {
+  const int motions = static_cast<int>(rows_.size()) / joints_ - 1;
+  const auto at = [&](int row) {
+    if (row == 0) return shortcut.begin;
+    return row == motions ? shortcut.end : waypoints_.arc_length(begin.motion + row);
+  };
+  const float from = at(point.motion);
+  return from + point.fraction * (at(point.motion + 1) - from);
 }
 
 void Shortener::store() {

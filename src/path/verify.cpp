@@ -8,6 +8,7 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace mneme {
@@ -79,9 +80,11 @@ int MotionVerifier::find_invalid_motion(const Path& path, CheckCounters& counter
   const auto row = [&](std::size_t i) {
     return internal::to_floats(checker_.robot().normalized(path[i]));
   };
-  for (std::size_t i = 1; i < path.size(); ++i) {
+  std::vector<float> from, to;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    from = std::exchange(to, row(i));
     const MotionEnds ends{i == 1, i + 1 == path.size()};
-    if (!is_free(row(i - 1), row(i), ends, counters)) return static_cast<int>(i) - 1;
+    if (i > 0 && !is_free(from, to, ends, counters)) return static_cast<int>(i) - 1;
   }
   return -1;
 }

@@ -52,7 +52,9 @@ Path to_path(const Robot& robot, const std::vector<std::vector<float>>& path) {
 }
 
 Waypoints::Waypoints(const Robot& robot, std::vector<float> pace)
-    : space_(robot), pace_(std::move(pace)) {}
+    : space_(robot),
+      has_turns_(std::ranges::any_of(space_.periods(), [](float period) { return period > 0; })),
+      pace_(std::move(pace)) {}
 
 void Waypoints::assign(std::vector<float> rows) {
   const auto joints = as_index(joint_count());
@@ -104,6 +106,7 @@ float Waypoints::distance(const float* a, const float* b) const {
 bool Waypoints::has_unique_direction(const float* from, const float* to) const {
   constexpr float kTurnMargin = 1e-3f;  // radians
   constexpr float kMost = std::numbers::pi_v<float> - kTurnMargin;
+  if (!has_turns_) return true;
   for (int j = 0; j < joint_count(); ++j) {
     if (space_.periods()[as_index(j)] > 0 && std::abs(to[j] - from[j]) > kMost) return false;
   }

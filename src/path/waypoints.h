@@ -58,6 +58,7 @@ class Waypoints {
   void measure();
 
   JointSpace space_;
+  bool has_turns_;           ///< a joint is continuous
   std::vector<float> pace_;  ///< MotionCost::pace
   std::vector<float> rows_;
   std::vector<float> arc_lengths_;  ///< per waypoint
