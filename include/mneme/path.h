@@ -103,7 +103,7 @@ class MotionVerifier {
 struct ShortenEffort {
   /// Shortening ends after this number of consecutive checks, of 16 states each, without a gain.
   /// 0: only drops waypoints.
-  double patience = 40;
+  double patience = 28;
   double least_gain = 0.007;   ///< smallest gain that counts, as a share of the path's length
   double refinement = 1;       ///< MotionDetail::refinement of new motions
   double margin = 1e-3;        ///< metres that new motions keep from contact, if the path's ends do
@@ -128,7 +128,7 @@ struct FinishSettings {
   double timeout_s = 10;  ///< from construction on; shortening takes at most half of the remaining
                           ///< time
   const std::atomic<bool>* cancel = nullptr;           ///< may be null
-  int patience = 40;                                   ///< ShortenEffort::patience
+  int patience = 28;                                   ///< ShortenEffort::patience
   bool minimize_time = false;                          ///< ShortenEffort::minimize_time
   std::shared_ptr<const RateLimits> limits = nullptr;  ///< ShortenEffort::limits
 };

@@ -52,7 +52,7 @@ struct PlanSettings {
   std::uint64_t max_nodes = 10000000;
   std::uint64_t seed = 1;
   bool simplify = true;
-  int patience = 40;
+  int patience = 28;
   std::optional<bool> minimize_time;
   /// Limits of the trajectory that the path is for; null if none is wanted.
   std::shared_ptr<const RateLimits> limits = nullptr;

@@ -702,7 +702,7 @@ def plan(
     max_nodes: int = 10000000,
     seed: int = 1,
     simplify: bool = True,
-    patience: int = 40,
+    patience: int = 28,
     minimize_time: Optional[bool] = None,
     improve: float = 0.0,
     improve_rounds: Optional[int] = None,
