@@ -59,8 +59,8 @@ TEST_SUITE("flow") {
       CHECK(row.timeout_s == 5);
       CHECK_FALSE(row.machine.empty());
       const bool has_memory = row.setting == "with";
-      CHECK(row.settings ==
-            (has_memory ? "similarity=1000 retrieve-after=0 memory=few" : "max-iterations=2000"));
+      CHECK(row.settings == (has_memory ? "similarity=1000 retrieve-after=0 replay=0 memory=few"
+                                        : "max-iterations=2000"));
     }
     CHECK(std::ranges::any_of(rows, [](const BenchmarkRow& row) { return row.components > 0; }));
     const auto memories = parse_memory_csv(read_file(out + "/memories.csv"), "memories.csv");

@@ -73,8 +73,8 @@ TEST_SUITE("unit") {
     SvgWriter svg;
     PictureWriter writer(svg, kView);
     svg.open("svg");
-    writer.write_frame_fills(primitives);
-    writer.write_frames(primitives);
+    writer.write_frames(primitives, "fill", {{"class", "primitive-fills"}});
+    writer.write_frames(primitives, "stroke", {{"class", "primitives"}});
     writer.write_labels(primitives, LabelPlacer({0, 0, 152, 152}));
     svg.close();
     const test::SvgReader reader(svg.str());
