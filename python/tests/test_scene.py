@@ -225,7 +225,7 @@ def test_hostile_meshes_are_errors(tmp_path):
     for name, text, fault in [
         ("loop.dae", f"<COLLADA><library_visual_scenes><visual_scene>{node}</visual_scene>"
                      "</library_visual_scenes></COLLADA>", "this node contains an instance of itself"),
-        ("count.ply", ply + "property float z\nend_header\n0 0 0\n", "expected at most"),
+        ("count.ply", ply + "property float z\nend_header\n0 0 0\n", "ends before all elements"),
         ("far.obj", "v 0 0 0\nf 1 2 4294967297\n", "there are 1 before it"),
     ]:
         (tmp_path / name).write_text(text)

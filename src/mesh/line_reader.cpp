@@ -143,6 +143,8 @@ bool is_ply(std::string_view bytes) {
 
 PlyHeader read_ply_header(LineReader& lines) {
   constexpr std::size_t kMostElements = 100;
+  constexpr auto kMostCounted = static_cast<std::size_t>(
+      std::min<std::uint64_t>(std::uint64_t{1} << 40, std::numeric_limits<std::size_t>::max()));
   PlyHeader header;
   bool has_format = false;
   static_cast<void>(lines.next_line());
@@ -157,9 +159,7 @@ PlyHeader read_ply_header(LineReader& lines) {
       if (header.elements.size() == kMostElements)
         lines.fail(ErrorCode::parse, "too many elements");
       header.elements.push_back(
-          {std::string(words[1]),
-           lines.read_count(words[2], std::numeric_limits<std::uint32_t>::max()),
-           {}});
+          {std::string(words[1]), lines.read_count(words[2], kMostCounted), {}});
     } else if (words[0] == "property" && !header.elements.empty()) {
       auto& properties = header.elements.back().properties;
       if (properties.size() == kMostProperties) lines.fail(ErrorCode::parse, "too many properties");

@@ -341,7 +341,7 @@ Path Replayer::plan_round(const Configuration& from, const Configuration& to) {
   counters_.motions += local.motions_checked;
   if (!local.is_solved()) return {};
   const Stopwatch stopwatch;
-  shorten(task_.checker, local.path, settings.seed, {kRepairPatience}, nullptr, counters_,
+  shorten(task_.checker, local.path, settings.seed, {kRepairPatience}, &verifier_, counters_,
           [this] { return must_stop(); });
   result_.simplification_time_s += stopwatch.elapsed_s();
   return std::move(local.path);
