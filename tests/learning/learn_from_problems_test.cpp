@@ -114,7 +114,7 @@ TEST_SUITE("flow") {
     CHECK(summary.rows == 4);
     CHECK(database.get(0)->provenance.settings == "2 paths of problem " + problems[0].name);
     SolveSettings settings;
-    settings.kind = "paths";
+    settings.memory.kind = "paths";
     settings.retrieve_after = 0;
     for (const Problem& problem : std::span(problems).last(2)) {
       const auto solved = solve(problem, &database, settings);

@@ -100,7 +100,7 @@ def test_plans_are_as_documented(service):
                                                "settings": {"seed": 3, "branches": 2}})
     assert answer["status"] == "solved" and answer["trajectory"]["stages"][0]["name"] == "there"
     service.ask("POST", "/v1/tasks", {**task, "stages": []}, status=400)
-    hopeless = service.ask("POST", "/v1/plan", {**question(), "settings": {"max-iterations": 1, "memory": "off"}})
+    hopeless = service.ask("POST", "/v1/plan", {**question(), "settings": {"max-iterations": 1, "replay": 0}})
     assert hopeless["status"] == "iteration_limit"
 
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "robot/kinematics.h"
 #include "service/service_fixture.h"
 
 #include <atomic>
@@ -291,11 +292,16 @@ TEST_SUITE("flow") {
     CHECK(again["replayed"] == true);
     CHECK(again["replay"]["row"] == 1);
 
-    const std::vector<Json> path = again["path"];
-    auto middle = path[path.size() / 2].get<Configuration>();
-    const auto before = path[path.size() / 2 - 1].get<Configuration>();
-    for (std::size_t j = 0; j < middle.size(); ++j) middle[j] = 0.5 * (before[j] + middle[j]);
-    const Vec3 tip = planar8().link_poses(middle).back().translation;
+    const Path path = again["path"];
+    const Robot robot = planar8();
+    Path longest(2, path.front());
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      if (robot.distance(path[i - 1], path[i]) > robot.distance(longest[0], longest[1])) {
+        longest = {path[i - 1], path[i]};
+      }
+    }
+    const Configuration middle = internal::interpolate(robot, longest[0], longest[1], 0.5);
+    const Vec3 tip = robot.link_poses(middle).back().translation;
     body["obstacles"].push_back({{"name", "in_the_way"},
                                  {"type", "sphere"},
                                  {"p", {tip.x(), tip.y(), 0}},
