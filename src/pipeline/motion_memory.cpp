@@ -60,9 +60,9 @@ void MotionMemory::load(std::vector<PlacedMotion>& placed) {
     const std::uint64_t states = row.experience->path().planning_states.value_or(0);
     return std::tuple(-std::bit_width(states), row.content);
   });
-  const auto unknown = std::ranges::stable_partition(
-      rows_, [&](const Row& row) { return known.contains(row.content); });
-  next_ = rows_.size() - unknown.size();
+  const auto is_known = [&](const Row& row) { return known.contains(row.content); };
+  next_ = static_cast<std::size_t>(std::stable_partition(rows_.begin(), rows_.end(), is_known) -
+                                   rows_.begin());
   for (std::size_t i = 0; i < next_; ++i) place(i, known.at(rows_[i].content), placed);
 }
 
