@@ -48,11 +48,13 @@ Result<ExitCode> show_trace(const ViewOptions& options) {
       .and_then([&](const std::string& page) { return write_page(options.page, page); });
 }
 
-/// The problem, or the robot at rest.
+/// The problem, or the robot at rest, which is its goal, too: a problem file needs one.
 Result<Problem> load_first(const ViewOptions& options) {
   if (options.problem.empty()) {
     return load_named_robot(options.robot, options.robot_options).map([&](const Robot& robot) {
-      return resting_problem(robot, robot_file(options.robot).value_or(""));
+      Problem resting = resting_problem(robot, robot_file(options.robot).value_or(""));
+      resting.goals = {resting.start};
+      return resting;
     });
   }
   return problem_options(options.robot, options.robot_options).and_then([&](const auto& overrides) {
