@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace mneme::internal {
@@ -28,7 +30,11 @@ void Line::cross(const Triangle& t, Crossings& crossings) const {
   const Vec3 q = offset.cross(ab);
   const double v = direction_.dot(q) / determinant;
   if (v < 0 || u + v > 1) return;
-  ++(ac.dot(q) / determinant > 0 ? crossings.ahead : crossings.behind);
+  const bool is_ahead = ac.dot(q) / determinant > 0;
+  ++(is_ahead ? crossings.ahead : crossings.behind);
+  // The determinant is positive if the line runs against the triangle's normal.
+  (is_ahead ? crossings.exits_ahead : crossings.exits_behind) +=
+      (determinant > 0) == is_ahead ? -1 : 1;
 }
 
 Crossings crossings_of(const Line& line, const Parts<Triangle>& surface) {
@@ -54,6 +60,13 @@ const std::array<Vec3, 5>& line_directions() {
       Vec3(0.8165, 0.4373, 0.3767), Vec3(-0.3419, 0.8721, 0.3503), Vec3(0.2911, -0.3673, 0.8834),
       Vec3(-0.6173, -0.5231, 0.5877), Vec3(0.4813, -0.6329, -0.6067)};
   return directions;
+}
+
+Vec3 spiral_point(int index, int count) {
+  const double golden_angle = std::numbers::pi * (3 - std::sqrt(5.0));
+  const double z = 1 - (2 * index + 1.0) / count;
+  const double radius = std::sqrt(1 - z * z);
+  return {radius * std::cos(golden_angle * index), radius * std::sin(golden_angle * index), z};
 }
 
 }  // namespace mneme::internal

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 
 namespace mneme::internal {
 
@@ -66,7 +67,9 @@ template <class Part>
 /// Numbers of crossings of a line and a surface, ahead of and behind the line's origin.
 struct Crossings {
   int ahead = 0, behind = 0;
+  int exits_ahead = 0, exits_behind = 0;  ///< crossings towards a triangle's front, less the others
   [[nodiscard]] bool are_odd() const { return ahead % 2 == 1 && behind % 2 == 1; }
+  [[nodiscard]] bool leave() const { return ahead == 0 || behind == 0; }
 };
 
 /// A line through `origin`.
@@ -90,6 +93,9 @@ class Line {
 /// along an edge.
 [[nodiscard]] const std::array<Vec3, 5>& line_directions();
 
+/// Returns point `index` of `count` that a spiral spreads evenly over the unit sphere.
+[[nodiscard]] Vec3 spiral_point(int index, int count);
+
 /// True if three of five lines through `point` cross the surface an odd number of times on both
 /// sides. Independent of triangle orientation and robust to holes. `crossings_of(line)` counts.
 template <class CrossingsOf>
@@ -100,6 +106,19 @@ template <class CrossingsOf>
     if (std::max(yes, no) == 3) break;
   }
   return yes == 3;
+}
+
+/// Returns how often a closed surface winds around a point: 0 outside, also where solids overlap. A
+/// line through an edge may miscount, mostly on one side of the point: then another one is tried.
+/// Returns nothing if both sides of all lines disagree. `crossings_of(line)` counts.
+template <class CrossingsOf>
+[[nodiscard]] std::optional<int> winding_number(const Vec3& point,
+                                                const CrossingsOf& crossings_of) {
+  for (const Vec3& direction : line_directions()) {
+    const Crossings crossings = crossings_of(Line(point, direction));
+    if (crossings.exits_ahead == crossings.exits_behind) return crossings.exits_ahead;
+  }
+  return std::nullopt;
 }
 
 }  // namespace mneme::internal

@@ -12,11 +12,20 @@
 #include <array>
 #include <memory>
 #include <mutex>
+#include <span>
+#include <vector>
 
 namespace mneme::internal {
 
 /// Corners of a piece of a surface: least and greatest along each axis.
 using PieceCorners = std::array<Vec3, 6>;
+
+/// The connected pieces of a surface.
+struct SurfacePieces {
+  std::vector<PieceCorners> corners;  ///< per piece
+  /// True if no piece has a rim and each encloses a volume: winding numbers tell what is inside.
+  bool are_solids = false;
+};
 
 struct PartsAccess {
   /// Returns a box around all parts. The box is the smallest one until points are replaced, and may
@@ -36,8 +45,8 @@ struct PartsAccess {
     return std::static_pointer_cast<const BoxTree>(parts.tree_);
   }
 
-  /// Extreme corners of each connected piece of a surface. Found at the first call.
-  static std::shared_ptr<const std::vector<PieceCorners>> pieces(const Parts<Triangle>& surface);
+  /// The connected pieces of a surface. Found at the first call.
+  static std::shared_ptr<const SurfacePieces> pieces(const Parts<Triangle>& surface);
 
   /// Replaces points from index `first` on, in place, or in a copy if the parts are shared.
   static void replace(PointCloud& cloud, std::size_t first, std::span<const CloudPoint> points);
@@ -57,6 +66,9 @@ struct PartsAccess {
     return kept;
   }
 };
+
+/// Returns true if the surface has no rim: each edge has equally many triangles in both directions.
+[[nodiscard]] bool is_closed(std::span<const Triangle> surface);
 
 /// VoxelGrid::middle as a vector.
 [[nodiscard]] Vec3 middle_of(const VoxelGrid& voxels);

@@ -208,7 +208,8 @@ class FromSurface {
       const Vec3 q = s.pose * p;
       return distance2(tree_->nodes().front().box, {q, q}) == 0;
     };
-    return std::ranges::any_of(*PartsAccess::pieces(*s.parts), [&](const PieceCorners& corners) {
+    const auto pieces = PartsAccess::pieces(*s.parts);
+    return std::ranges::any_of(pieces->corners, [&](const PieceCorners& corners) {
       return std::ranges::all_of(corners, is_in_box) && !is_outside(s.pose * corners[0]);
     });
   }
@@ -255,17 +256,33 @@ class FromSurface {
     return distance > 0 && is_outside(point) ? distance : 0;
   }
 
-  /// True if the crossings are even and one line does not cross the surface at all: overlapping
-  /// solids make counts unreliable.
+  /// True if the point is proven to be outside of the solid.
   bool is_outside(const Vec3& point) const {
     if (distance2(tree_->nodes().front().box, {point, point}) > 0) return true;
+    if (!PartsAccess::pieces(*surface_.parts)->are_solids) return is_reached(point);
+    const auto crossings_of_line = [&](const Line& line) {
+      return crossings_of(line, *surface_.parts);
+    };
+    return winding_number(point, crossings_of_line) == 0;
+  }
+
+  /// True if the crossings are even and one line reaches the point from outside: counts are
+  /// unreliable for a surface with a rim or with pieces that enclose nothing.
+  bool is_reached(const Vec3& point) const {
     bool leaves = false;
     const bool is_in = is_enclosed(point, [&](const Line& line) {
       const Crossings crossings = crossings_of(line, *surface_.parts);
-      leaves |= crossings.ahead == 0 || crossings.behind == 0;
+      leaves |= crossings.leave();
       return crossings;
     });
-    return leaves && !is_in;
+    if (is_in || leaves) return !is_in;
+    // Few lines leave a deep cup. A line has two ends: half of the sphere suffices.
+    constexpr int kLines = 50;
+    for (int i = 0; i < kLines; ++i) {
+      const Line line(point, spiral_point(i, 2 * kLines));
+      if (crossings_of(line, *surface_.parts).leave()) return true;
+    }
+    return false;
   }
 
   Mesh surface_;

@@ -187,6 +187,51 @@ TEST_SUITE("unit") {
           doctest::Approx(1.5));
   }
 
+  /// Four walls and a bottom, which overlap.
+  std::vector<Triangle> cup_of(double width, double depth) {
+    constexpr double kWall = 0.1;
+    const double away = (width + kWall) / 2, side = width + 2 * kWall, middle = depth / 2;
+    const auto at = [](double x, double y, double z) {
+      return Transform{Eigen::Matrix3d::Identity(), {x, y, z}};
+    };
+    const Vec3 along_x(side / 2, kWall / 2, middle), along_y(kWall / 2, side / 2, middle);
+    const std::array<Box, 5> boxes = {
+        Box{at(away, 0, middle), along_y}, Box{at(-away, 0, middle), along_y},
+        Box{at(0, away, middle), along_x}, Box{at(0, -away, middle), along_x},
+        Box{at(0, 0, 0), {side / 2, side / 2, kWall / 2}}};
+    std::vector<Triangle> triangles;
+    for (const Box& box : boxes) {
+      for (const Triangle& t : surface_of(box)) triangles.push_back(t);
+    }
+    return triangles;
+  }
+
+  TEST_CASE("what stands deep in a cup does not touch it") {
+    const Mesh inner = compound_of(surface_of(Box{{}, {0.02, 0.02, 0.02}}));
+    const Mesh low{{Eigen::Matrix3d::Identity(), {0, 0, 0.1}}, inner.parts, 0};
+    const Mesh in_wall{{Eigen::Matrix3d::Identity(), {0.15, 0, 0.5}}, inner.parts, 0};
+    const Mesh in_two_walls{{Eigen::Matrix3d::Identity(), {0.15, 0.15, 0.5}}, inner.parts, 0};
+    const auto gap = [](const Mesh& a, const Mesh& b) {
+      return internal::distance_between_solids(a, b, 1e9);
+    };
+    const Mesh deep = compound_of(cup_of(0.2, 2));
+    CHECK(gap(deep, low) == doctest::Approx(0.03));
+    CHECK(gap(deep, in_wall) == 0);
+    CHECK(gap(deep, in_two_walls) == 0);
+    std::vector<Triangle> with_rim = cup_of(0.2, 0.3);
+    with_rim.pop_back();
+    const Mesh torn = compound_of(std::move(with_rim));
+    CHECK(gap(torn, low) == doctest::Approx(0.03));
+    CHECK(gap(torn, {{Eigen::Matrix3d::Identity(), {0.15, 0, 0.2}}, inner.parts, 0}) == 0);
+  }
+
+  TEST_CASE("a sheet with two sides does not hide what it surrounds") {
+    std::vector<Triangle> both = surface_of(kBox);
+    for (const Triangle& t : surface_of(kBox)) both.push_back({t.a, t.c, t.b});
+    CHECK(distance_to_solid(compound_of(both), Sphere{Vec3::Zero(), 0.05}) == 0);
+    CHECK(distance_to_solid(compound_of(both), Sphere{{0, 0, 2}, 0.05}) == doctest::Approx(1.45));
+  }
+
   TEST_CASE("an opening does not let the outside in") {
     std::vector<Triangle> open = surface_of(kBox);
     open.resize(10);
