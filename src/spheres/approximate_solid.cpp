@@ -7,6 +7,7 @@
 
 #include "base/check_ranges.h"
 #include "geometry/axis_box.h"
+#include "geometry/part_distance.h"
 #include "spheres/fit_capsule.h"
 #include "spheres/sphere_search.h"
 #include "spheres/solid_model.h"
@@ -16,12 +17,12 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
 namespace mneme::internal {
 namespace {
 
-constexpr int kPointsPerSphere = 400;
+constexpr int kMostPointsPerSphere = 400, kFewestPointsPerSphere = 60;
+constexpr int kPointsOfAll = 30000;
 /// Metres; rounding must not exclude a point on a sphere's surface.
 constexpr double kTolerance = 1e-9;
 
@@ -29,14 +30,6 @@ bool is_covered(const Vec3& point, std::span<const Sphere> spheres) {
   return std::ranges::any_of(spheres, [&](const Sphere& sphere) {
     return (point - sphere.center).norm() <= sphere.radius + kTolerance;
   });
-}
-
-/// Point `index` of `count` that a spiral spreads evenly over the unit sphere.
-Vec3 spiral_point(int index, int count) {
-  const double golden_angle = std::numbers::pi * (3 - std::sqrt(5.0));
-  const double z = 1 - (2 * index + 1.0) / count;
-  const double radius = std::sqrt(1 - z * z);
-  return {radius * std::cos(golden_angle * index), radius * std::sin(golden_angle * index), z};
 }
 
 }  // namespace
@@ -82,10 +75,12 @@ double uncovered_fraction(std::span<const Vec3> points, std::span<const Sphere> 
 Excess measure_excess(std::span<const Sphere> spheres, const SolidModel& solid) {
   Excess excess;
   double area = 0;
+  const int points = std::clamp(kPointsOfAll / std::max(1, static_cast<int>(spheres.size())),
+                                kFewestPointsPerSphere, kMostPointsPerSphere);
   for (std::size_t s = 0; s < spheres.size(); ++s) {
     const double share = spheres[s].radius * spheres[s].radius;
-    for (int i = 0; i < kPointsPerSphere; ++i) {
-      const Vec3 point = spheres[s].center + spheres[s].radius * spiral_point(i, kPointsPerSphere);
+    for (int i = 0; i < points; ++i) {
+      const Vec3 point = spheres[s].center + spheres[s].radius * spiral_point(i, points);
       const bool is_hidden =
           is_covered(point, spheres.first(s)) || is_covered(point, spheres.subspan(s + 1));
       if (is_hidden) continue;
@@ -135,10 +130,10 @@ class SurfaceFitter {
       : mesh_(mesh), solid_(mesh), medial_balls_(solid_.medial_balls()) {}
 
   [[nodiscard]] std::vector<Sphere> fit(double excess, std::int64_t effort) {
-    elements_ = make_elements(mesh_, solid_, piece_size(mesh_, excess));
+    pieces_ = SolidPieces(mesh_, solid_, piece_size(mesh_, excess));
     Rng rng(1);
-    return choose_spheres(propose_spheres(solid_, medial_balls_, elements_, excess, rng), elements_,
-                          effort, rng);
+    return choose_spheres(propose_spheres(solid_, medial_balls_, pieces_.needed, excess, rng),
+                          pieces_, effort, rng);
   }
 
   /// Returns roughly the least excess above `least` for which `count` spheres suffice.
@@ -156,8 +151,8 @@ class SurfaceFitter {
     return high;
   }
 
-  [[nodiscard]] std::vector<Sphere> finish(std::vector<Sphere> spheres) const {
-    return refine(std::move(spheres), elements_, solid_);
+  [[nodiscard]] std::vector<Sphere> finish(const std::vector<Sphere>& spheres) {
+    return refine(spheres, pieces_, solid_);
   }
   [[nodiscard]] const SolidModel& solid() const { return solid_; }
 
@@ -165,7 +160,7 @@ class SurfaceFitter {
   const TriangleMesh& mesh_;
   SolidModel solid_;
   std::vector<Sphere> medial_balls_;
-  std::vector<Element> elements_;
+  SolidPieces pieces_{{}};  ///< of the last fit()
 };
 
 /// The sphere on round numbers, still containing the given one.
@@ -203,7 +198,7 @@ LinkSpheres approximate_solid(const TriangleMesh& mesh, const SphereSettings& se
   if (result.spheres.size() > most) {
     result.spheres = fitter.fit(fitter.find_excess(wanted, most), kFinalEffort);
   }
-  result.spheres = fitter.finish(std::move(result.spheres));
+  result.spheres = fitter.finish(result.spheres);
   cover_points(sample_near_surface(fitter.solid()), result.spheres);
   for (Sphere& sphere : result.spheres) sphere = rounded(sphere);
   result.uncovered = uncovered_fraction(sample_surface(mesh, kSurfaceSamples), result.spheres);

@@ -97,7 +97,8 @@ Crossings LineGrid::crossings(const TriangleMesh& mesh, const Vec3& point, const
   return crossings;
 }
 
-EnclosureGrid::EnclosureGrid(TriangleMesh mesh) : mesh_(std::move(mesh)), box_(box_around(mesh_)) {
+EnclosureGrid::EnclosureGrid(TriangleMesh mesh, bool is_closed)
+    : mesh_(std::move(mesh)), box_(box_around(mesh_)), is_closed_(is_closed) {
   for (const Vec3& direction : line_directions()) grids_.emplace_back(mesh_, direction);
 }
 
@@ -105,8 +106,11 @@ bool EnclosureGrid::operator()(const Vec3& point) const {
   // All crossings of a line through a point outside of the box are on one side of it.
   if (distance2(box_, {point, point}) > 0) return false;
   std::size_t direction = 0;
-  return is_enclosed(
-      point, [&](const Line& line) { return grids_[direction++].crossings(mesh_, point, line); });
+  const auto next_crossings = [&](const Line& line) {
+    return grids_[direction++].crossings(mesh_, point, line);
+  };
+  if (is_closed_) return winding_number(point, next_crossings).value_or(1) != 0;
+  return is_enclosed(point, next_crossings);
 }
 
 }  // namespace mneme::internal

@@ -42,16 +42,18 @@ class LineGrid {
   std::vector<int> indices_;  ///< of triangles
 };
 
-/// is_enclosed() for one surface: the same answers. Const is parallel-safe. Cost: the triangles
-/// that project on the point, instead of a search of a tree.
+/// Tells points that one surface encloses: by winding_number() if the surface is closed, otherwise
+/// by is_enclosed(). Const is parallel-safe. Cost: the triangles that project on the point, instead
+/// of a search of a tree.
 class EnclosureGrid {
  public:
-  explicit EnclosureGrid(TriangleMesh mesh);
+  EnclosureGrid(TriangleMesh mesh, bool is_closed);
   [[nodiscard]] bool operator()(const Vec3& point) const;
 
  private:
   TriangleMesh mesh_;
   AxisBox box_;
+  bool is_closed_ = false;
   std::vector<LineGrid> grids_;  ///< one per direction
 };
 

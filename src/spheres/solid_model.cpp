@@ -4,6 +4,7 @@
 
 #include "base/as_index.h"
 #include "geometry/part_distance.h"
+#include "geometry/parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +38,9 @@ double choose_voxel_size(const AxisBox& bounds) {
 
 }  // namespace
 
-SolidModel::SolidModel(const TriangleMesh& mesh) : is_enclosed_(mesh) {
+SolidModel::SolidModel(const TriangleMesh& mesh) : SolidModel(mesh, is_closed(mesh)) {}
+
+SolidModel::SolidModel(const TriangleMesh& mesh, bool is_closed) : is_enclosed_(mesh, is_closed) {
   const AxisBox bounds = box_around(mesh);
   voxel_size_ = choose_voxel_size(bounds);
   origin_ = bounds.low - Vec3::Constant(kPadding * voxel_size_);
@@ -46,7 +49,7 @@ SolidModel::SolidModel(const TriangleMesh& mesh) : is_enclosed_(mesh) {
   kinds_.assign(slot(counts_ - 1) + 1, Kind::unknown);
   mark_surface(mesh);
   flood();
-  fill_open(!is_closed(mesh));
+  fill_open(!is_closed);
   collect_inner_voxels();
 
   TriangleMesh outer;
@@ -143,8 +146,8 @@ bool SolidModel::contains(const Vec3& point) const {
   return kind == Kind::inside || (kind == Kind::surface && is_enclosed_(point));
 }
 
-double SolidModel::depth(const Vec3& point, double limit) const {
-  const double distance = outer_.from(point, limit);
+double SolidModel::depth(const Vec3& point) const {
+  const double distance = outer_.from(point);
   return contains(point) ? distance : -distance;
 }
 
@@ -162,13 +165,11 @@ void SolidModel::collect_inner_voxels() {
 std::vector<Sphere> SolidModel::medial_balls() const {
   constexpr double kRounding = 1e-9;
   std::vector<double> depths(kinds_.size(), -1);
-  double depth = std::numeric_limits<double>::infinity();
-  Vec3 last = Vec3::Zero();
+  Vec3 nearest = Vec3::Constant(std::numeric_limits<double>::infinity());
   for (const Voxel& voxel : inner_voxels_) {
-    // The distance changes by no more than the step, which is short mostly.
-    depth = outer_.from(voxel.center, depth + (voxel.center - last).norm() + kRounding);
-    last = voxel.center;
-    depths[slot(index_of(voxel.center))] = depth;
+    // The next voxel is near: no other point is much nearer to it.
+    nearest = outer_.nearest(voxel.center, (voxel.center - nearest).norm() + kRounding);
+    depths[slot(index_of(voxel.center))] = (voxel.center - nearest).norm();
   }
   const auto steps = steps_to_neighbours();
   const auto is_medial = [&](const Vec3& center, double depth_there) {

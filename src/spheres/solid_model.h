@@ -23,10 +23,14 @@ class SolidModel {
   explicit SolidModel(const TriangleMesh& mesh);
 
   [[nodiscard]] bool contains(const Vec3& point) const;
-  /// Returns the distance to the outer surface, or `limit` if that is not less: positive inside,
-  /// negative outside. Inner walls do not count.
-  [[nodiscard]] double depth(const Vec3& point,
-                             double limit = std::numeric_limits<double>::infinity()) const;
+  /// Returns the distance to the outer surface: positive inside, negative outside. Inner walls do
+  /// not count.
+  [[nodiscard]] double depth(const Vec3& point) const;
+  /// Returns the nearest point of the outer surface. `limit` is above the distance.
+  [[nodiscard]] Vec3 nearest(const Vec3& point,
+                             double limit = std::numeric_limits<double>::infinity()) const {
+    return outer_.nearest(point, limit);
+  }
   /// Returns -depth() outside and 0 inside.
   [[nodiscard]] double excess(const Vec3& point) const;
 
@@ -43,6 +47,8 @@ class SolidModel {
   [[nodiscard]] std::vector<Sphere> medial_balls() const;
 
  private:
+  SolidModel(const TriangleMesh& mesh, bool is_closed);
+
   enum class Kind : std::uint8_t { unknown, outside, surface, inside };
   using Index = Eigen::Array3i;
 

@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 
 namespace mneme::internal {
 namespace {
@@ -48,12 +50,33 @@ void drop_equal(std::vector<Sphere>& balls) {
   balls.erase(std::unique(balls.begin(), balls.end(), are_equal), balls.end());
 }
 
-void add_to(std::vector<Element>& elements, Groups groups) {
+std::vector<Element> elements_of(Groups groups) {
+  std::vector<Element> elements;
   for (auto& [key, element] : groups) {
     drop_equal(element.balls);
     element.bound = bound(element.balls);
     elements.push_back(std::move(element));
   }
+  return elements;
+}
+
+std::vector<Element> cut_surface(const TriangleMesh& mesh, double size) {
+  Groups groups;
+  for (const Triangle& t : subdivide(mesh, size)) {
+    std::vector<Sphere>& balls = groups[key_of(t.centroid(), size)].balls;
+    for (const Vec3& corner : {t.a, t.b, t.c}) balls.push_back({corner, 0});
+  }
+  return elements_of(std::move(groups));
+}
+
+std::vector<Element> cut_inside(const SolidModel& solid, double size) {
+  Groups groups;
+  const double half_diagonal = 0.5 * std::sqrt(3.0) * solid.voxel_size();
+  for (const SolidModel::Voxel& voxel : solid.inner_voxels()) {
+    groups[key_of(voxel.center, size)].balls.push_back(
+        {voxel.center, voxel.is_whole ? half_diagonal : 0.0});
+  }
+  return elements_of(std::move(groups));
 }
 
 }  // namespace
@@ -73,22 +96,18 @@ bool Element::is_within(const Sphere& sphere) const {
       balls, [&](const Sphere& ball) { return holds(sphere, ball.center, ball.radius); });
 }
 
-std::vector<Element> make_elements(const TriangleMesh& mesh, const SolidModel& solid, double size) {
-  Groups surface;
-  for (const Triangle& t : subdivide(mesh, size)) {
-    std::vector<Sphere>& balls = surface[key_of(t.centroid(), size)].balls;
-    for (const Vec3& corner : {t.a, t.b, t.c}) balls.push_back({corner, 0});
-  }
-  Groups inside;
-  const double half_diagonal = 0.5 * std::sqrt(3.0) * solid.voxel_size();
-  for (const SolidModel::Voxel& voxel : solid.inner_voxels()) {
-    inside[key_of(voxel.center, size)].balls.push_back(
-        {voxel.center, voxel.is_whole ? half_diagonal : 0.0});
-  }
-  std::vector<Element> elements;
-  add_to(elements, std::move(surface));
-  add_to(elements, std::move(inside));
-  return elements;
+SolidPieces::SolidPieces(const TriangleMesh& mesh, const SolidModel& solid, double size)
+    : needed(cut_surface(mesh, size)), spare(cut_inside(solid, size)) {}
+
+std::size_t SolidPieces::need_bare(std::span<const Sphere> spheres) {
+  const auto is_held = [&](const Element& piece) {
+    return std::ranges::any_of(spheres, [&](const Sphere& s) { return piece.is_within(s); });
+  };
+  const auto bare = std::stable_partition(spare.begin(), spare.end(), is_held);
+  const auto count = static_cast<std::size_t>(spare.end() - bare);
+  std::move(bare, spare.end(), std::back_inserter(needed));
+  spare.erase(bare, spare.end());
+  return count;
 }
 
 namespace {
@@ -102,23 +121,33 @@ constexpr std::int64_t kPatience = 30;
 /// of a step is the number of entries that it changes.
 class SphereSearch {
  public:
-  SphereSearch(std::vector<Sphere> proposals, std::span<const Element> elements, Rng& rng)
-      : proposals_(std::move(proposals)), holders_(elements.size()), rng_(rng) {
-    find_holders(elements);
-    held_.resize(proposals_.size());
-    for (int e = 0; e < static_cast<int>(elements.size()); ++e) {
-      for (const int p : holders_[as_index(e)]) held_[as_index(p)].push_back(e);
+  SphereSearch(std::vector<Sphere> proposals, Rng& rng)
+      : proposals_(std::move(proposals)),
+        rows_(static_cast<Eigen::Index>(proposals_.size()), 4),
+        room_(rows_.rows()),
+        rng_(rng) {
+    for (Eigen::Index p = 0; p < rows_.rows(); ++p) {
+      const Sphere& sphere = proposals_[static_cast<std::size_t>(p)];
+      // In single precision, rounded up: is_within() decides.
+      constexpr float kRoundingUp = 1e-4f;
+      rows_.row(p).head<3>() = sphere.center.transpose().array().cast<float>();
+      const auto radius = static_cast<float>(sphere.radius) + kRoundingUp;
+      rows_(p, 3) = radius * radius;
     }
-    counts_.assign(elements.size(), 0);
-    gains_.assign(proposals_.size(), 0);
-    is_marked_.assign(proposals_.size(), false);
-    bare_.resize(elements.size());
-    std::iota(bare_.begin(), bare_.end(), 0);
+    held_.resize(proposals_.size());
   }
 
-  [[nodiscard]] std::vector<Sphere> run(std::int64_t effort) {
+  /// Adds pieces, and covers them by greed.
+  void cover(std::span<const Element> pieces) {
+    for (const Element& piece : pieces) add(piece);
+    gains_.resize(proposals_.size(), 0);
+    is_marked_.resize(proposals_.size(), false);
     cover_bare(0);
     drop_needless();
+  }
+
+  /// Searches for fewer spheres, up to `effort` steps in all.
+  void improve(std::int64_t effort) {
     std::int64_t last_gain = steps_;
     while (steps_ < effort && steps_ - last_gain < kPatience * effort / 100 && chosen_.size() > 1) {
       poll_interrupt();
@@ -129,38 +158,38 @@ class SphereSearch {
       if (chosen_.size() > before.size()) restore(before);
       if (chosen_.size() < before.size()) last_gain = steps_;
     }
-    std::ranges::sort(chosen_);
+  }
+
+  [[nodiscard]] std::vector<Sphere> chosen() const {
+    Indices sorted = chosen_;
+    std::ranges::sort(sorted);
     std::vector<Sphere> spheres;
-    for (const int p : chosen_) spheres.push_back(proposals_[as_index(p)]);
+    for (const int p : sorted) spheres.push_back(proposals_[as_index(p)]);
     return spheres;
   }
 
  private:
   /// A piece that no proposal contains becomes a proposal.
-  void find_holders(std::span<const Element> elements) {
-    const auto count = static_cast<Eigen::Index>(proposals_.size());
-    // In single precision, rounded up: is_within() decides.
-    constexpr float kRoundingUp = 1e-4f;
-    Eigen::Array<float, Eigen::Dynamic, 4> rows(count, 4);
-    for (Eigen::Index p = 0; p < count; ++p) {
-      const Sphere& sphere = proposals_[static_cast<std::size_t>(p)];
-      rows.row(p).head<3>() = sphere.center.transpose().array().cast<float>();
-      const auto radius = static_cast<float>(sphere.radius) + kRoundingUp;
-      rows(p, 3) = radius * radius;
+  void add(const Element& piece) {
+    const int number = static_cast<int>(holders_.size());
+    Indices& holders = holders_.emplace_back();
+    const Eigen::Vector3f center = piece.bound.center.cast<float>();
+    room_ = rows_.col(3) - (rows_.col(0) - center.x()).square() -
+            (rows_.col(1) - center.y()).square() - (rows_.col(2) - center.z()).square();
+    for (int p = 0; p < static_cast<int>(room_.size()); ++p) {
+      if (room_[p] < 0) continue;
+      if (piece.is_within(proposals_[as_index(p)])) holders.push_back(p);
     }
-    Eigen::ArrayXf room(count);
-    for (std::size_t e = 0; e < elements.size(); ++e) {
-      const Eigen::Vector3f center = elements[e].bound.center.cast<float>();
-      room = rows.col(3) - (rows.col(0) - center.x()).square() -
-             (rows.col(1) - center.y()).square() - (rows.col(2) - center.z()).square();
-      for (int p = 0; p < static_cast<int>(count); ++p) {
-        if (room[p] < 0) continue;
-        if (elements[e].is_within(proposals_[as_index(p)])) holders_[e].push_back(p);
-      }
-      if (!holders_[e].empty()) continue;
-      holders_[e].push_back(static_cast<int>(proposals_.size()));
-      proposals_.push_back(elements[e].bound);
+    if (holders.empty()) {
+      holders.push_back(static_cast<int>(proposals_.size()));
+      proposals_.push_back(piece.bound);
+      held_.emplace_back();
     }
+    int count = 0;
+    for (const int p : holders) held_[as_index(p)].push_back(number);
+    for (const int p : chosen_) count += std::ranges::binary_search(holders, p) ? 1 : 0;
+    counts_.push_back(count);
+    if (count == 0) bare_.push_back(number);
   }
 
   void choose(int proposal) {
@@ -256,6 +285,8 @@ class SphereSearch {
   }
 
   std::vector<Sphere> proposals_;
+  Eigen::Array<float, Eigen::Dynamic, 4> rows_;  ///< the first proposals' centres, squared radii
+  Eigen::ArrayXf room_;
   std::vector<Indices> holders_;  ///< per piece the proposals that contain it
   std::vector<Indices> held_;     ///< per proposal the pieces that it contains
   Indices counts_;                ///< per piece the number of chosen holders
@@ -296,9 +327,17 @@ std::vector<Sphere> propose_spheres(const SolidModel& solid, std::vector<Sphere>
   return proposals;
 }
 
-std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals, std::span<const Element> elements,
+std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals, SolidPieces& pieces,
                                    std::int64_t effort, Rng& rng) {
-  return SphereSearch(std::move(proposals), elements, rng).run(effort);
+  SphereSearch search(std::move(proposals), rng);
+  search.cover(pieces.needed);
+  for (const std::int64_t steps : {std::int64_t{0}, effort}) {
+    search.improve(steps);
+    while (const std::size_t count = pieces.need_bare(search.chosen())) {
+      search.cover(std::span(pieces.needed).last(count));
+    }
+  }
+  return search.chosen();
 }
 
 namespace {
@@ -310,14 +349,9 @@ constexpr double kRounding = 1e-9;
 
 using Pieces = std::vector<const Element*>;
 
-double reach_from(const Vec3& center, const Pieces& pieces) {
-  double reach = 0;
-  for (const Element* piece : pieces) {
-    // The bounding ball rules out most pieces that are not the farthest.
-    if ((piece->bound.center - center).norm() + piece->bound.radius <= reach) continue;
-    reach = std::max(reach, piece->reach_from(center));
-  }
-  return reach;
+/// Radius of the sphere around `center` that contains the ball.
+double reach_of(const Sphere& ball, const Vec3& center) {
+  return (ball.center - center).norm() + ball.radius;
 }
 
 /// Assigns each piece to the sphere that contains it with most room to spare.
@@ -327,8 +361,10 @@ std::vector<Pieces> share_out(std::span<const Sphere> spheres, std::span<const E
     std::size_t owner = 0;
     double most_room = -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < spheres.size(); ++i) {
-      const double distance = (element.bound.center - spheres[i].center).norm();
-      if (spheres[i].radius - distance <= most_room) continue;
+      const double more = spheres[i].radius - most_room;
+      if (more <= 0 || (element.bound.center - spheres[i].center).squaredNorm() >= more * more) {
+        continue;
+      }
       const double room = spheres[i].radius - element.reach_from(spheres[i].center);
       if (room <= most_room) continue;
       most_room = room;
@@ -339,44 +375,112 @@ std::vector<Pieces> share_out(std::span<const Sphere> spheres, std::span<const E
   return shares;
 }
 
+/// How far a sphere that contains some pieces sticks out, by its centre. The balls and points of
+/// the surface that bound reach and depth at one centre are bounds at all others: most centres that
+/// are no better cost no search.
+class StickOut {
+ public:
+  StickOut(const Pieces& pieces, const SolidModel& solid) : pieces_(pieces), solid_(solid) {}
+
+  /// Returns metres, or nothing if they are not less than `limit`.
+  [[nodiscard]] std::optional<double> less_than(double limit, const Vec3& center) {
+    double reach = -std::numeric_limits<double>::infinity(), away = -reach;
+    for (const Sphere& ball : balls_) reach = std::max(reach, reach_of(ball, center));
+    for (const Vec3& point : points_) away = std::min(away, (point - center).norm());
+    if (reach - away >= limit) return std::nullopt;
+    reach = find_reach(center, reach);
+    if (reach - away >= limit) return std::nullopt;
+    const Vec3 nearest = solid_.nearest(center, away + kRounding);
+    away = (nearest - center).norm();
+    add(nearest, points_);
+    if (reach - away >= limit) return std::nullopt;
+    const double result = solid_.contains(center) ? reach - away : reach + away;
+    return result < limit ? std::optional(result) : std::nullopt;
+  }
+
+  /// Radius of the smallest sphere around `center` that contains the pieces. Precondition: it is at
+  /// least `reach`.
+  [[nodiscard]] double find_reach(const Vec3& center, double reach) {
+    const Sphere* farthest = nullptr;
+    for (const Element* piece : pieces_) {
+      // The bounding ball rules out most pieces that are not the farthest.
+      if (reach_of(piece->bound, center) <= reach) continue;
+      for (const Sphere& ball : piece->balls) {
+        if (reach_of(ball, center) <= reach) continue;
+        reach = reach_of(ball, center);
+        farthest = &ball;
+      }
+    }
+    if (farthest != nullptr) add(*farthest, balls_);
+    return reach;
+  }
+
+ private:
+  /// Replaces the oldest of the objects if there are many.
+  template <class Object>
+  static void add(const Object& object, std::vector<Object>& objects) {
+    constexpr std::size_t kMost = 8;
+    if (objects.size() == kMost) objects.erase(objects.begin());
+    objects.push_back(object);
+  }
+
+  const Pieces& pieces_;
+  const SolidModel& solid_;
+  std::vector<Sphere> balls_;  ///< of the pieces
+  std::vector<Vec3> points_;   ///< of the surface
+};
+
 /// Minimizes how far the sphere sticks out: descends along the axes with shrinking steps.
 Sphere fit(const Vec3& start, const Pieces& pieces, const SolidModel& solid) {
+  StickOut stick_out(pieces, solid);
   Vec3 center = start;
-  double depth = solid.depth(center), least = reach_from(center, pieces) - depth;
+  double least = stick_out.less_than(std::numeric_limits<double>::infinity(), center).value();
   for (double step = kFirstStep; step >= kLastStep; step *= 0.5) {
     for (bool has_moved = true; has_moved;) {
       has_moved = false;
       for (int i = 0; i < 6; ++i) {
         const Vec3 next = center + (i % 2 == 0 ? step : -step) * Vec3::Unit(i / 2);
-        const double reach = reach_from(next, pieces), goal = least - 0.01 * step;
-        // The depth changes by no more than the step.
-        if (reach - depth - step >= goal) continue;
-        const double next_depth = solid.depth(next, std::abs(depth) + step + kRounding);
-        if (reach - next_depth >= goal) continue;
-        depth = next_depth;
-        least = reach - depth;
+        const auto better = stick_out.less_than(least - 0.01 * step, next);
+        if (!better) continue;
+        least = *better;
         center = next;
         has_moved = true;
       }
     }
   }
-  return {center, reach_from(center, pieces)};
+  return {center, stick_out.find_reach(center, 0)};
+}
+
+std::vector<Sphere> refine(std::vector<Sphere> spheres, std::span<const Element> elements,
+                           const SolidModel& solid) {
+  std::vector<Pieces> fitted(spheres.size());
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<Pieces> shares = share_out(spheres, elements);
+    if (shares == fitted) break;
+    std::vector<Sphere> next;
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+      poll_interrupt();
+      if (shares[i].empty()) continue;
+      // A sphere that fits its pieces already stays.
+      next.push_back(shares[i] == fitted[i] ? spheres[i]
+                                            : fit(spheres[i].center, shares[i], solid));
+    }
+    spheres = std::move(next);
+    std::erase(shares, Pieces());
+    fitted = std::move(shares);
+  }
+  return spheres;
 }
 
 }  // namespace
 
-std::vector<Sphere> refine(std::vector<Sphere> spheres, std::span<const Element> elements,
+std::vector<Sphere> refine(const std::vector<Sphere>& spheres, SolidPieces& pieces,
                            const SolidModel& solid) {
-  for (int round = 0; round < kRounds; ++round) {
-    const std::vector<Pieces> shares = share_out(spheres, elements);
-    std::vector<Sphere> next;
-    for (std::size_t i = 0; i < spheres.size(); ++i) {
-      poll_interrupt();
-      if (!shares[i].empty()) next.push_back(fit(spheres[i].center, shares[i], solid));
-    }
-    spheres = std::move(next);
-  }
-  return spheres;
+  std::vector<Sphere> result;
+  do {
+    result = refine(spheres, pieces.needed, solid);
+  } while (pieces.need_bare(result) > 0);
+  return result;
 }
 
 }  // namespace mneme::internal

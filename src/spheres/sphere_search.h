@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace mneme::internal {
@@ -26,9 +27,18 @@ struct Element {
   [[nodiscard]] bool is_within(const Sphere& sphere) const;
 };
 
-/// Cuts the surface and the inner voxels into pieces of about `size` metres.
-[[nodiscard]] std::vector<Element> make_elements(const TriangleMesh& mesh, const SolidModel& solid,
-                                                 double size);
+/// The pieces of a solid. Spheres that contain its surface contain most of its inside, too: the
+/// inner pieces are spare until spheres miss them.
+struct SolidPieces {
+  /// Cuts the surface and the inner voxels into pieces of about `size` metres.
+  SolidPieces(const TriangleMesh& mesh, const SolidModel& solid, double size);
+  explicit SolidPieces(std::vector<Element> all) : needed(std::move(all)) {}
+
+  /// Makes spare pieces that no sphere contains needed, at the end of them. Returns their number.
+  std::size_t need_bare(std::span<const Sphere> spheres);
+
+  std::vector<Element> needed, spare;
+};
 
 /// Proposes spheres around points on the solid's medial axis and on its surface, each as large as
 /// `excess` allows. Such a sphere around any other point lies within one of these. `medial_balls`
@@ -38,17 +48,17 @@ struct Element {
                                                   std::span<const Element> elements, double excess,
                                                   Rng& rng);
 
-/// Chooses a small subset of `proposals` that contains all `elements`: greedy, then improved by
+/// Chooses a small subset of `proposals` that contains all pieces: greedy, then improved by
 /// removing some spheres and covering the rest again, for up to `effort` steps of a nanosecond. A
-/// piece that no proposal contains gets its own sphere. Deterministic given `rng`.
-[[nodiscard]] std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals,
-                                                 std::span<const Element> elements,
+/// piece that no proposal contains gets its own sphere. Spare pieces that would be missed become
+/// needed. Deterministic given `rng`.
+[[nodiscard]] std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals, SolidPieces& pieces,
                                                  std::int64_t effort, Rng& rng);
 
 /// Shrinks each sphere to the pieces that need it and moves it to where it sticks out least, in
-/// turns. Covered pieces stay covered; spheres that no piece needs are dropped.
-[[nodiscard]] std::vector<Sphere> refine(std::vector<Sphere> spheres,
-                                         std::span<const Element> elements,
+/// turns. Covered pieces stay covered; spheres that no piece needs are dropped. Spare pieces that
+/// would be missed become needed.
+[[nodiscard]] std::vector<Sphere> refine(const std::vector<Sphere>& spheres, SolidPieces& pieces,
                                          const SolidModel& solid);
 
 }  // namespace mneme::internal

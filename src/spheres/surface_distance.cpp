@@ -49,11 +49,15 @@ double SurfaceDistance::Facet::squared_distance(const Vec3& p) const {
 SurfaceDistance::SurfaceDistance(TriangleMesh mesh)
     : facets_(mesh.begin(), mesh.end()), tree_(boxes_of(mesh)) {}
 
-double SurfaceDistance::from(const Vec3& point, double limit) const {
+NearestPart SurfaceDistance::find(const Vec3& point, double limit) const {
   const auto distance_to = [&](int i) {
     return std::sqrt(facets_[as_index(i)].squared_distance(point));
   };
-  return tree_.nearest({point, point}, distance_to, limit).distance;
+  return tree_.nearest({point, point}, distance_to, limit);
+}
+
+Vec3 SurfaceDistance::nearest(const Vec3& point, double limit) const {
+  return nearest_on(point, facets_[as_index(find(point, limit).part)].triangle);
 }
 
 }  // namespace mneme::internal

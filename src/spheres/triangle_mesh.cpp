@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <span>
 #include <string>
@@ -71,23 +70,6 @@ TriangleMesh triangulate(const Cylinder& cylinder) {
     mesh.push_back({cylinder.pose * Vec3(0, 0, top), side[3], side[2]});
   }
   return mesh;
-}
-
-bool is_closed(const TriangleMesh& mesh) {
-  std::map<std::array<double, 3>, int> numbers;
-  const auto number_of = [&](const Vec3& corner) {
-    const int next = static_cast<int>(numbers.size());
-    return numbers.try_emplace({corner.x(), corner.y(), corner.z()}, next).first->second;
-  };
-  std::map<std::pair<int, int>, int> balance;
-  for (const Triangle& t : mesh) {
-    const std::array<int, 3> corners = {number_of(t.a), number_of(t.b), number_of(t.c)};
-    for (std::size_t edge = 0; edge < 3; ++edge) {
-      const int from = corners[edge], to = corners[(edge + 1) % 3];
-      balance[std::minmax({from, to})] += from < to ? 1 : -1;
-    }
-  }
-  return std::ranges::all_of(balance, [](const auto& entry) { return entry.second == 0; });
 }
 
 TriangleMesh subdivide(const TriangleMesh& mesh, double length) {

@@ -17,9 +17,6 @@ using TriangleMesh = std::vector<Triangle>;
 /// Returns a prism that contains the cylinder and touches it with each side.
 [[nodiscard]] TriangleMesh triangulate(const Cylinder& cylinder);
 
-/// Returns true if the surface has no rim: each edge has equally many triangles in both directions.
-[[nodiscard]] bool is_closed(const TriangleMesh& mesh);
-
 /// Returns the same surface as triangles with edges of at most `length`.
 [[nodiscard]] TriangleMesh subdivide(const TriangleMesh& mesh, double length);
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/part_distance.h"
+#include "geometry/parts.h"
 #include "spheres/solid_model.h"
 #include "spheres/solids.h"
 
@@ -12,7 +13,10 @@ using internal::TriangleMesh;
 /// A surface by the questions that SolidModel has for it.
 struct Surface {
   explicit Surface(const TriangleMesh& triangles)
-      : mesh{{}, std::make_shared<const Parts<Triangle>>(triangles), 0}, grid(triangles) {}
+      : mesh{{}, std::make_shared<const Parts<Triangle>>(triangles), 0},
+        grid(triangles, false),
+        winding_grid(triangles, true),
+        is_closed(internal::is_closed(triangles)) {}
   [[nodiscard]] double distance(const Vec3& p) const {
     return internal::nearest_part(mesh, p, p).distance;
   }
@@ -22,11 +26,13 @@ struct Surface {
     CHECK(is_in == internal::is_enclosed(p, [&](const internal::Line& line) {
             return internal::crossings_of(line, *mesh.parts);
           }));
+    if (is_closed) CHECK(winding_grid(p) == is_in);
     return is_in;
   }
 
   Mesh mesh;
-  internal::EnclosureGrid grid;
+  internal::EnclosureGrid grid, winding_grid;
+  bool is_closed;
 };
 
 /// The least distance from a point to a fine grid of points of the triangle: an upper bound.
@@ -66,6 +72,14 @@ TEST_SUITE("unit") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("where two closed surfaces overlap is enclosed") {
+    const TriangleMesh both = joined(internal::triangulate(make_box({2, 2, 2})),
+                                     internal::triangulate(make_box({2, 2, 2}, {1.5, 0, 0})));
+    const internal::EnclosureGrid grid(both, internal::is_closed(both));
+    for (const double x : {-0.9, 0.0, 0.6, 0.9, 2.4}) CHECK(grid({x, 0.1, 0.2}));
+    for (const double x : {-1.1, 2.6}) CHECK_FALSE(grid({x, 0.1, 0.2}));
+  }
+
   TEST_CASE("nothing is enclosed by a sheet") {
     const Surface surface({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
     for (const double z : {-0.2, -0.01, 0.01, 0.2}) CHECK_FALSE(surface.is_enclosed({0.3, 0.3, z}));

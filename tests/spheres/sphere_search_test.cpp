@@ -4,12 +4,33 @@
 #include "spheres/approximate_solid.h"
 #include "spheres/solids.h"
 
+#include <iterator>
+
 namespace mneme::test {
 namespace {
 
 using internal::Element;
 using internal::SolidModel;
 using internal::TriangleMesh;
+
+/// Pieces of the surface and of the inside.
+std::vector<Element> all_pieces(const TriangleMesh& mesh, const SolidModel& solid, double size) {
+  internal::SolidPieces pieces(mesh, solid, size);
+  std::ranges::move(pieces.spare, std::back_inserter(pieces.needed));
+  return pieces.needed;
+}
+
+/// From pieces that are all needed.
+std::vector<Sphere> choose(std::vector<Sphere> proposals, const std::vector<Element>& elements,
+                           std::int64_t effort, Rng& rng) {
+  internal::SolidPieces pieces(elements);
+  return internal::choose_spheres(std::move(proposals), pieces, effort, rng);
+}
+std::vector<Sphere> refine(const std::vector<Sphere>& spheres, const std::vector<Element>& elements,
+                           const SolidModel& solid) {
+  internal::SolidPieces pieces(elements);
+  return internal::refine(spheres, pieces, solid);
+}
 
 TEST_SUITE("unit") {
   TEST_CASE("the reach of a piece is that of its farthest ball") {
@@ -25,7 +46,7 @@ TEST_SUITE("law") {
   TEST_CASE("spheres that hold all pieces hold all of the surface and the inside") {
     const TriangleMesh mesh = internal::triangulate(make_box({0.3, 0.2, 0.1}));
     const SolidModel solid(mesh);
-    const std::vector<Element> elements = internal::make_elements(mesh, solid, 0.03);
+    const std::vector<Element> elements = all_pieces(mesh, solid, 0.03);
     std::vector<Sphere> bounds;
     for (const Element& element : elements) {
       CHECK(element.is_within(element.bound));
@@ -41,8 +62,7 @@ TEST_SUITE("law") {
   TEST_CASE("smaller pieces are more pieces") {
     const TriangleMesh mesh = internal::triangulate(make_box({0.3, 0.2, 0.1}));
     const SolidModel solid(mesh);
-    CHECK(internal::make_elements(mesh, solid, 0.02).size() >
-          internal::make_elements(mesh, solid, 0.04).size());
+    CHECK(all_pieces(mesh, solid, 0.02).size() > all_pieces(mesh, solid, 0.04).size());
   }
 }
 
@@ -61,7 +81,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a piece that no proposal holds gets a sphere of its own") {
     const std::vector<Element> elements = {point_at(0), point_at(50)};
     Rng rng(1);
-    const auto spheres = internal::choose_spheres({{{0, 0, 0}, 1}}, elements, 1000, rng);
+    const auto spheres = choose({{{0, 0, 0}, 1}}, elements, 1000, rng);
     CHECK(spheres.size() == 2);
     CHECK(holds_all(spheres, elements));
   }
@@ -79,18 +99,36 @@ TEST_SUITE("law") {
     }
     Rng first(2);
     Rng second(2);
-    const auto spheres = internal::choose_spheres(proposals, elements, 500000, first);
-    const auto again = internal::choose_spheres(proposals, elements, 500000, second);
+    const auto spheres = choose(proposals, elements, 500000, first);
+    const auto again = choose(proposals, elements, 500000, second);
     CHECK(holds_all(spheres, elements));
-    CHECK(spheres.size() < internal::choose_spheres(proposals, elements, 0, first).size());
+    CHECK(spheres.size() < choose(proposals, elements, 0, first).size());
     REQUIRE(spheres.size() == again.size());
     for (std::size_t i = 0; i < spheres.size(); ++i) CHECK(spheres[i].center == again[i].center);
+  }
+
+  TEST_CASE("the inside is contained, too, though most of it is spare") {
+    const auto mesh = internal::triangulate(make_box({0.3, 0.2, 0.1}));
+    const SolidModel solid(mesh);
+    internal::SolidPieces pieces(mesh, solid, 0.01);
+    const std::vector<Element> all = all_pieces(mesh, solid, 0.01);
+    const std::size_t surface = pieces.needed.size();
+    // Small spheres: those at the surface leave the middle bare.
+    std::vector<Sphere> proposals;
+    for (const Element& element : all) proposals.push_back({element.bound.center, 0.03});
+    Rng rng(1);
+    const auto chosen = internal::choose_spheres(proposals, pieces, 100000, rng);
+    CHECK(holds_all(chosen, all));
+    CHECK(pieces.needed.size() > surface);
+    CHECK(pieces.needed.size() + pieces.spare.size() == all.size());
+    CHECK(pieces.spare.size() > surface);
+    CHECK(holds_all(internal::refine(chosen, pieces, solid), pieces.spare));
   }
 
   TEST_CASE("proposals stick out by no more than the excess") {
     const auto mesh = internal::triangulate(make_box({0.3, 0.2, 0.1}));
     const SolidModel solid(mesh);
-    const auto elements = internal::make_elements(mesh, solid, 0.02);
+    const auto elements = all_pieces(mesh, solid, 0.02);
     Rng rng(1);
     const auto proposals =
         internal::propose_spheres(solid, solid.medial_balls(), elements, 0.02, rng);
@@ -109,8 +147,8 @@ TEST_SUITE("unit") {
   TEST_CASE("a sphere that nothing needs is dropped") {
     const auto mesh = internal::triangulate(make_box({0.1, 0.1, 0.1}));
     const SolidModel solid(mesh);
-    const auto elements = internal::make_elements(mesh, solid, 0.03);
-    const auto spheres = internal::refine({{{0, 0, 0}, 0.2}, {{0, 0, 0}, 0.1}}, elements, solid);
+    const auto elements = all_pieces(mesh, solid, 0.03);
+    const auto spheres = refine({{{0, 0, 0}, 0.2}, {{0, 0, 0}, 0.1}}, elements, solid);
     REQUIRE(spheres.size() == 1);
     CHECK(spheres[0].radius == doctest::Approx(0.05 * std::sqrt(3.0)).epsilon(0.02));
   }
@@ -120,12 +158,12 @@ TEST_SUITE("law") {
   TEST_CASE("what was held stays held, and spheres stick out less") {
     const auto mesh = internal::triangulate(Cylinder{{}, 0.06, 0.4});
     const SolidModel solid(mesh);
-    const auto elements = internal::make_elements(mesh, solid, 0.015);
+    const auto elements = all_pieces(mesh, solid, 0.015);
     Rng rng(1);
     const auto proposals =
         internal::propose_spheres(solid, solid.medial_balls(), elements, 0.03, rng);
-    const auto before = internal::choose_spheres(proposals, elements, 1000000, rng);
-    const auto after = internal::refine(before, elements, solid);
+    const auto before = choose(proposals, elements, 1000000, rng);
+    const auto after = refine(before, elements, solid);
     CHECK(after.size() <= before.size());
     CHECK(worst_stick_out(after, solid) < worst_stick_out(before, solid));
     for (const Element& element : elements) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/axis_box.h"
+#include "geometry/parts.h"
 #include "mesh/mesh_file.h"
 #include "spheres/solids.h"
 #include "spheres/triangle_mesh.h"
