@@ -18,8 +18,11 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <limits>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 #include <time.h>
 
@@ -143,6 +146,27 @@ Result<Tally> plan_pairs(const std::string& file, const Robot& robot, const Opti
   return tally;
 }
 
+/// The pairs of links that refuse configurations in which nothing touches.
+class Refusals {
+ public:
+  void add(const std::vector<Contact>& contacts) {
+    for (const Contact& contact : contacts) ++counts_[contact.link + " and " + contact.other];
+  }
+  /// Prints the pairs that refuse most.
+  void print() const {
+    constexpr std::size_t kMost = 5;
+    std::vector<std::pair<int, std::string>> rows;
+    for (const auto& [pair, count] : counts_) rows.emplace_back(count, pair);
+    std::ranges::sort(rows, std::greater());
+    rows.resize(std::min(rows.size(), kMost));
+    for (const auto& [count, pair] : rows)
+      fmt::print("  refused though free: {} {}\n", count, pair);
+  }
+
+ private:
+  std::map<std::string, int> counts_;
+};
+
 /// Compares random configurations with FCL. Prints the robot's row; true if no contact was missed.
 Result<bool> compare_states(const std::string& file, const Robot& robot, const Options& options) {
   const auto pairs = MNEME_TRY(test::pairs_to_check(file, robot, options.robot));
@@ -150,6 +174,7 @@ Result<bool> compare_states(const std::string& file, const Robot& robot, const O
   test::FclRobot oracle(robot);
   Rng rng(options.seed);
   int valid = 0, touching = 0, missed = 0;
+  Refusals refusals;
   for (int i = 0; i < options.states; ++i) {
     const Configuration q = test::sampled_configuration(robot, rng);
     oracle.move_to(q);
@@ -157,6 +182,7 @@ Result<bool> compare_states(const std::string& file, const Robot& robot, const O
     const bool is_valid = checker.is_valid(std::span<const double>(q));
     valid += is_valid ? 1 : 0;
     touching += pair != nullptr ? 1 : 0;
+    if (pair == nullptr) refusals.add(checker.contacts(q));
     if (!is_valid || pair == nullptr) continue;
     ++missed;
     const auto name = [&](int link) { return robot.links()[static_cast<std::size_t>(link)].name; };
@@ -164,6 +190,7 @@ Result<bool> compare_states(const std::string& file, const Robot& robot, const O
   }
   fmt::print("{:28} {:6} {:9} {:9} {:9} {:9} {:9}\n", std::filesystem::path(file).stem().string(),
              pairs.size(), options.states, touching, options.states - valid, valid, missed);
+  refusals.print();
   std::fflush(stdout);
   return missed == 0;
 }
