@@ -32,7 +32,8 @@ std::size_t bytes_in(const std::vector<Value>& values) {
 std::int64_t bytes_of(const Experience& row) {
   std::size_t content = 0;
   if (row.is_path()) {
-    content = bytes_in(row.path().waypoints);
+    const RememberedPath& path = row.path();
+    content = bytes_in(path.waypoints) + bytes_in(path.clearances) + bytes_in(path.near_misses);
   } else {
     const LocalSampler& sampler = row.sampler();
     content = bytes_in(sampler.means) + bytes_in(sampler.factor_rows) + bytes_in(sampler.factors) +

@@ -74,6 +74,13 @@ TEST_SUITE("unit") {
   TEST_CASE("a row with more means takes more bytes") {
     CHECK(bytes_of(*make_row(1, 100)) - bytes_of(*make_row(1, 10)) >= 90 * 3 * 4);
   }
+
+  TEST_CASE("clearances and near misses of a path count") {
+    Experience bare, full;
+    bare.content = RememberedPath{2, {0, 0, 1, 1}, 0, {}, {}, {}};
+    full.content = RememberedPath{2, {0, 0, 1, 1}, 0, {}, {0.1f, 0.2f}, {1, 2, 3, 4, 5, 6}};
+    CHECK(bytes_of(full) - bytes_of(bare) == 8 * 4);
+  }
 }
 
 TEST_SUITE("law") {
