@@ -162,21 +162,24 @@ Json to_json(const EnclosedOptions& options, const Robot& robot, const EnclosedI
   return file;
 }
 
-Result<ExitCode> run_enclosed(const EnclosedOptions& given) {
-  EnclosedOptions options = given;
+/// Makes the instances of a robot with `make` and writes them. `where` completes "20 instances".
+template <class Options, class Make>
+Result<ExitCode> make_and_write(Options options, const char* activity, std::string_view version,
+                                const Make& make, std::string_view where) {
   const Robot robot =
       MNEME_TRY(load_named_robot(options.robot, options.robot_options, std::array{options.output}));
-  Progress progress("enclosing");
+  Progress progress(activity);
   watch(options, progress, options.settings);
-  const auto made =
-      MNEME_TRY(make_enclosed_instances(robot, options.count, options.settings, options.seed));
+  const auto made = MNEME_TRY(make(robot, options.count, options.settings, options.seed));
+  const std::size_t count = made.instances.size();
   return write_problems(
       options, to_json(options, robot, made),
-      {{"generator", kEnclosedVersion},
-       {"instances", made.instances.size()},
-       {"dropped", made.dropped}},
-      fmt::format("{} in {}", counted(made.instances.size(), "instance", "instances"),
-                  options.output));
+      {{"generator", version}, {"instances", count}, {"dropped", made.dropped}},
+      fmt::format("{}{}{}", counted(count, "instance", "instances"), where, options.output));
+}
+
+Result<ExitCode> run_enclosed(const EnclosedOptions& options) {
+  return make_and_write(options, "enclosing", kEnclosedVersion, make_enclosed_instances, " in ");
 }
 
 struct BlockedOptions : GeneratorOptions {
@@ -197,21 +200,9 @@ Json to_json(const BlockedOptions& options, const Robot& robot, const BlockedIns
   return file;
 }
 
-Result<ExitCode> run_blocked(const BlockedOptions& given) {
-  BlockedOptions options = given;
-  const Robot robot =
-      MNEME_TRY(load_named_robot(options.robot, options.robot_options, std::array{options.output}));
-  Progress progress("blocking");
-  watch(options, progress, options.settings);
-  const auto made =
-      MNEME_TRY(make_blocked_instances(robot, options.count, options.settings, options.seed));
-  return write_problems(
-      options, to_json(options, robot, made),
-      {{"generator", kBlockedVersion},
-       {"instances", made.instances.size()},
-       {"dropped", made.dropped}},
-      fmt::format("{} without a path in {}",
-                  counted(made.instances.size(), "instance", "instances"), options.output));
+Result<ExitCode> run_blocked(const BlockedOptions& options) {
+  return make_and_write(options, "blocking", kBlockedVersion, make_blocked_instances,
+                        " without a path in ");
 }
 
 struct ComposedOptions : GeneratorOptions {
