@@ -116,9 +116,6 @@ class InterruptScope {
   const InterruptScope* outer_;
 };
 
-/// Receives one line of log text without a line break, in the thread that does the work.
-using LogCallback = std::function<void(std::string_view line)>;
-
 /// Measures wall-clock time since its construction.
 class Stopwatch {
  public:
