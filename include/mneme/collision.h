@@ -162,10 +162,15 @@ struct FamilyBox {
 /// The answer for a box.
 struct FamilyVerdict {
   bool is_free = false;
+  /// The state in the middle is known to be closer to an obstacle than the margin. May be false if
+  /// it is so for an obstacle of many parts, or for two links.
+  bool is_in_contact = false;
   /// Not free: how far the first body, or pair of bodies, that may touch can move within the box,
   /// metres: along time, along each parameter, and by curvature and rest.
   std::array<float, 1 + kMostParameters> displacements = {};
   float bent = 0;
+  /// The part of `displacements` towards the obstacle; all of it where that is not known.
+  std::array<float, 1 + kMostParameters> towards = {};
 
   [[nodiscard]] float displacement() const {
     float sum = bent;

@@ -290,6 +290,19 @@ HWY_INLINE V clearance_of(const ObstacleRow& row, const V3& p, V3& normal) {
   return hn::Sub(clearance_of_core(mul_add(hn::Neg(t), along, to_p), normal), splat(row.rounding));
 }
 
+/// About where on a segment it is nearest to a convex obstacle.
+HWY_INLINE V nearest_on(const Segment& segment, const ObstacleRow& row) {
+  V low = hn::Zero(Tag()), width = splat(1.0f);
+  for (int halving = 0; halving < 8; ++halving) {
+    width = hn::Mul(width, splat(0.5f));
+    const V middle = hn::Add(low, width);
+    V3 normal;
+    (void)clearance_of(row, mul_add(middle, segment.u, segment.a), normal);
+    low = hn::IfThenElse(hn::Lt(dot(normal, segment.u), hn::Zero(Tag())), middle, low);
+  }
+  return hn::MulAdd(width, splat(0.5f), low);
+}
+
 // Bounding boxes of obstacles.
 
 /// The box around balls in all lanes: three coordinates, in arrays that hold a whole vector.

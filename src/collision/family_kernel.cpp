@@ -11,6 +11,9 @@
 //   sum_g rho_g (rest_g + D_g (D_g / 2 + sum of D_f over turning joints f before g))
 // farther. That is Taylor's formula; the second derivative by joints f and g, f nearer to the root,
 // is z_f x (z_g x r_g). SweptMargins follow the same idea for one motion.
+//
+// Of motion along an obstacle only the part towards it counts: a body that stays on its side of the
+// plane through the obstacle's nearest point stays free of it.
 #include "collision/family_kernel.h"
 
 #include <algorithm>
@@ -142,7 +145,16 @@ class BoxMargins {
  public:
   HWY_INLINE BoxMargins(const RobotTables& robot, const FamilyStates& states,
                         const FamilyMargins& margins, const Verdict<false>& verdict)
-      : robot_(robot), states_(states), margins_(margins), verdict_(verdict) {}
+      : robot_(robot),
+        states_(states),
+        margins_(margins),
+        verdict_(verdict),
+        directed_(no_hit()),
+        touching_(no_hit()) {
+    for (V& towards : towards_) towards = hn::Zero(Tag());
+  }
+
+  static constexpr bool kIsDirected = true;
 
   [[nodiscard]] HWY_INLINE bool moves_body(int) const { return true; }
   [[nodiscard]] HWY_INLINE bool moves_pair(int) const { return true; }
@@ -156,8 +168,9 @@ class BoxMargins {
     for (size_t i = 0; i < robot_.frames.size(); ++i) follow(robot_.frames[i], i + 1);
     for (int i = 0; i < robot_.moving_count; ++i) {
       const V3 center = center_of(i);
-      const V moved = sum_of(displacement(i, 0, center));
-      body_margins_[i] = hn::Add(moved, splat(margins_.obstacles));
+      const Displacement found = displacement(i, 0, center);
+      bent_[i] = found.bent;
+      body_margins_[i] = hn::Add(sum_of(found), splat(margins_.obstacles));
       widest_[i] = hn::GetLane(hn::MaxOfLanes(Tag(), body_margins_[i]));
     }
   }
@@ -170,6 +183,29 @@ class BoxMargins {
   [[nodiscard]] HWY_INLINE V of_pair(int i, const V3*) const {
     turn_to(robot_.moving_count + i);
     return hn::Add(sum_of(displacement_of_pair(i)), splat(margins_.links));
+  }
+  /// Returns those of the `asked` lanes in which the part of body `i` around `point` may move by
+  /// `gap` against the unit vector `normal`.
+  HWY_INLINE M find_reached(int i, const V3& point, const V3& normal, V gap, M asked) const {
+    constexpr float kRounding = 2e-5f;  // of the normal, metres
+    const int frame = robot_.bodies[i].frame;
+    const V3 lever = cross(point - poses_[frame].origin, normal);
+    const V kept = splat(margins_.obstacles + kRounding);
+    V along[kMostDirections];
+    V moved = hn::Add(bent_[i], kept);
+    for (int k = 0; k < states_.directions; ++k) {
+      const Twist& twist = twists_[k][frame];
+      const V speed = hn::Add(dot(twist.speed, normal), dot(twist.turn, lever));
+      along[k] = hn::Mul(states_.half[k], hn::Abs(speed));
+      moved = hn::Add(moved, along[k]);
+    }
+    const M reached = hn::And(asked, hn::Lt(gap, moved));
+    const M fresh = hn::AndNot(verdict_.hit, reached);
+    directed_ = hn::Or(directed_, fresh);
+    touching_ = hn::Or(touching_, hn::And(fresh, hn::Lt(gap, kept)));
+    for (int k = 0; k < states_.directions; ++k)
+      towards_[k] = hn::IfThenElse(fresh, along[k], towards_[k]);
+    return reached;
   }
   /// No value: tables decide vectors, and the verdict of a box must not depend on its neighbours.
   [[nodiscard]] HWY_INLINE V needed_rings(const SeparationTable&) const {
@@ -197,6 +233,7 @@ class BoxMargins {
     }
     for (open &= (1u << count) - 1; open != 0;)
       open &= ~explain(culprits_[__builtin_ctz(open)], count, verdicts);
+    explain_directed(count, verdicts);
   }
 
  private:
@@ -350,6 +387,21 @@ class BoxMargins {
     return explained;
   }
 
+  /// Writes the displacements of lanes that may move up to an obstacle.
+  HWY_INLINE void explain_directed(int count, FamilyVerdict* verdicts) const {
+    for (int lane = 0; lane < count; ++lane) verdicts[lane].towards = verdicts[lane].displacements;
+    const unsigned directed = bits_of(directed_), touching = bits_of(touching_);
+    HWY_ALIGN float lanes[kLanes];
+    for (int k = 0; k < states_.directions && directed != 0; ++k) {
+      hn::Store(towards_[k], Tag(), lanes);
+      for (int lane = 0; lane < count; ++lane) {
+        if (((directed >> lane) & 1u) == 0) continue;
+        verdicts[lane].towards[static_cast<size_t>(k)] = lanes[lane];
+        verdicts[lane].is_in_contact = ((touching >> lane) & 1u) != 0;
+      }
+    }
+  }
+
   const RobotTables& robot_;
   const FamilyStates& states_;
   const FamilyMargins& margins_;
@@ -359,6 +411,10 @@ class BoxMargins {
   mutable V rest_[kMaxFrames + 1], moved_[kMaxFrames + 1], turned_[kMaxFrames + 1];
   mutable V arms_[kMaxFrames + 1];  // bounds on the distance from the parent's origin in the box
   mutable V body_margins_[kMaxBodies];
+  mutable V bent_[kMaxBodies];
+  // Of lanes that may move up to an obstacle:
+  mutable M directed_, touching_;
+  mutable V towards_[kMostDirections];
   mutable float widest_[kMaxBodies];
   mutable int current_ = 0;
   mutable unsigned known_ = 0;

@@ -33,6 +33,9 @@ HWY_INLINE V lanes_of(V x) { return x; }
 /// One margin for all bodies; negative, it deflates them.
 class EvenMargins {
  public:
+  /// True if margins depend on the direction of contact: find_reached() decides then.
+  static constexpr bool kIsDirected = false;
+
   HWY_INLINE explicit EvenMargins(float margin) : margin_(margin) { assert(std::isfinite(margin)); }
 
   HWY_INLINE void follow(const Pose*) const {}
@@ -58,6 +61,8 @@ class EvenMargins {
 /// most 2 * bound * (sum of all turns).
 class SweptMargins {
  public:
+  static constexpr bool kIsDirected = false;
+
   HWY_INLINE SweptMargins(const RobotTables& robot, const SweptMotion& motion)
       : robot_(robot), motion_(motion), half_(hn::Zero(Tag())), since_end_(hn::Zero(Tag())) {
     const V zero = hn::Zero(Tag());

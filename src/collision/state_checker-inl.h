@@ -123,7 +123,7 @@ class StateChecker {
         const bool may_touch = !scene_.may_touch.empty();
         const int left = may_touch ? list_forbidden(g, closer, kept, checked) : kept;
         const ObstacleRow* const* rows = may_touch ? checked : closer;
-        if (hits_obstacles(robot_.groups[g], pose, margin, rows, left, verdict)) return true;
+        if (hits_obstacles(index, robot_.groups[g], margin, rows, left, verdict)) return true;
       }
     }
     return false;
@@ -172,12 +172,13 @@ class StateChecker {
   }
 
   template <class Margin>
-  HWY_INLINE bool hits_obstacles(const GroupRow& group, const Pose& pose, Margin margin,
+  HWY_INLINE bool hits_obstacles([[maybe_unused]] int index, const GroupRow& group, Margin margin,
                                  const ObstacleRow* const* near, int count,
                                  Verdict<kIsMotion>& verdict) const {
+    const Pose& pose = poses_[robot_.bodies[index].frame];
     if (group.is_capsule) {
       const CapsuleRow& capsule = robot_.capsules[group.begin];
-      return hits_obstacles(capsule, posed(capsule, pose), margin, near, count, verdict);
+      return hits_obstacles(index, capsule, posed(capsule, pose), margin, near, count, verdict);
     }
     const V3 center = transform_point(pose, group.ball.center);
     PosedSpheres spheres;
@@ -189,26 +190,60 @@ class StateChecker {
         continue;
       }
       const auto reach2 = squared(sum(group.ball.radius, extra));
-      const M hit = with_distance(*near[i], [&](const auto& distance2) {
+      M hit = with_distance(*near[i], [&](const auto& distance2) {
         if (!verdict.is_any_open(is_below(distance2(center), reach2))) return no_hit();
         if (!is_posed) spheres = posed(robot_, group, pose);
         is_posed = true;
         return find_hits(robot_, group, spheres, extra, distance2);
       });
+      if constexpr (Margins::kIsDirected) hit = keep_reached(index, group, spheres, *near[i], hit);
       if (verdict.add(hit)) return true;
     }
     return false;
   }
 
+  /// Returns those lanes of `hit` in which a sphere may move up to the obstacle: a convex solid
+  /// does not reach beyond the plane through its nearest point.
+  HWY_NOINLINE M keep_reached(int index, const GroupRow& group, const PosedSpheres& spheres,
+                              const ObstacleRow& obstacle, M hit) const {
+    M reached = no_hit();
+    if (hn::AllFalse(Tag(), hit)) return reached;
+    for (int i = 0; i < kGroupSize; ++i) {
+      const V3& center = spheres.centers[i];
+      V3 normal;
+      const V clearance = clearance_of(obstacle, center, normal);
+      const V gap = hn::Sub(clearance, splat(robot_.spheres[group.begin + i].radius));
+      reached = hn::Or(reached, margins_.find_reached(index, center, normal, gap, hit));
+    }
+    return reached;
+  }
+
+  /// The same for a capsule, whose two ends must stay on this side of the plane.
+  HWY_NOINLINE M keep_reached(int index, const CapsuleRow& capsule, const Segment& axis,
+                              const ObstacleRow& obstacle, M hit) const {
+    if (hn::AllFalse(Tag(), hit)) return hit;
+    const V t = nearest_on(axis, obstacle);
+    const V3 nearest = mul_add(t, axis.u, axis.a);
+    V3 normal;
+    const V gap = hn::Sub(clearance_of(obstacle, nearest, normal), splat(capsule.radius));
+    M reached = no_hit();
+    for (const V3& end : {axis.a, axis.a + axis.u}) {
+      const V farther = hn::Add(gap, dot(normal, end - nearest));
+      reached = hn::Or(reached, margins_.find_reached(index, end, normal, farther, hit));
+    }
+    return reached;
+  }
+
   template <class Margin>
-  HWY_NOINLINE bool hits_obstacles(const CapsuleRow& capsule, const Segment& axis, Margin margin,
+  HWY_NOINLINE bool hits_obstacles([[maybe_unused]] int index, const CapsuleRow& capsule,
+                                   const Segment& axis, Margin margin,
                                    const ObstacleRow* const* near, int count,
                                    Verdict<kIsMotion>& verdict) const {
     for (int i = 0; i < count; ++i) {
-      const auto index = static_cast<size_t>(near[i] - scene_.obstacles.data());
+      const auto obstacle = static_cast<size_t>(near[i] - scene_.obstacles.data());
       // Bounds include the rounding.
       const auto thickness2 = squared(sum(capsule.radius, margin));
-      const V from_bounds2 = distance2_to_bounds(scene_, axis, index);
+      const V from_bounds2 = distance2_to_bounds(scene_, axis, obstacle);
       if (!verdict.is_any_open(is_below(from_bounds2, thickness2))) continue;
       const auto reach = sum(capsule.radius + near[i]->rounding, margin);
       if (near[i]->kind == ObstacleKind::compound) {
@@ -216,9 +251,10 @@ class StateChecker {
           return true;
         continue;
       }
-      const M hit = with_distance(*near[i], [&](const auto& distance2) {
+      M hit = with_distance(*near[i], [&](const auto& distance2) {
         return hn::Lt(distance2(axis), lanes_of(squared(reach)));
       });
+      if constexpr (Margins::kIsDirected) hit = keep_reached(index, capsule, axis, *near[i], hit);
       if (verdict.add(hit)) return true;
     }
     return false;
