@@ -166,7 +166,7 @@ class Prover {
     failure_.q = from + double{box.time} * (to - from) + share * evaluate(shift_, u.data());
     failure_.along =
         (static_cast<double>(i - 1) + double{box.time}) / static_cast<double>(path_.size() - 1);
-    failure_.displacements = verdict.displacements;
+    failure_.displacements = verdict.towards;
     return false;
   }
 
@@ -182,7 +182,9 @@ class Prover {
       check(i, {boxes.data(), count});
       for (std::size_t k = 0; k < count; ++k) {
         if (verdicts_[k].is_free) continue;
-        if (linear(verdicts_[k]) < kFinestBox) return fail(i, boxes[k], verdicts_[k]);
+        if (verdicts_[k].is_in_contact || linear(verdicts_[k]) < kFinestBox) {
+          return fail(i, boxes[k], verdicts_[k]);
+        }
         cut(boxes[k], verdicts_[k]);
       }
       if (counters_.states - first_states_ > settings_.most_states) {
@@ -210,8 +212,16 @@ class Prover {
 
   /// Cuts a box across the direction in which most of the displacement is.
   void cut(const FamilyBox& box, const FamilyVerdict& verdict) {
-    const auto widest = std::ranges::max_element(verdict.displacements);
-    const auto k = static_cast<std::size_t>(widest - verdict.displacements.begin());
+    // What is bent shrinks with each direction's displacement.
+    const float bent = verdict.bent / std::max(linear(verdict), 1e-9f);
+    std::size_t k = 0;
+    float most = -1;
+    for (std::size_t i = 0; i < verdict.towards.size(); ++i) {
+      const float gain = verdict.towards[i] + bent * verdict.displacements[i];
+      if (gain <= most) continue;
+      most = gain;
+      k = i;
+    }
     FamilyBox below = box, above = box;
     if (k == 0) {
       below.half_time = above.half_time = 0.5f * box.half_time;

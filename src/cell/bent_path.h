@@ -58,7 +58,7 @@ struct ProofFailure {
 
 struct ProofSettings {
   float margin = 2e-4f;
-  std::uint64_t most_states = 100000;
+  std::uint64_t most_states = 20000;
   std::uint64_t seed = 1;
 };
 

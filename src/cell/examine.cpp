@@ -71,7 +71,7 @@ class Examination {
       result_.gap = CellGap::blocked;
       return std::move(result_);
     }
-    result_.is_served = try_neighbours() || try_fresh();
+    result_.is_served = try_neighbours() || (!is_too_large_ && try_fresh());
     if (!result_.failure && tightest_ > 0) {
       std::ranges::copy(limit_blame_, result_.blame.begin());
     }
@@ -172,6 +172,7 @@ class Examination {
         return needed_ == 0;
       }
       blame(failure);
+      is_too_large_ = failure.is_over_budget;
       // No profile helps at the goal; a proof that takes too long takes a smaller box.
       constexpr double kAtGoal = 0.98;
       if (failure.along > kAtGoal || failure.is_over_budget) break;
@@ -197,6 +198,7 @@ class Examination {
       seen.push_back(q);
       ++tried;
       if (try_neighbour(box, q)) return true;
+      if (is_too_large_) return false;
     }
     return false;
   }
@@ -248,6 +250,7 @@ class Examination {
       if (!fit(make_branch(e_.chain(), candidate.q), shift)) continue;
       ++tried;
       if (try_candidate(candidate)) return true;
+      if (is_too_large_) return false;
     }
     return false;
   }
@@ -349,6 +352,7 @@ class Examination {
   std::vector<CellTask> tasks_;  ///< samples
   std::vector<bool> is_needed_;  ///< per sample
   std::size_t needed_ = 0;
+  bool is_too_large_ = false;  ///< a proof took too long: smaller boxes will be cheaper
   double tightest_ = 0;
   std::array<double, kMostParameters> limit_blame_ = {};
   Examined result_;
