@@ -222,7 +222,7 @@ struct Overlaps {
 /// Counts at up to 1000 random configurations, per pair until its spheres rarely overlap.
 void count_overlaps(const Robot& robot, const LinkDistances& links,
                     std::vector<Overlaps>& overlaps) {
-  constexpr int kSamples = 1000, kFew = 20, kSome = 200, kKept = 20;
+  constexpr int kSamples = 1000, kFew = 100, kSome = 400, kKept = 20;
   Rng rng(1);
   std::vector<Overlaps*> open;
   for (Overlaps& pair : overlaps) open.push_back(&pair);
@@ -258,7 +258,7 @@ double share_of_spheres_alone(const Robot& robot, const LinkDistances& links,
 }  // namespace
 
 internal::InseparablePairs internal::find_inseparable_pairs(const Robot& robot) {
-  constexpr double kOften = 0.05;
+  constexpr double kOften = 0.02;
   std::vector<Overlaps> overlaps;
   for (const Pair& pair : robot.self_pairs()) overlaps.push_back({pair});
   const LinkDistances links(robot);

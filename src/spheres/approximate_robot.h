@@ -67,9 +67,9 @@ struct InseparablePairs {
   using Names = std::vector<std::pair<std::string, std::string>>;
   Names always;         ///< pairs whose exact geometry always overlaps, too
   Names only_spheres;   ///< pairs whose exact geometry can be apart
-  Names often_spheres;  ///< of which only the spheres overlap in 5 % of the configurations or more
+  Names often_spheres;  ///< of which only the spheres overlap in 2 % of the configurations or more
 };
-/// Cost: 20 configurations if there are none, up to a second per pair otherwise.
+/// Cost: 100 configurations if there are none, up to a second per pair otherwise.
 [[nodiscard]] InseparablePairs find_inseparable_pairs(const Robot& robot);
 
 }  // namespace mneme::internal
