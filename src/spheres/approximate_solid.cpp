@@ -26,10 +26,12 @@ constexpr int kPointsOfAll = 30000;
 /// Metres; rounding must not exclude a point on a sphere's surface.
 constexpr double kTolerance = 1e-9;
 
+bool is_covered(const Vec3& point, const Sphere& sphere) {
+  return (point - sphere.center).norm() <= sphere.radius + kTolerance;
+}
+
 bool is_covered(const Vec3& point, std::span<const Sphere> spheres) {
-  return std::ranges::any_of(spheres, [&](const Sphere& sphere) {
-    return (point - sphere.center).norm() <= sphere.radius + kTolerance;
-  });
+  return std::ranges::any_of(spheres, [&](const Sphere& s) { return is_covered(point, s); });
 }
 
 }  // namespace
@@ -51,15 +53,19 @@ std::vector<Vec3> sample_surface(const TriangleMesh& mesh, int count) {
   return points;
 }
 
-std::vector<Vec3> sample_near_surface(const SolidModel& solid) {
+std::vector<Vec3> sample_near_surface(const SolidModel& solid, std::span<const Sphere> spheres) {
   const std::array<Vec3, 4> corners = {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1),
                                        Vec3(-1, -1, 1)};
+  LatestFirst latest_first;
+  const auto is_bare = [&](const Vec3& point) {
+    return !latest_first.any(spheres, [&](const Sphere& s) { return is_covered(point, s); });
+  };
   std::vector<Vec3> points;
   for (const SolidModel::Voxel& voxel : solid.inner_voxels()) {
     if (voxel.is_whole) continue;
     for (const Vec3& corner : corners) {
       const Vec3 point = voxel.center + 0.25 * solid.voxel_size() * corner;
-      if (solid.contains(point)) points.push_back(point);
+      if (is_bare(point) && solid.contains(point)) points.push_back(point);
     }
   }
   return points;
@@ -199,7 +205,7 @@ LinkSpheres approximate_solid(const TriangleMesh& mesh, const SphereSettings& se
     result.spheres = fitter.fit(fitter.find_excess(wanted, most), kFinalEffort);
   }
   result.spheres = fitter.finish(result.spheres);
-  cover_points(sample_near_surface(fitter.solid()), result.spheres);
+  cover_points(sample_near_surface(fitter.solid(), result.spheres), result.spheres);
   for (Sphere& sphere : result.spheres) sphere = rounded(sphere);
   result.uncovered = uncovered_fraction(sample_surface(mesh, kSurfaceSamples), result.spheres);
   const Excess measured = measure_excess(result.spheres, fitter.solid());

@@ -17,8 +17,10 @@ namespace mneme::internal {
 /// Samples points on the surface, uniform by area, with a fixed seed.
 [[nodiscard]] std::vector<Vec3> sample_surface(const TriangleMesh& mesh, int count);
 
-/// Returns points inside the solid in voxels that the surface runs through, up to four per voxel.
-[[nodiscard]] std::vector<Vec3> sample_near_surface(const SolidModel& solid);
+/// Returns points inside the solid in voxels that the surface runs through, up to four per voxel,
+/// that no sphere contains.
+[[nodiscard]] std::vector<Vec3> sample_near_surface(const SolidModel& solid,
+                                                    std::span<const Sphere> spheres);
 
 /// Returns the fraction of `points` outside all spheres.
 [[nodiscard]] double uncovered_fraction(std::span<const Vec3> points,
@@ -32,7 +34,7 @@ struct Excess {
 [[nodiscard]] Excess measure_excess(std::span<const Sphere> spheres, const SolidModel& solid);
 
 /// Raise it whenever the same surface and settings give other spheres: it is part of cache keys.
-inline constexpr int kSphereVersion = 4;
+inline constexpr int kSphereVersion = 5;
 
 /// Computes a capsule, or spheres, that contain `mesh`, which has an area, and what it encloses.
 /// Number and excess of the spheres obey the settings; if they cannot both, the number does.

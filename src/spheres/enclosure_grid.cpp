@@ -36,7 +36,7 @@ LineGrid::LineGrid(const TriangleMesh& mesh, const Vec3& direction) {
     }
   }
   const double extent = std::max((high - low_).maxCoeff(), kProjectionSpare);
-  side_ = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(mesh.size()))), 1,
+  side_ = std::clamp(static_cast<int>(2 * std::sqrt(static_cast<double>(mesh.size()))), 1,
                      kMostCellsPerSide);
   size_ = extent / side_;
   while (side_ > 1 && count_entries(mesh) > kMostEntries * mesh.size()) {

@@ -84,10 +84,13 @@ std::vector<Vec3> sample_capsule(const Capsule& capsule, int count) {
   return points;
 }
 
-Excess measure(const Capsule& capsule, const Transform& pose, const SolidModel& solid) {
+/// How far the capsule sticks out; nothing if that is farther than `most`.
+std::optional<Excess> measure(const Capsule& capsule, const Transform& pose,
+                              const SolidModel& solid, double most) {
   Excess excess;
   for (const Vec3& p : sample_capsule(capsule, kExcessSamples)) {
     const double outside = solid.excess(pose * p);
+    if (outside > most) return std::nullopt;
     excess.mean += outside / kExcessSamples;
     excess.max = std::max(excess.max, outside);
   }
@@ -118,10 +121,10 @@ std::optional<FittedCapsule> fit_capsule(const TriangleMesh& mesh, const SolidMo
   const double least = *std::ranges::max_element(profile.away);
   for (const double share : kShares) {
     const Capsule capsule = around(profile, least + share * most);
-    const Excess excess = measure(capsule, pose, solid);
-    if (excess.max > most || excess.mean > 0.5 * most) continue;
+    const auto excess = measure(capsule, pose, solid, most);
+    if (!excess || excess->mean > 0.5 * most) continue;
     return FittedCapsule{{pose * capsule.a, pose * capsule.b, capsule.radius + kPoseRounding},
-                         excess};
+                         *excess};
   }
   return std::nullopt;
 }

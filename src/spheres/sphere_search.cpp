@@ -100,8 +100,9 @@ SolidPieces::SolidPieces(const TriangleMesh& mesh, const SolidModel& solid, doub
     : needed(cut_surface(mesh, size)), spare(cut_inside(solid, size)) {}
 
 std::size_t SolidPieces::need_bare(std::span<const Sphere> spheres) {
+  LatestFirst latest_first;
   const auto is_held = [&](const Element& piece) {
-    return std::ranges::any_of(spheres, [&](const Sphere& s) { return piece.is_within(s); });
+    return latest_first.any(spheres, [&](const Sphere& s) { return piece.is_within(s); });
   };
   const auto bare = std::stable_partition(spare.begin(), spare.end(), is_held);
   const auto count = static_cast<std::size_t>(spare.end() - bare);
@@ -115,7 +116,7 @@ namespace {
 using Indices = std::vector<int>;
 
 /// Per cent of the effort without a gain after which the search ends: small solids need few steps.
-constexpr std::int64_t kPatience = 30;
+constexpr std::int64_t kPatience = 15;
 
 /// The state of the search: the chosen proposals, and how many of them contain each piece. The cost
 /// of a step is the number of entries that it changes.
@@ -357,9 +358,9 @@ double reach_of(const Sphere& ball, const Vec3& center) {
 /// Assigns each piece to the sphere that contains it with most room to spare.
 std::vector<Pieces> share_out(std::span<const Sphere> spheres, std::span<const Element> elements) {
   std::vector<Pieces> shares(spheres.size());
+  std::size_t owner = 0;  // a neighbour's first: it leaves few others to look at
   for (const Element& element : elements) {
-    std::size_t owner = 0;
-    double most_room = -std::numeric_limits<double>::infinity();
+    double most_room = spheres[owner].radius - element.reach_from(spheres[owner].center);
     for (std::size_t i = 0; i < spheres.size(); ++i) {
       const double more = spheres[i].radius - most_room;
       if (more <= 0 || (element.bound.center - spheres[i].center).squaredNorm() >= more * more) {

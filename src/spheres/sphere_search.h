@@ -9,6 +9,7 @@
 #include "spheres/solid_model.h"
 #include "spheres/triangle_mesh.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -25,6 +26,22 @@ struct Element {
   /// Returns the radius of the smallest sphere around `center` that contains the piece.
   [[nodiscard]] double reach_from(const Vec3& center) const;
   [[nodiscard]] bool is_within(const Sphere& sphere) const;
+};
+
+/// Tests spheres for one that contains a piece or point: first the sphere that did so before, as
+/// neighbours follow each other.
+class LatestFirst {
+ public:
+  template <class Contains>
+  [[nodiscard]] bool any(std::span<const Sphere> spheres, const Contains& contains) {
+    if (latest_ < spheres.size() && contains(spheres[latest_])) return true;
+    const auto found = std::ranges::find_if(spheres, contains);
+    latest_ = static_cast<std::size_t>(found - spheres.begin());
+    return found != spheres.end();
+  }
+
+ private:
+  std::size_t latest_ = 0;
 };
 
 /// The pieces of a solid. Spheres that contain its surface contain most of its inside, too: the

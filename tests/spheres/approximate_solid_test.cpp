@@ -147,7 +147,7 @@ TEST_SUITE("law") {
 
   TEST_CASE("samples near the surface are inside, and no deeper than two voxels") {
     const SolidModel solid(internal::triangulate(Cylinder{{}, 0.1, 0.3}));
-    const auto points = internal::sample_near_surface(solid);
+    const auto points = internal::sample_near_surface(solid, {});
     CHECK(points.size() > 1000);
     for (const Vec3& p : points) {
       CHECK(solid.depth(p) > 0);
