@@ -4,15 +4,19 @@
 // Samples of a motion are control points of a spline that keeps the same limits, because its
 // derivatives are averages of those of the motion. Rounds make it faster, each within boxes around
 // the control points of the last one. Where a piece does not pass, the boxes of its control points
-// shrink. Rounds look at states; the result is proven.
+// shrink. Rounds check states; the result is proven.
 #include "trajectory/shorten_time.h"
 
 #include "base/as_index.h"
+#include "path/rest_to_rest.h"
 #include "trajectory/time_barrier.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <utility>
+#include <vector>
 
 namespace mneme::internal {
 namespace {
@@ -24,19 +28,27 @@ constexpr double kSlower = 1.01;
 /// Half of the width of a box, radians or metres, at first and at most.
 constexpr double kRadius = 0.1, kMostRadius = 0.5;
 /// Factors on it after a round in which a point's pieces passed, or one did not.
-constexpr double kGrow = 1.5, kShrink = 0.3;
+constexpr double kGrow = 1.5, kShrink = 0.5;
+/// Share of the move of a point whose pieces did not pass that its box leaves for the next round.
+constexpr double kMoveAgain = 0.3;
 constexpr double kLeastRoom = 1e-8;  ///< of a box around a joint's limit
 /// Share of time that barriers may cost, at first and at last.
 constexpr double kGap = 0.05, kLeastGap = 0.01;
 constexpr double kGapFactor = 0.1;    ///< per round
 constexpr double kLeastGain = 0.001;  ///< relative
 constexpr int kIdleRounds = 3;        ///< without this gain end the search
+/// Motions within this share of the time that their slowest joint needs by itself are fast enough:
+/// a spline whose jerk changes only between pieces gains nothing.
+constexpr double kNearLeast = 0.002;
 /// Deviation of verified chords from the motion, L2 joint distance: first the greater one, which
 /// needs fewer chords and more clearance.
-constexpr double kChordErrors[] = {1e-3, 1e-4};
-/// Clearance of states that need no proof during rounds, metres.
+constexpr double kChordErrors[] = {2e-3, 1e-4};
+/// Clearance of states beyond which rounds do not look closer, metres, and such states per piece.
 constexpr double kGuideMargin = 2e-3;
-constexpr std::size_t kGuides = 2;  ///< such states per piece
+constexpr std::size_t kGuides = 2;
+/// The same for a closer look. A smaller clearance is proven less often in the end.
+constexpr double kCloseMargin = 5e-4;
+constexpr std::size_t kCloseStates = 8;
 /// If the last spline is not proven, others between the first and the last are tried.
 constexpr int kProofs = 4;
 
@@ -65,6 +77,16 @@ TimeSpline between(const TimeSpline& first, const TimeSpline& last, double share
   return spline;
 }
 
+/// The time that the slowest joint needs by itself.
+double least_time(const Legs& legs, const RateLimits& limits) {
+  double time_s = 0;
+  for (std::size_t j = 0; j < legs.end.size() && !legs.legs.empty(); ++j) {
+    const double distance = std::abs(legs.end[j] - legs.legs.front().begin[j]);
+    time_s = std::max(time_s, rest_to_rest(limits, j).duration_s(distance));
+  }
+  return time_s;
+}
+
 class TimeShortener {
  public:
   TimeShortener(const Robot& robot, const Legs& legs, const RateLimits& limits,
@@ -74,10 +96,12 @@ class TimeShortener {
         joints_(legs.end.size()),
         tolerance_(settings.path_tolerance - kChordErrors[0]),
         rounds_(settings.time_rounds),
+        fast_enough_s_((1 + kNearLeast) * least_time(legs, limits)),
         verifier_(verifier),
         barrier_(limits) {}
 
   std::optional<Trajectory> shorten(const Trajectory& motion) {
+    if (motion.duration_s() <= fast_enough_s_) return std::nullopt;
     sample(motion);
     if (tolerance_ <= 0 || !barrier_.admits(spline_)) return std::nullopt;
     const TimeSpline first = spline_;
@@ -96,17 +120,32 @@ class TimeShortener {
     double gap = kGap;
     int idle = 0;
     for (int round = 0; round < rounds_ && idle < kIdleRounds; ++round) {
+      if (spline_.duration_s() <= fast_enough_s_) return;
       TimeSpline next = spline_;
       const bool is_centred = barrier_.shorten(next, boxes(), gap);
-      if (!find_failures(next)) {
-        const double gain = 1 - next.duration_s() / spline_.duration_s();
-        spline_ = std::move(next);
-        idle = gap <= kLeastGap && gain < kLeastGain ? idle + 1 : 0;
-        if (is_centred) gap = std::max(kLeastGap, kGapFactor * gap);
+      const bool has_passed = passes(next);
+      change_radii(next);
+      if (!has_passed) continue;
+      const double gain = 1 - next.duration_s() / spline_.duration_s();
+      spline_ = std::move(next);
+      idle = gap <= kLeastGap && gain < kLeastGain ? idle + 1 : 0;
+      if (is_centred) gap = std::max(kLeastGap, kGapFactor * gap);
+    }
+  }
+
+  /// Boxes grow, but for points whose pieces did not pass on the way to `next`.
+  void change_radii(const TimeSpline& next) {
+    for (std::size_t i = 0; i < radii_.size(); ++i) {
+      double& radius = radii_[i];
+      if (!has_failed_[i]) {
+        radius = std::min(kGrow * radius, kMostRadius);
+        continue;
       }
-      for (std::size_t i = 0; i < radii_.size(); ++i) {
-        radii_[i] = has_failed_[i] ? kShrink * radii_[i] : std::min(kGrow * radii_[i], kMostRadius);
+      double move = 0;
+      for (std::size_t j = 0; j < joints_; ++j) {
+        move = std::max(move, std::abs(next.points[i][j] - spline_.points[i][j]));
       }
+      radius = std::max(kLeastRoom, std::min(kShrink * radius, kMoveAgain * move));
     }
   }
 
@@ -144,35 +183,46 @@ class TimeShortener {
     return boxes;
   }
 
-  /// Notes control points of pieces that do not pass; false if there are none. Proves only pieces
-  /// with states near contact.
-  bool find_failures(const TimeSpline& spline) {
+  /// Notes control points of pieces that do not pass; true if there are none.
+  bool passes(const TimeSpline& spline) {
     has_failed_.assign(spline.count(), false);
-    bool has_any = false;
-    const std::vector<bool> is_doubtful = find_doubtful(spline);
-    for (std::size_t i = 0; i < spline.piece_count(); ++i) {
-      if (is_doubtful[i] ? is_proven(spline, i) : is_near(spline, i)) continue;
-      has_any = true;
-      for (std::size_t k = 0; k <= kFixedPoints; ++k) has_failed_[i + k] = true;
-    }
-    return has_any;
-  }
-
-  /// True for pieces with a state that is near contact.
-  [[nodiscard]] std::vector<bool> find_doubtful(const TimeSpline& spline) {
-    states_.clear();
-    for (std::size_t i = 0; i < spline.piece_count(); ++i) add_states(spline, i, kGuides, 0);
-    std::vector<std::uint8_t> is_free(states_.size() / joints_);
-    verifier_.checker().check_states(states_, is_free, kGuideMargin);
-    std::vector<bool> is_doubtful(spline.piece_count());
-    for (std::size_t i = 0; i < is_free.size(); ++i) {
-      if (is_free[i] == 0) is_doubtful[i / kGuides] = true;
+    bool has_passed = true;
+    const auto note_failure = [&](std::size_t piece) {
+      has_passed = false;
+      for (std::size_t k = 0; k <= kFixedPoints; ++k) has_failed_[piece + k] = true;
+    };
+    std::vector<std::size_t> pieces(spline.piece_count());
+    std::iota(pieces.begin(), pieces.end(), std::size_t{0});
+    for (const std::size_t i : pieces) {
+      if (!is_near(spline, i)) note_failure(i);
     }
     // The last state of a piece is the first one of the next.
-    for (std::size_t i = 0; i + 1 < is_doubtful.size(); ++i) {
-      if (is_free[(i + 1) * kGuides] == 0) is_doubtful[i] = true;
+    std::vector<std::size_t> doubtful;
+    for (const std::size_t i : find_touching(spline, pieces, kGuides, kGuideMargin)) {
+      if (i > 0 && (doubtful.empty() || doubtful.back() + 1 < i)) doubtful.push_back(i - 1);
+      doubtful.push_back(i);
     }
-    return is_doubtful;
+    for (const std::size_t i : find_touching(spline, doubtful, kCloseStates, kCloseMargin)) {
+      note_failure(i);
+    }
+    return has_passed;
+  }
+
+  /// Returns the pieces that lack the margin at one of `count` states.
+  [[nodiscard]] std::vector<std::size_t> find_touching(const TimeSpline& spline,
+                                                       const std::vector<std::size_t>& pieces,
+                                                       std::size_t count, double margin) {
+    states_.clear();
+    for (const std::size_t i : pieces) add_states(spline, i, count, 0);
+    is_free_.resize(pieces.size() * count);
+    verifier_.checker().check_states(states_, is_free_, margin);
+    std::vector<std::size_t> touching;
+    for (std::size_t i = 0; i < is_free_.size(); ++i) {
+      const std::size_t piece = pieces[i / count];
+      const bool is_new = touching.empty() || touching.back() != piece;
+      if (is_free_[i] == 0 && is_new) touching.push_back(piece);
+    }
+    return touching;
   }
 
   [[nodiscard]] bool is_proven(const TimeSpline& spline) {
@@ -269,13 +319,15 @@ class TimeShortener {
   std::size_t joints_;
   double tolerance_;
   int rounds_;
+  double fast_enough_s_;
   const MotionVerifier& verifier_;
   TimeBarrier barrier_;
   TimeSpline spline_;
   std::vector<double> radii_;  ///< per control point
   std::vector<bool> has_failed_;
   std::vector<float> states_;
-  std::size_t leg_ = 0;  ///< the leg that was found last
+  std::vector<std::uint8_t> is_free_;  ///< of states_
+  std::size_t leg_ = 0;                ///< the leg that was found last
 };
 
 }  // namespace
