@@ -125,9 +125,11 @@ struct MotionMeasures {
 [[nodiscard]] MotionMeasures measure_motion(const Trajectory& motion, const RateLimits& limits);
 
 /// Returns about the duration that parameterize() reaches: that of the motion along `path` whose
-/// corners are as fast as `limits` allow, as if none of them was in contact. Cost: some 10 us.
+/// corners are as fast as `limits` allow. With a `verifier`, states on corners are checked, and
+/// corners in contact are slower. Cost: some 10 us, and less than 100 us with a verifier.
 [[nodiscard]] double estimate_duration(const Robot& robot, const Path& path,
-                                       const RateLimits& limits);
+                                       const RateLimits& limits,
+                                       const MotionVerifier* verifier = nullptr);
 
 /// A stop that is shorter, L2 joint distance, counts as none: the robot is at rest.
 inline constexpr double kLeastStop = 2e-6;

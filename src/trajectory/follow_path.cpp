@@ -136,12 +136,13 @@ Result<Trajectory> follow_from_velocity(const Timing& timing, const Path& path,
 
 }  // namespace internal
 
-double estimate_duration(const Robot& robot, const Path& path, const RateLimits& limits) {
+double estimate_duration(const Robot& robot, const Path& path, const RateLimits& limits,
+                         const MotionVerifier* verifier) {
   if (path.empty()) return 0;
   internal::FollowSettings settings;
   settings.tolerance = TrajectorySettings().path_tolerance;
-  settings.is_estimate = true;
-  return internal::duration_along(internal::find_legs(robot, path), limits, settings);
+  settings.is_estimate = settings.is_guide = true;
+  return internal::duration_along(internal::find_legs(robot, path), limits, settings, verifier);
 }
 
 Result<Configuration> stopping_point(const Robot& robot, const Configuration& start,

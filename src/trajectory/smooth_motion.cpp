@@ -408,8 +408,9 @@ std::vector<JerkPiece> follow_legs(const Legs& legs, const RateLimits& limits,
   return motion.pieces();
 }
 
-double duration_along(const Legs& legs, const RateLimits& limits, const FollowSettings& settings) {
-  SmoothMotion motion(legs, limits, settings, nullptr);
+double duration_along(const Legs& legs, const RateLimits& limits, const FollowSettings& settings,
+                      const MotionVerifier* verifier) {
+  SmoothMotion motion(legs, limits, settings, verifier);
   motion.slow_down();
   return motion.duration_s();
 }

@@ -27,7 +27,7 @@ struct FollowSettings {
   double tolerance = 0;      ///< largest distance from the legs at corners, L2 joint distance
   bool stops_first = false;  ///< at the first corner
   double begin_speed = 0;    ///< along the first leg; reach_to_stop() is at most the leg's length
-  bool is_estimate = false;  ///< takes all corners as free
+  bool is_estimate = false;  ///< takes all corners as free if there is no verifier
   bool is_guide = false;     ///< checks states of corners only, which proves nothing
 };
 
@@ -41,7 +41,7 @@ struct FollowSettings {
 
 /// Returns the duration of that motion.
 [[nodiscard]] double duration_along(const Legs& legs, const RateLimits& limits,
-                                    const FollowSettings& settings);
+                                    const FollowSettings& settings, const MotionVerifier* verifier);
 
 /// Returns the length that a stop from `speed` takes in `direction`, a unit vector.
 [[nodiscard]] double reach_to_stop(const std::vector<double>& direction, double speed,

@@ -86,6 +86,19 @@ TEST_SUITE("unit") {
     CHECK(rests(closed) == 2);
   }
 
+  TEST_CASE("an estimate with a verifier slows down at corners that an obstacle fills") {
+    const RateLimits limits{{2, 2, 2}, {4, 4, 4}, {40, 40, 40}};
+    const EmptyScene empty(gantry());
+    const double free_s = estimate_duration(empty.robot(), kCorner, limits);
+    CHECK(estimate_duration(empty.robot(), kCorner, limits, &empty.verifier()) == free_s);
+    const Vec3 post(1 - 0.102, 0.102, 1);
+    const World world{"post", gantry(), {"", {make_ball("post", post, 1e-3)}}, {}};
+    const CollisionChecker checker = make_checker(world);
+    const MotionVerifier verifier(checker);
+    CHECK(estimate_duration(world.robot, kCorner, limits, &verifier) > 1.05 * free_s);
+    CHECK(estimate_duration(world.robot, kCorner, limits) == free_s);
+  }
+
   TEST_CASE("waypoints in the same place are one, and both ends stay") {
     const EmptyScene empty(gantry());
     const Path path = {{0, 0, 0}, {0, 0, 0}, {1e-9, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 1e-8, 0}};
