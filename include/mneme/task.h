@@ -217,24 +217,9 @@ struct TaskMotion {
                                            const SolveSettings& settings, const RateLimits& limits,
                                            const TrajectorySettings& timing = {});
 
-/// When a stage begins.
-struct StageBegin {
-  std::string name;
-  double begin_s = 0;
-};
+/// Returns when each stage begins, with the motions of gripper stages.
 [[nodiscard]] std::vector<StageBegin> stage_begins(const TaskResult& result,
                                                    const TaskMotion& motion);
-
-/// As to_csv() of trajectory.h, with a last column `stage`: the name of the stage at each time.
-/// Without stages, the same text.
-[[nodiscard]] std::string to_csv(const Robot& robot, std::span<const Trajectory::Point> points,
-                                 std::span<const StageBegin> stages);
-/// As to_yaml() of trajectory.h, with a comment line for each stage first.
-[[nodiscard]] std::string to_yaml(const Robot& robot, std::span<const Trajectory::Point> points,
-                                  std::span<const StageBegin> stages);
-/// As to_json() of trajectory.h, with the list `stages` of names and begins.
-[[nodiscard]] std::string to_json(const Robot& robot, std::span<const Trajectory::Point> points,
-                                  std::span<const StageBegin> stages);
 
 /// Returns the plan as JSON: status, message, path times and counts, and per stage its kind, path,
 /// choice and dropped alternatives. With a `motion`, also its duration and when each stage begins.

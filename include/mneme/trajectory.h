@@ -101,6 +101,8 @@ class Trajectory {
   /// or the whole duration if that is less. Errors: `dt` is not above 0, or gives more than ten
   /// million points.
   [[nodiscard]] Result<std::vector<Point>> sample(double dt) const;
+  /// Returns the motion of one joint, by its index.
+  [[nodiscard]] Trajectory of_joint(std::size_t joint) const;
   /// Adds `offset` to all positions, such as whole turns of continuous joints.
   void shift(const Configuration& offset);
   [[nodiscard]] const std::vector<Stretch>& stretches() const { return stretches_; }
@@ -184,5 +186,27 @@ struct JoinedMotion {
 [[nodiscard]] std::string to_yaml(const Robot& robot, std::span<const Trajectory::Point> points);
 /// Returns JSON (docs/schema/trajectory.schema.json).
 [[nodiscard]] std::string to_json(const Robot& robot, std::span<const Trajectory::Point> points);
+
+/// The motion of a joint outside of the planning group in a gripper stage of a task.
+struct FingerMotion {
+  std::string joint;
+  Trajectory motion;  ///< of this joint, from 0 on
+};
+/// When a stage of a task begins.
+struct StageBegin {
+  std::string name;
+  double begin_s = 0;
+  std::vector<FingerMotion> fingers = {};
+};
+/// As to_csv() above, with three columns for each joint that gripper stages move, and a last column
+/// `stage`: the name of the stage at each time. Without stages, the same text.
+[[nodiscard]] std::string to_csv(const Robot& robot, std::span<const Trajectory::Point> points,
+                                 std::span<const StageBegin> stages);
+/// As to_yaml() above, with a comment line for each stage first.
+[[nodiscard]] std::string to_yaml(const Robot& robot, std::span<const Trajectory::Point> points,
+                                  std::span<const StageBegin> stages);
+/// As to_json() above, with the list `stages` of names and begins.
+[[nodiscard]] std::string to_json(const Robot& robot, std::span<const Trajectory::Point> points,
+                                  std::span<const StageBegin> stages);
 
 }  // namespace mneme

@@ -46,6 +46,16 @@ Json gripper_json(const GripperMotion& gripper) {
   return json;
 }
 
+std::vector<FingerMotion> fingers_of(const GripperMotion& gripper, const Trajectory& motion) {
+  std::vector<FingerMotion> fingers;
+  const std::vector<std::string> joints = gripper.world->robot.joint_names();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (gripper.path.front()[j] == gripper.path.back()[j]) continue;
+    fingers.push_back({joints[j], motion.of_joint(j)});
+  }
+  return fingers;
+}
+
 /// Motions of the stages that take time.
 struct MovingStages {
   const SolveSettings& settings;
@@ -121,6 +131,16 @@ Result<TaskMotion> time_task(const Task& task, const TaskResult& result,
     MNEME_TRY(moving.add(task.stages[i], result.stages[i]));
   }
   return moving.join(result.stages.back().path.back());
+}
+
+std::vector<StageBegin> stage_begins(const TaskResult& result, const TaskMotion& motion) {
+  std::vector<StageBegin> stages;
+  for (std::size_t i = 0; i < result.stages.size(); ++i) {
+    const StageResult& stage = result.stages[i];
+    stages.push_back({stage.name, motion.begins_s[i]});
+    if (stage.gripper) stages.back().fingers = fingers_of(*stage.gripper, *motion.stages[i]);
+  }
+  return stages;
 }
 
 std::string to_json(const Task& task, const TaskResult& result, const TaskMotion* motion) {

@@ -125,6 +125,18 @@ Trajectory Trajectory::between(double from_s, double to_s) const {
   return {std::move(stretches), std::move(end.position), to_s - from_s, std::move(end.velocity)};
 }
 
+Trajectory Trajectory::of_joint(std::size_t joint) const {
+  std::vector<Stretch> stretches = stretches_;
+  for (Stretch& stretch : stretches) {
+    std::vector<double> own;
+    for (std::size_t i = joint; i < stretch.coefficients.size(); i += end_.size()) {
+      own.push_back(stretch.coefficients[i]);
+    }
+    stretch.coefficients = std::move(own);
+  }
+  return {std::move(stretches), {end_[joint]}, end_s_, {end_velocity_[joint]}};
+}
+
 Result<std::vector<Trajectory::Point>> Trajectory::sample(double dt) const {
   if (!(dt > 0) || !std::isfinite(dt)) {
     return fail(ErrorCode::invalid, "dt is {}; expected seconds above 0", dt);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 namespace mneme::test {
 namespace {
@@ -59,6 +60,44 @@ TEST_SUITE("unit") {
     const Vec3 moved = robot.link_poses(task->start)[finger].translation -
                        task->robot.link_poses(task->start)[finger].translation;
     CHECK(moved.norm() == doctest::Approx(0.03));
+  }
+
+  TEST_CASE("CSV has the fingers' motions: where they are before, while and after they move") {
+    const TemporaryDirectory directory;
+    write_file(directory / "lifter.urdf", kLiftUrdf);
+    write_file(directory / "task.yaml",
+               "robot: lifter.urdf\ngroup: \"world:arm\"\nstart: [0, 0]\nscene: {obstacles: []}\n"
+               "stages: [{move: [0.5, 1]}, {gripper: {grip: 0.03}}, {move: [0, 0]}, "
+               "{gripper: {grip: 0.01}}]\n");
+    const Task task = load_task(directory / "task.yaml").value();
+    const TaskResult result = solved(task);
+    const TaskMotion motion =
+        time_task(task, result, {}, find_rate_limits(task.robot).value()).value();
+    const auto points = motion.trajectory.sample(0.01).value();
+    std::istringstream text(to_csv(task.robot, points, stage_begins(result, motion)));
+    std::string line;
+    std::getline(text, line);
+    CHECK(line.ends_with(",turn.acceleration,grip.position,grip.velocity,grip.acceleration,stage"));
+    double last = 0, most = 0;
+    int moving = 0;
+    for (const auto& point : points) {
+      REQUIRE(std::getline(text, line));
+      std::vector<std::string> cells;
+      for (std::istringstream row(line); std::getline(row, line, ',');) cells.push_back(line);
+      REQUIRE(cells.size() == 1 + 3 * 2 + 3 + 1);
+      last = std::stod(cells[7]);
+      most = std::max(most, last);
+      const std::string& stage = cells.back();
+      if (point.time_s < motion.begins_s[1]) CHECK(last == 0);
+      if (stage == "move 3") CHECK(last == 0.03);
+      if (std::stod(cells[8]) == 0) continue;
+      ++moving;
+      CHECK(stage.starts_with("gripper"));
+      CHECK(std::abs(std::stod(cells[8])) <= 1);
+    }
+    CHECK(moving >= 10);
+    CHECK(most == 0.03);
+    CHECK(last == doctest::Approx(0.01));
   }
 
   TEST_CASE("fingers that are free at both ends may not pass through what is in between") {
