@@ -114,8 +114,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Shorten, and improve, the time of a path instead of its L2 joint distance, within the "
         "limits of the trajectory or else of the URDF. Default: on if a trajectory is wanted.");
   visit("improve", s.improve, 0.0, 1e6,
-        "Time to look for shorter paths after the first one, seconds. Plans from other seeds, "
-        "several at once, and shortens the best one further.");
+        "Time to improve the path, seconds: plans from other seeds, and shortens the best one. "
+        "At 0 paths of trajectories still get up to three such rounds.");
   visit("improve-rounds", s.improve_rounds, std::uint64_t{1}, ~std::uint64_t{0},
         "Largest number of rounds of improving; each after the first makes three plans. With a "
         "seed the result is repeatable. Default: as many as the time allows.");

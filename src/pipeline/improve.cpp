@@ -3,6 +3,7 @@
 #include "pipeline/improve.h"
 
 #include "base/threads.h"
+#include "pipeline/informed_box.h"
 
 #include <algorithm>
 #include <utility>
@@ -15,6 +16,16 @@ namespace {
 constexpr int kPlansPerRound = 3;
 constexpr int kPatience = 160;      ///< for length; for time, other plans pay more than patience
 constexpr double kRounding = 1e-6;  ///< relative, of single precision
+/// Paths that take longer than this multiple of the straight motion are too far from it for samples
+/// in a box around it to help.
+constexpr double kNearStraight = 1.5;
+/// Without a time to improve, a path of a trajectory is improved for this number of rounds, and
+/// plans end at about this number of checked states: some half a millisecond.
+constexpr std::uint64_t kFreeRounds = 3, kFreeStates = 30000;
+
+bool improves_by_default(const PlanSettings& plan) {
+  return plan.simplify && plan.minimizes_time() && plan.limits != nullptr;
+}
 
 class Improvement {
  public:
@@ -22,9 +33,11 @@ class Improvement {
       : resolved_(resolved),
         query_(resolved.query),
         sampler_(sampler),
+        is_asked_(query_.settings.plan.improve > 0),
+        verifier_(resolved.checker),
         best_(result.plan),
         curve_(result.improvements),
-        cost_(cost_of(result.plan.path)) {
+        cost_(cost_of(result.plan.path, &verifier_)) {
     note(0);
     const auto straight_to = [&](const Configuration& goal) {
       return cost_of({resolved.ends.start, goal}) * (1 + kRounding);
@@ -37,7 +50,8 @@ class Improvement {
   }
 
   void run() {
-    const std::uint64_t rounds = query_.settings.plan.improve_rounds.value_or(~std::uint64_t{0});
+    const std::uint64_t rounds =
+        is_asked_ ? query_.settings.plan.improve_rounds.value_or(~std::uint64_t{0}) : kFreeRounds;
     for (std::uint64_t round = 0; round < rounds && !is_over(); ++round) {
       Path path = round == 0 ? best_.path : plan_again(round);
       if (!path.empty()) offer(std::move(path), round);
@@ -45,23 +59,29 @@ class Improvement {
   }
 
  private:
-  [[nodiscard]] double cost_of(const Path& path) const {
+  /// Seconds or length. With a verifier, corners are only as fast as they are free.
+  [[nodiscard]] double cost_of(const Path& path, const MotionVerifier* verifier = nullptr) const {
     const Robot& robot = query_.problem.robot;
     const PlanSettings& plan = query_.settings.plan;
     if (!plan.minimizes_time()) return path_length(robot, path);
-    return plan.limits != nullptr ? estimate_duration(robot, path, *plan.limits)
+    return plan.limits != nullptr ? estimate_duration(robot, path, *plan.limits, verifier)
                                   : path_time(robot, path);
   }
   void note(double time_s) {
-    curve_.push_back({time_s, path_length(query_.problem.robot, best_.path)});
+    if (is_asked_) curve_.push_back({time_s, path_length(query_.problem.robot, best_.path)});
   }
   [[nodiscard]] double remaining_s() const {
-    return query_.settings.plan.improve - stopwatch_.elapsed_s();
+    return is_asked_ ? query_.settings.plan.improve - stopwatch_.elapsed_s() : query_.remaining_s();
   }
   /// True also if no path can be shorter.
   [[nodiscard]] bool is_over() const {
     return remaining_s() <= verification_time_s_ || cost_ <= least_cost_ ||
            is_set(query_.settings.plan.cancel);
+  }
+  /// True also if another plan would check too many states. Planning again costs about as much as
+  /// planning.
+  [[nodiscard]] bool is_plan_too_much() const {
+    return is_over() || (!is_asked_ && best_.states_checked > kFreeStates);
   }
   [[nodiscard]] PlanSettings settings_of(std::uint64_t task) const {
     PlanSettings settings = query_.settings.plan;
@@ -71,19 +91,30 @@ class Improvement {
     return settings;
   }
 
+  /// Null where samples of the query's sampler are better.
+  [[nodiscard]] std::unique_ptr<Sampler> informed_sampler() const {
+    const PlanSettings& plan = query_.settings.plan;
+    const bool is_near = cost_ < kNearStraight * least_cost_;
+    if (!plan.minimizes_time() || plan.limits == nullptr || !is_near) return nullptr;
+    return make_informed_sampler(query_.problem.robot, resolved_.ends, *plan.limits, cost_);
+  }
+
   /// Returns the shortest of a few rough paths; empty if none is found in time.
   Path plan_again(std::uint64_t round) {
     Path shortest;
     double least = 0;
-    for (int i = 0; i < kPlansPerRound && !is_over(); ++i) {
+    const std::unique_ptr<Sampler> informed = informed_sampler();
+    const Sampler& sampler = informed != nullptr ? *informed : sampler_;
+    for (int i = 0; i < kPlansPerRound && !is_plan_too_much(); ++i) {
       PlanSettings settings = settings_of(round * kPlansPerRound + static_cast<std::uint64_t>(i));
       settings.verify = false;
       settings.simplify = true;
       settings.patience = 0;
+      if (informed != nullptr) settings.anchor = 0;  // these samples would leave the box
       PathFinisher finisher(resolved_.checker, settings.finish());
       const auto valid_states = query_.sampler.samples_valid_states ? query_.sampler.name : "";
       auto planned = query_.planner.plan(
-          {resolved_.checker, resolved_.ends, sampler_, settings, finisher, valid_states});
+          {resolved_.checker, resolved_.ends, sampler, settings, finisher, valid_states});
       if (!planned || !planned->is_solved()) continue;
       best_.iterations += planned->iterations;
       count({planned->states_checked, planned->motions_checked});
@@ -115,8 +146,9 @@ class Improvement {
     PathFinisher finisher(resolved_.checker, settings);
     const int invalid = finisher(path, counters);
     verification_time_s_ = std::max(verification_time_s_, finisher.verification_time_s());
-    const double cost = cost_of(path);
-    if (invalid >= 0 || cost >= cost_) return;
+    if (invalid >= 0) return;
+    const double cost = cost_of(path, &verifier_);
+    if (cost >= cost_) return;
     best_.path = std::move(path);
     cost_ = cost;
     note(stopwatch_.elapsed_s());
@@ -133,6 +165,8 @@ class Improvement {
   const ResolvedQuery& resolved_;
   const Query& query_;
   const Sampler& sampler_;
+  bool is_asked_;  ///< False: improves a little, without a time to do so.
+  MotionVerifier verifier_;
   PlanResult& best_;
   std::vector<Improved>& curve_;
   double cost_;                     ///< of the best path: seconds or length
@@ -145,7 +179,9 @@ class Improvement {
 }  // namespace
 
 void improve(const ResolvedQuery& resolved, const Sampler& sampler, SolveResult& result) {
-  if (!(resolved.query.settings.plan.improve > 0) || !result.plan.is_solved()) return;
+  const PlanSettings& plan = resolved.query.settings.plan;
+  if (!(plan.improve > 0) && !improves_by_default(plan)) return;
+  if (!result.plan.is_solved()) return;
   const Stopwatch stopwatch;
   Improvement(resolved, sampler, result).run();
   result.improvement_time_s = stopwatch.elapsed_s();

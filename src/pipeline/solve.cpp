@@ -169,7 +169,10 @@ Result<SolveResult> solve_as_given(const Problem& problem, Database* database,
     result.plan = *resolved.refusal;
   } else if (PlanResult replayed = replay(resolved, result.replay); replayed.is_solved()) {
     result.plan = std::move(replayed);
-    improve(resolved, *make_uniform_sampler(problem.robot), result);
+    // Remembered paths are improved already.
+    if (settings.plan.improve > 0) {
+      improve(resolved, *make_uniform_sampler(problem.robot), result);
+    }
   } else if (auto unsolved = internal::find_unsolved(query)) {
     result.plan = *std::move(unsolved);
     add_work(replayed, result.replay.time_s, result.plan);

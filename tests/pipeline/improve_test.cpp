@@ -3,6 +3,8 @@
 #include "pipeline/improve.h"
 #include "support/planar_memory.h"
 
+#include <memory>
+
 namespace mneme::test {
 namespace {
 
@@ -62,6 +64,35 @@ TEST_SUITE("law") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("paths of trajectories are improved a little without a time to do so") {
+    int faster = 0;
+    for (const char* name : {"threaded_b0", "threaded_b2", "threaded_b4"}) {
+      CAPTURE(name);
+      const Problem problem = planar_problem(name);
+      SolveSettings settings;
+      settings.plan.timeout_s = 60;
+      const auto limits =
+          std::make_shared<const RateLimits>(find_rate_limits(problem.robot).value());
+      settings.plan.limits = limits;
+      const SolveResult result = solve(problem, nullptr, settings).value();
+      REQUIRE(result.plan.is_solved());
+      CHECK(result.improvements.empty());
+      CHECK(solve(problem, nullptr, settings).value().plan.path == result.plan.path);
+      const auto checker = CollisionChecker::make(problem.robot, problem.scene).value();
+      CheckCounters counters;
+      CHECK(find_invalid_motion(checker, result.plan.path, counters) == -1);
+      settings.plan.simplify = false;
+      const SolveResult rough = solve(problem, nullptr, settings).value();
+      REQUIRE(rough.plan.is_solved());
+      const MotionVerifier verifier(checker);
+      const auto duration_s = [&](const Path& path) {
+        return estimate_duration(problem.robot, path, *limits, &verifier);
+      };
+      faster += duration_s(result.plan.path) < duration_s(rough.plan.path) ? 1 : 0;
+    }
+    CHECK(faster == 3);
+  }
+
   TEST_CASE("without time to improve nothing is improved") {
     const SolveResult result = improved(planar_problem("threaded_b0"), 0);
     CHECK(result.improvements.empty());
