@@ -291,6 +291,32 @@ TEST_SUITE("unit") {
     CHECK(verdict.bent == doctest::Approx(0.01));
     CHECK(verdict.displacement() == doctest::Approx(0.61));
   }
+
+  TEST_CASE("of motion along a board only the part towards it counts") {
+    // The ball is 0.05 m above the board; x moves by 0.6 m to either side, the tilt by little.
+    const Robot robot = sliding_ball();
+    const auto check = [&](double turn, double above) {
+      const Eigen::Matrix3d tilted = Eigen::AngleAxisd(turn, Vec3::UnitY()).toRotationMatrix();
+      const Box board{{tilted, tilted * Vec3(0, 0, -0.1 - above - 0.02)}, {3, 3, 0.02}};
+      const CollisionChecker checker = require_checker(robot, Scene{"", {{"board", {board}}}});
+      const GoalShift shift{1, {0}, {0.5f}, {0}, {0.01f}};
+      const std::vector<float> from = {-0.1f}, to = {0.1f};
+      const FamilyBox box{0.5f, 0.5f, {0}, {1}};
+      FamilyVerdict verdict;
+      CheckCounters counters;
+      checker.check_family({&shift, from, to, 1, 1}, {&box, 1}, 1e-3f, {&verdict, 1}, counters);
+      return verdict;
+    };
+    CHECK(check(0, 0.05).is_free);
+    CHECK(check(0.05, 0.05).is_free);  // 0.61 sin 0.05 is 0.0305
+    const FamilyVerdict steep = check(0.1, 0.05);
+    CHECK_FALSE(steep.is_free);
+    CHECK_FALSE(steep.is_in_contact);
+    CHECK(steep.displacements[1] == doctest::Approx(0.5));
+    CHECK(steep.towards[0] == doctest::Approx(0.1 * std::sin(0.1)).epsilon(1e-3));
+    CHECK(steep.towards[1] == doctest::Approx(0.5 * std::sin(0.1)).epsilon(1e-3));
+    CHECK(check(0, -0.01).is_in_contact);
+  }
 }
 
 }  // namespace mneme::test
