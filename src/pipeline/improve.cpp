@@ -19,11 +19,11 @@ constexpr double kRounding = 1e-6;  ///< relative, of single precision
 /// Paths that take longer than this multiple of the straight motion are too far from it for samples
 /// in a box around it to help.
 constexpr double kNearStraight = 1.5;
-/// Without a time to improve, a path of a trajectory is improved for this number of rounds, and
-/// plans end at about this number of checked states: some half a millisecond.
+/// Whatever time there is to improve, a path of a trajectory gets this number of rounds. They plan
+/// until about this number of states is checked: some half a millisecond.
 constexpr std::uint64_t kFreeRounds = 3, kFreeStates = 30000;
 
-bool improves_by_default(const PlanSettings& plan) {
+bool has_free_rounds(const PlanSettings& plan) {
   return plan.simplify && plan.minimizes_time() && plan.limits != nullptr;
 }
 
@@ -33,7 +33,6 @@ class Improvement {
       : resolved_(resolved),
         query_(resolved.query),
         sampler_(sampler),
-        is_asked_(query_.settings.plan.improve > 0),
         verifier_(resolved.checker),
         best_(result.plan),
         curve_(result.improvements),
@@ -50,11 +49,10 @@ class Improvement {
   }
 
   void run() {
-    const std::uint64_t rounds =
-        is_asked_ ? query_.settings.plan.improve_rounds.value_or(~std::uint64_t{0}) : kFreeRounds;
-    for (std::uint64_t round = 0; round < rounds && !is_over(); ++round) {
-      Path path = round == 0 ? best_.path : plan_again(round);
-      if (!path.empty()) offer(std::move(path), round);
+    const std::uint64_t rounds = query_.settings.plan.improve_rounds.value_or(~std::uint64_t{0});
+    for (round_ = 0; round_ < rounds && !is_over(); ++round_) {
+      Path path = round_ == 0 ? best_.path : plan_again();
+      if (!path.empty()) offer(std::move(path));
     }
   }
 
@@ -68,10 +66,13 @@ class Improvement {
                                   : path_time(robot, path);
   }
   void note(double time_s) {
-    if (is_asked_) curve_.push_back({time_s, path_length(query_.problem.robot, best_.path)});
+    const bool is_asked = query_.settings.plan.improve > 0;
+    if (is_asked) curve_.push_back({time_s, path_length(query_.problem.robot, best_.path)});
   }
   [[nodiscard]] double remaining_s() const {
-    return is_asked_ ? query_.settings.plan.improve - stopwatch_.elapsed_s() : query_.remaining_s();
+    const PlanSettings& plan = query_.settings.plan;
+    const bool is_free = has_free_rounds(plan) && round_ < kFreeRounds;
+    return is_free ? query_.remaining_s() : plan.improve - stopwatch_.elapsed_s();
   }
   /// True also if no path can be shorter.
   [[nodiscard]] bool is_over() const {
@@ -81,7 +82,8 @@ class Improvement {
   /// True also if another plan would check too many states. Planning again costs about as much as
   /// planning.
   [[nodiscard]] bool is_plan_too_much() const {
-    return is_over() || (!is_asked_ && best_.states_checked > kFreeStates);
+    const bool is_time_over = query_.settings.plan.improve <= stopwatch_.elapsed_s();
+    return is_over() || (is_time_over && best_.states_checked > kFreeStates);
   }
   [[nodiscard]] PlanSettings settings_of(std::uint64_t task) const {
     PlanSettings settings = query_.settings.plan;
@@ -100,13 +102,13 @@ class Improvement {
   }
 
   /// Returns the shortest of a few rough paths; empty if none is found in time.
-  Path plan_again(std::uint64_t round) {
+  Path plan_again() {
     Path shortest;
     double least = 0;
     const std::unique_ptr<Sampler> informed = informed_sampler();
     const Sampler& sampler = informed != nullptr ? *informed : sampler_;
     for (int i = 0; i < kPlansPerRound && !is_plan_too_much(); ++i) {
-      PlanSettings settings = settings_of(round * kPlansPerRound + static_cast<std::uint64_t>(i));
+      PlanSettings settings = settings_of(round_ * kPlansPerRound + static_cast<std::uint64_t>(i));
       settings.verify = false;
       settings.simplify = true;
       settings.patience = 0;
@@ -127,8 +129,8 @@ class Improvement {
   }
 
   /// Shortens the path, and takes it if it is then the shortest one that passes.
-  void offer(Path path, std::uint64_t round) {
-    const PlanSettings settings = settings_of(round * kPlansPerRound);
+  void offer(Path path) {
+    const PlanSettings settings = settings_of(round_ * kPlansPerRound);
     ShortenEffort effort;
     effort.minimize_time = settings.minimizes_time();
     effort.patience = std::max(effort.minimize_time ? 0 : kPatience, settings.patience);
@@ -165,8 +167,8 @@ class Improvement {
   const ResolvedQuery& resolved_;
   const Query& query_;
   const Sampler& sampler_;
-  bool is_asked_;  ///< False: improves a little, without a time to do so.
   MotionVerifier verifier_;
+  std::uint64_t round_ = 0;
   PlanResult& best_;
   std::vector<Improved>& curve_;
   double cost_;                     ///< of the best path: seconds or length
@@ -180,7 +182,7 @@ class Improvement {
 
 void improve(const ResolvedQuery& resolved, const Sampler& sampler, SolveResult& result) {
   const PlanSettings& plan = resolved.query.settings.plan;
-  if (!(plan.improve > 0) && !improves_by_default(plan)) return;
+  if (!(plan.improve > 0) && !has_free_rounds(plan)) return;
   if (!result.plan.is_solved()) return;
   const Stopwatch stopwatch;
   Improvement(resolved, sampler, result).run();

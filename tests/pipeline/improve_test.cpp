@@ -81,6 +81,9 @@ TEST_SUITE("unit") {
       const auto checker = CollisionChecker::make(problem.robot, problem.scene).value();
       CheckCounters counters;
       CHECK(find_invalid_motion(checker, result.plan.path, counters) == -1);
+      settings.plan.improve = 1e-9;
+      CHECK(solve(problem, nullptr, settings).value().plan.path == result.plan.path);
+      settings.plan.improve = 0;
       settings.plan.simplify = false;
       const SolveResult rough = solve(problem, nullptr, settings).value();
       REQUIRE(rough.plan.is_solved());
