@@ -4,6 +4,7 @@
 // Compiled once per instruction set. A vector holds one candidate per lane.
 #include "collision/shortcut_kernel.h"
 
+#include <algorithm>
 #include <bit>
 
 #undef HWY_TARGET_INCLUDE
@@ -152,40 +153,110 @@ class Stretches {
   V from_[kMaxFrames], to_[kMaxFrames], way_[kMaxFrames];
 };
 
+/// Candidates with their states and gains. Only those that gain enough are checked; with fewer
+/// lanes than candidates they share vectors.
+class Candidates {
+ public:
+  HWY_INLINE Candidates(int joint_count, float least_gain)
+      : joint_count_(joint_count), least_gain_(least_gain) {}
+
+  /// Sets as many candidates as a vector has lanes.
+  HWY_INLINE void set_gains(int begin, V gain) { hn::Store(gain, Tag(), gains_ + begin); }
+  HWY_INLINE void set_states(int begin, const V* q) {
+    for (int j = 0; j < joint_count_; ++j) hn::Store(q[j], Tag(), columns_[j] + begin);
+  }
+  [[nodiscard]] HWY_INLINE float gain(int candidate) const { return gains_[candidate]; }
+
+  /// Lists the candidates to check. Call before those below.
+  HWY_INLINE void list() {
+    count_ = 0;
+    for (int i = 0; i < kShortcuts; ++i) {
+      order_[count_] = i;
+      count_ += gains_[i] >= least_gain_ ? 1 : 0;
+    }
+    if (!kIsOneVector || count_ == 0) return;
+    for (int i = 0; i < kShortcuts; ++i) order_[i] = i;
+    count_ = kShortcuts;
+  }
+  /// Sorts the list by gain, largest first, unless one vector holds it.
+  HWY_INLINE void sort() {
+    for (int i = 1; i < count_ && count_ > kLanes; ++i) {
+      const int moved = order_[i];
+      int place = i;
+      for (; place > 0 && gains_[order_[place - 1]] < gains_[moved]; --place) {
+        order_[place] = order_[place - 1];
+      }
+      order_[place] = moved;
+    }
+  }
+  [[nodiscard]] HWY_INLINE int count() const { return count_; }
+  [[nodiscard]] HWY_INLINE int operator[](int i) const { return order_[i]; }
+
+  /// Checks kLanes candidates of the list; `is_blocked` has room for a vector. Lanes beyond the
+  /// last repeat it. Candidates that gain too little count as blocked.
+  HWY_INLINE void check(StateChecker<false>& checker, int begin, float* is_blocked) const {
+    const Tag d;
+    V q[kMaxFrames];
+    for (int j = 0; j < joint_count_; ++j) q[j] = listed(columns_[j], begin);
+    Verdict<false> verdict;
+    verdict.hit = hn::Lt(listed(gains_, begin), splat(least_gain_));
+    checker.check(q, verdict);
+    hn::Store(hn::IfThenElseZero(verdict.hit, splat(1.0f)), d, is_blocked);
+  }
+
+ private:
+  static constexpr bool kIsOneVector = kLanes == kShortcuts;
+
+  [[nodiscard]] HWY_INLINE V listed(const float* values, int begin) const {
+    if (kIsOneVector) return hn::Load(Tag(), values);
+    HWY_ALIGN float lanes[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      lanes[lane] = values[order_[std::min(begin + lane, count_ - 1)]];
+    }
+    return hn::Load(Tag(), lanes);
+  }
+
+  int joint_count_;
+  float least_gain_;
+  int count_ = 0;
+  int order_[kShortcuts + 1];
+  HWY_ALIGN float gains_[kShortcuts];
+  HWY_ALIGN float columns_[kMaxFrames][kShortcuts];
+};
+
 void rate_shortcuts(const RobotTables& robot, const SceneTables& scene, const PathView& path,
                     float least_gain, float margin, std::span<Shortcut, kShortcuts> shortcuts) {
-  const Tag d;
+  Candidates candidates(robot.joint_count, least_gain);
+  for (int begin = 0; begin < kShortcuts; begin += kLanes) {
+    const Stretches stretches(path, robot.joint_count, &shortcuts[static_cast<size_t>(begin)]);
+    const V gain = stretches.gains();
+    candidates.set_gains(begin, gain);
+    if (hn::AllTrue(Tag(), hn::Lt(gain, splat(least_gain)))) continue;
+    V q[kMaxFrames];
+    stretches.write_probes(q);
+    candidates.set_states(begin, q);
+  }
+  for (int i = 0; i < kShortcuts; ++i) {
+    shortcuts[static_cast<size_t>(i)].gain = candidates.gain(i);
+    shortcuts[static_cast<size_t>(i)].is_promising = false;
+  }
+  candidates.list();
+  if (candidates.count() == 0) return;
   const EvenMargins margins(margin);
   CheckCounters ignored;
   StateChecker<false> checker(robot, scene, margins, ignored);
-  HWY_ALIGN float gains[kLanes], hits[kLanes];
-  for (size_t begin = 0; begin < kShortcuts; begin += kLanes) {
-    const Stretches stretches(path, robot.joint_count, &shortcuts[begin]);
-    const V gain = stretches.gains();
-    Verdict<false> verdict;
-    verdict.hit = hn::Lt(gain, splat(least_gain));
-    if (!hn::AllTrue(d, verdict.hit)) {
-      V q[kMaxFrames];
-      stretches.write_probes(q);
-      checker.check(q, verdict);
-    }
-    hn::Store(gain, d, gains);
-    hn::Store(hn::IfThenElseZero(verdict.hit, splat(1.0f)), d, hits);
-    for (size_t lane = 0; lane < kLanes; ++lane) {
-      shortcuts[begin + lane].gain = gains[lane];
-      shortcuts[begin + lane].is_promising = hits[lane] == 0;
+  for (int begin = 0; begin < candidates.count(); begin += kLanes) {
+    HWY_ALIGN float is_blocked[kLanes];
+    candidates.check(checker, begin, is_blocked);
+    for (int i = begin; i < std::min(begin + kLanes, candidates.count()); ++i) {
+      shortcuts[static_cast<size_t>(candidates[i])].is_promising = is_blocked[i - begin] == 0;
     }
   }
 }
 
-void rate_relaxations(const RobotTables& robot, const SceneTables& scene, const PathView& path,
-                      const Relaxation& relaxation, float margin,
-                      std::span<float, kShortcuts> gains) {
-  const Tag d;
-  const int joints = robot.joint_count;
-  const EvenMargins margins(margin);
-  CheckCounters ignored;
-  StateChecker<false> checker(robot, scene, margins, ignored);
+/// The candidates of a relaxation.
+HWY_INLINE void set_candidates(const PathView& path, const Relaxation& relaxation, int joints,
+                               Candidates& candidates) {
   const auto k = static_cast<size_t>(relaxation.waypoint);
   const float* before = path.rows.data() + (k - 1) * static_cast<size_t>(joints);
   const float *row = before + joints, *after = row + joints;
@@ -199,7 +270,7 @@ void rate_relaxations(const RobotTables& robot, const SceneTables& scene, const 
       steps[lane] = relaxation.step(begin + lane);
       subsets.set(lane, relaxation.subset(begin + lane));
     }
-    const V step = hn::Load(d, steps);
+    const V step = hn::Load(Tag(), steps);
     for (int j = 0; j < joints; ++j) {
       a[j] = splat(before[j]);
       b[j] = splat(after[j]);
@@ -208,10 +279,31 @@ void rate_relaxations(const RobotTables& robot, const SceneTables& scene, const 
       q[j] = hn::IfThenElse(subsets.holding(j), moved, splat(row[j]));
     }
     const V left = hn::Add(cost_of(path.cost, a, q, joints), cost_of(path.cost, q, b, joints));
-    Verdict<false> verdict;
-    checker.check(q, verdict);
-    const V gain = hn::IfThenElse(verdict.hit, hn::Zero(d), hn::Sub(splat(length), left));
-    hn::StoreU(gain, d, gains.data() + begin);
+    candidates.set_gains(begin, hn::Sub(splat(length), left));
+    candidates.set_states(begin, q);
+  }
+}
+
+void rate_relaxations(const RobotTables& robot, const SceneTables& scene, const PathView& path,
+                      const Relaxation& relaxation, float margin,
+                      std::span<float, kShortcuts> gains) {
+  Candidates candidates(robot.joint_count, 0);
+  set_candidates(path, relaxation, robot.joint_count, candidates);
+  candidates.list();
+  candidates.sort();
+  std::ranges::fill(gains, 0.0f);
+  const EvenMargins margins(margin);
+  CheckCounters ignored;
+  StateChecker<false> checker(robot, scene, margins, ignored);
+  bool is_found = false;
+  for (int begin = 0; !is_found && begin < candidates.count(); begin += kLanes) {
+    HWY_ALIGN float is_blocked[kLanes];
+    candidates.check(checker, begin, is_blocked);
+    for (int i = begin; i < std::min(begin + kLanes, candidates.count()); ++i) {
+      if (is_blocked[i - begin] != 0) continue;
+      is_found = true;
+      gains[static_cast<size_t>(candidates[i])] = candidates.gain(candidates[i]);
+    }
   }
 }
 

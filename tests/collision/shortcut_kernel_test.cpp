@@ -178,6 +178,7 @@ TEST_SUITE("oracle") {
         const CollisionChecker checker = require_checker(robot, scene, settings);
         std::array<float, kShortcuts> gains;
         checker.rate_relaxations(path.view(), relaxation, gains);
+        const float best = *std::ranges::max_element(gains);
         for (int i = 0; i < kShortcuts; ++i) {
           const Row moved = with_straight(q, relaxation.subset(i), q, foot, relaxation.step(i));
           if (is_near_contact(checker, moved)) continue;
@@ -185,7 +186,12 @@ TEST_SUITE("oracle") {
           ++(is_free ? free_count : blocked_count);
           const float after = cost_of(path.pace, a, moved) + cost_of(path.pace, moved, b);
           const float gain = is_free ? before - after : 0;
-          CHECK(std::abs(gains[static_cast<std::size_t>(i)] - gain) < 1e-3f);
+          const float rated = gains[static_cast<std::size_t>(i)];
+          if (rated == 0) {
+            CHECK(gain < best + 1e-3f);
+          } else {
+            CHECK(std::abs(rated - gain) < 1e-3f);
+          }
         }
       }
     }
