@@ -313,12 +313,15 @@ int Shortener::take_shortcut(bool has_all_joints) {
   std::array<Shortcut, kShortcuts> shortcuts = sample_shortcuts(has_all_joints);
   const float least = least_gain_ * waypoints_.length();
   checker_.rate_shortcuts(waypoints_.view(), least, shortcuts);
-  std::ranges::sort(shortcuts, std::greater(), &Shortcut::gain);
-  if (shortcuts.front().gain < least) return kBatch;
+  const auto gains = [&](const Shortcut& shortcut) { return shortcut.gain >= least; };
+  if (std::ranges::none_of(shortcuts, gains)) return kBatch;
   counters_.states += kBatch;
-  for (std::size_t i = 0; i < shortcuts.size() && !is_stopped(); ++i) {
-    if (!shortcuts[i].is_promising || !take(shortcuts[i])) continue;
-    for (std::size_t k = i + 1; k < shortcuts.size(); ++k) follow(shortcuts[i], shortcuts[k]);
+  const auto end = std::partition(shortcuts.begin(), shortcuts.end(),
+                                  [](const auto& shortcut) { return shortcut.is_promising; });
+  std::sort(shortcuts.begin(), end, [](const auto& a, const auto& b) { return a.gain > b.gain; });
+  for (auto taken = shortcuts.begin(); taken != end && !is_stopped(); ++taken) {
+    if (!taken->is_promising || !take(*taken)) continue;
+    for (auto other = taken + 1; other != end; ++other) follow(*taken, *other);
   }
   return kBatch;
 }
