@@ -19,7 +19,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "collision/distance-inl.h"
+#include "tables/distance-inl.h"
 #include "tables/tables.h"
 #include "simd/lanes-inl.h"
 

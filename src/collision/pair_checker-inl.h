@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "collision/distance-inl.h"
+#include "tables/distance-inl.h"
 #include "collision/kinematics-inl.h"
 #include "collision/margins-inl.h"
 #include "tables/tables.h"

@@ -23,7 +23,7 @@
 
 #include "collision/collision_kernels.h"
 #include "collision/compound-inl.h"
-#include "collision/distance-inl.h"
+#include "tables/distance-inl.h"
 #include "tables/separation_table-inl.h"
 #include "collision/kinematics-inl.h"
 #include "collision/margins-inl.h"

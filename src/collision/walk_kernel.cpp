@@ -14,7 +14,7 @@
 #define HWY_TARGET_INCLUDE "collision/walk_kernel.cpp"  // NOLINT
 #include "hwy/foreach_target.h"
 
-#include "collision/distance-inl.h"
+#include "tables/distance-inl.h"
 #include "collision/kinematics-inl.h"
 #include "simd/dispatch.h"
 #include "simd/lanes-inl.h"

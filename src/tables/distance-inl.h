@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Squared distances from points and segments of the robot, one per lane, to an obstacle; 0 inside.
-#if defined(MNEME_COLLISION_DISTANCE_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef MNEME_COLLISION_DISTANCE_INL_H_
-#undef MNEME_COLLISION_DISTANCE_INL_H_
+#if defined(MNEME_TABLES_DISTANCE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef MNEME_TABLES_DISTANCE_INL_H_
+#undef MNEME_TABLES_DISTANCE_INL_H_
 #else
-#define MNEME_COLLISION_DISTANCE_INL_H_
+#define MNEME_TABLES_DISTANCE_INL_H_
 #endif
 
-#include "collision/collision_kernels.h"
 #include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
@@ -364,4 +363,4 @@ HWY_INLINE V distance2_to_bounds(const SceneTables& scene, const Segment& s, siz
 }  // namespace mneme::internal
 HWY_AFTER_NAMESPACE();
 
-#endif  // MNEME_COLLISION_DISTANCE_INL_H_
+#endif  // MNEME_TABLES_DISTANCE_INL_H_
