@@ -187,10 +187,9 @@ class BoxMargins {
   /// Returns those of the `asked` lanes in which the part of body `i` around `point` may move by
   /// `gap` against the unit vector `normal`.
   HWY_INLINE M find_reached(int i, const V3& point, const V3& normal, V gap, M asked) const {
-    constexpr float kRounding = 2e-5f;  // of the normal, metres
     const int frame = robot_.bodies[i].frame;
     const V3 lever = cross(point - poses_[frame].origin, normal);
-    const V kept = splat(margins_.obstacles + kRounding);
+    const V kept = splat(margins_.obstacles + kNormalRounding);
     V along[kMostDirections];
     V moved = hn::Add(bent_[i], kept);
     for (int k = 0; k < states_.directions; ++k) {

@@ -54,6 +54,9 @@ class EvenMargins {
   float margin_;
 };
 
+/// Larger than what rounding of the normal to an obstacle costs, metres.
+constexpr float kNormalRounding = 2e-5f;
+
 /// Margins that contain the sweep of a motion of constant joint speeds around its states. Within
 /// half an interval h, a point moves at most h times the body's displacement bound. It also moves
 /// at most h v + h^2 a/2, with its speed v at the state and its acceleration a. The acceleration is
@@ -61,7 +64,7 @@ class EvenMargins {
 /// most 2 * bound * (sum of all turns).
 class SweptMargins {
  public:
-  static constexpr bool kIsDirected = false;
+  static constexpr bool kIsDirected = true;
 
   HWY_INLINE SweptMargins(const RobotTables& robot, const SweptMotion& motion)
       : robot_(robot), motion_(motion), half_(hn::Zero(Tag())), since_end_(hn::Zero(Tag())) {
@@ -105,6 +108,18 @@ class SweptMargins {
   [[nodiscard]] HWY_INLINE V of_body(int i, const V3& center) const {
     return sum(motion_.obstacle_margin,
                inflation(motion_.body_displacements[i], speed_of(i, 0, center)));
+  }
+  /// Returns those of the `asked` lanes in which the part of body `i` around `point` may move by
+  /// `gap` against the unit vector `normal`.
+  [[nodiscard]] HWY_INLINE M find_reached(int i, const V3& point, const V3& normal, V gap,
+                                          M asked) const {
+    const int frame = robot_.bodies[i].frame;
+    const Twist& twist = twists_[frame];
+    const V3 lever = cross(point - poses_[frame].origin, normal);
+    const V speed = hn::Abs(hn::Add(dot(twist.speed, normal), dot(twist.turn, lever)));
+    const V inflated = inflation(motion_.body_displacements[i], speed);
+    const V reach = hn::Add(inflated, splat(motion_.obstacle_margin + kNormalRounding));
+    return hn::And(asked, hn::Lt(gap, reach));
   }
   [[nodiscard]] HWY_INLINE float widest_of_body(int i) const {
     return motion_.obstacle_margin + motion_.margin + widest_ * motion_.body_displacements[i];
