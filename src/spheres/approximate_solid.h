@@ -34,7 +34,7 @@ struct Excess {
 [[nodiscard]] Excess measure_excess(std::span<const Sphere> spheres, const SolidModel& solid);
 
 /// Raise it whenever the same surface and settings give other spheres: it is part of cache keys.
-inline constexpr int kSphereVersion = 5;
+inline constexpr int kSphereVersion = 6;
 
 /// Computes a capsule, or spheres, that contain `mesh`, which has an area, and what it encloses.
 /// Number and excess of the spheres obey the settings; if they cannot both, the number does.

@@ -88,10 +88,16 @@ Vec3 SolidModel::center_of(const Index& index) const {
 }
 
 void SolidModel::mark_surface(const TriangleMesh& mesh) {
+  constexpr int kMostSkipped = 8;
   const SurfaceDistance surface(mesh);
   const double reach = 0.5 * std::sqrt(3.0) * voxel_size_;
-  for (std::size_t i = 0; i < kinds_.size(); ++i) {
-    if (surface.from(center_of(index_at(i)), reach) < reach) kinds_[i] = Kind::surface;
+  for (std::size_t i = 0; i < kinds_.size();) {
+    const double gap =
+        surface.from(center_of(index_at(i)), reach + kMostSkipped * voxel_size_) - reach;
+    if (gap < 0) kinds_[i] = Kind::surface;
+    // Voxels of this row that are nearer than the gap have no surface.
+    const int rest = counts_[0] - index_at(i)[0];
+    i += as_index(std::min(1 + static_cast<int>(std::max(0.0, gap) / voxel_size_), rest));
   }
 }
 

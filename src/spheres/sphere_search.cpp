@@ -116,7 +116,7 @@ namespace {
 using Indices = std::vector<int>;
 
 /// Per cent of the effort without a gain after which the search ends: small solids need few steps.
-constexpr std::int64_t kPatience = 15;
+constexpr std::int64_t kPatience = 8;
 
 /// The state of the search: the chosen proposals, and how many of them contain each piece. The cost
 /// of a step is the number of entries that it changes.
@@ -343,7 +343,7 @@ std::vector<Sphere> choose_spheres(std::vector<Sphere> proposals, SolidPieces& p
 
 namespace {
 
-constexpr int kRounds = 5;
+constexpr int kRounds = 3;
 constexpr double kFirstStep = 0.02;
 constexpr double kLastStep = 0.0005;
 constexpr double kRounding = 1e-9;
