@@ -101,8 +101,8 @@ class MotionVerifier {
 
 /// Limits the cost of shortening.
 struct ShortenEffort {
-  /// Shortening ends after this number of consecutive checks, of 16 states each, without a gain.
-  /// 0: only drops waypoints.
+  /// Shortening ends after this number of consecutive checks, of 16 states each, without a gain,
+  /// and after fewer if the path is little longer than straight. 0: only drops waypoints.
   double patience = 28;
   double least_gain = 0.007;   ///< smallest gain that counts, as a share of the path's length
   double refinement = 1;       ///< MotionDetail::refinement of new motions

@@ -26,6 +26,9 @@ constexpr double kEndMargin = 2.5e-4;  ///< metres
 constexpr int kRelaxed = 2;
 /// Share of the least gain that a single waypoint must reach.
 constexpr float kLeastRelaxed = 0.1f;
+/// Share of ShortenEffort::patience for a path as short as the distance of its ends. It grows with
+/// the path's excess, up to the whole patience at kGreatExcess.
+constexpr double kLeastPatience = 0.3, kGreatExcess = 0.2;
 /// Number of waypoints to which pruning tries the straight motion from another.
 constexpr int kMostPruned = 5;
 
@@ -91,7 +94,7 @@ class Shortener {
   /// Relaxes waypoints and shortens stretches until the effort is spent without gain.
   void shorten() {
     double idle = 0;
-    for (int step = 0; idle < effort_.patience && waypoints_.count() > 2; step = (step + 1) % 3) {
+    for (int step = 0; idle < patience() && waypoints_.count() > 2; step = (step + 1) % 3) {
       if (is_stopped()) return;
       const std::uint64_t states = counters_.states;
       const float before = waypoints_.length();
@@ -111,6 +114,15 @@ class Shortener {
   void store();
 
  private:
+  /// Checks in vain that end shortening: fewer where little can be gained, as no path is shorter
+  /// than the distance of its ends. Paths that are nearly straight may still take less time.
+  [[nodiscard]] double patience() const {
+    if (effort_.minimize_time) return effort_.patience;
+    const float least = waypoints_.distance(waypoints_[0], waypoints_[waypoints_.count() - 1]);
+    const double excess = 1 - least / waypoints_.length();
+    const double share = kLeastPatience + (1 - kLeastPatience) * excess / kGreatExcess;
+    return effort_.patience * std::min(share, 1.0);
+  }
   /// Reads the clock only after so many states that it costs little.
   [[nodiscard]] bool is_stopped() {
     if (is_stopped_ || counters_.states < next_look_) return is_stopped_;
