@@ -108,8 +108,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Shorten the path: drop and relax waypoints, straighten random joints over random "
         "stretches.");
   visit("patience", s.patience, 0, 1000000,
-        "Shortening ends after this many checks of 16 states without a gain. More takes longer for "
-        "a shorter path; 0 only drops waypoints.");
+        "Shortening ends after this many checks of 16 states without a gain, or fewer if the path "
+        "is nearly straight. More takes longer for a shorter path; 0 only drops waypoints.");
   visit("minimize-time", s.minimize_time, false, true,
         "Shorten, and improve, the time of a path instead of its L2 joint distance, within the "
         "limits of the trajectory or else of the URDF. Default: on if a trajectory is wanted.");
