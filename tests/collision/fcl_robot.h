@@ -128,7 +128,8 @@ inline Result<std::vector<LinkPair>> pairs_to_check(const std::string& path, con
     for (const auto& [first, second] : *parts.allowed_pairs) allow(first, second);
   } else {
     const auto made = MNEME_TRY(approximate_robot(parts));
-    for (const AllowedPair& pair : MNEME_TRY(derive_allowed_pairs(made.parts))) {
+    constexpr PairSettings kExact{.samples = 1000, .is_exact = true};
+    for (const AllowedPair& pair : MNEME_TRY(derive_allowed_pairs(made.parts, kExact))) {
       if (pair.reason != AllowedReason::never) allow(pair.first, pair.second);
     }
   }

@@ -75,11 +75,16 @@ std::string contact_on(const Path& path, test::FclRobot& oracle,
   return {};
 }
 
-Configuration free_configuration(const CollisionChecker& checker, Rng& rng) {
-  while (true) {
+/// Error: none of many random configurations is valid.
+Result<Configuration> free_configuration(const CollisionChecker& checker, Rng& rng) {
+  constexpr int kTries = 100000;
+  for (int i = 0; i < kTries; ++i) {
     Configuration q = test::sampled_configuration(checker.robot(), rng);
     if (checker.is_valid(std::span<const double>(q))) return q;
   }
+  return tl::unexpected(
+      Error{ErrorCode::invalid, fmt::format("robot '{}': none of {} random configurations is valid",
+                                            checker.robot().name(), kTries)});
 }
 
 /// Returns the joint, and its value, that every way from start to goal must pass and at which none
@@ -122,8 +127,9 @@ Result<Tally> plan_pairs(const std::string& file, const Robot& robot, const Opti
   Rng rng(options.seed);
   Tally tally;
   for (int i = 0; i < options.pairs; ++i) {
-    Problem problem{"pair", robot, {}, {"empty", {}}, free_configuration(checker, rng), {}, {}};
-    const Configuration goal = free_configuration(checker, rng);
+    const Configuration start = MNEME_TRY(free_configuration(checker, rng));
+    const Configuration goal = MNEME_TRY(free_configuration(checker, rng));
+    Problem problem{"pair", robot, {}, {"empty", {}}, start, {}, {}};
     problem.goals = {goal};
     SolveSettings settings;
     settings.plan.timeout_s = options.timeout_s;
