@@ -6,7 +6,9 @@
 
 #include "mneme/path.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 namespace mneme::internal {
