@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/threads.h"
 
+#include <sched.h>
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <exception>
 #include <mutex>
 #include <system_error>
@@ -25,10 +29,15 @@ void poll_interrupt() {
   if (innermost != nullptr && innermost->is_over()) throw Interrupted();
 }
 
-}  // namespace internal
-}  // namespace mneme
-
-namespace mneme::internal {
+void give_way() {
+#ifdef SCHED_BATCH           // of Linux, where priorities are those of threads
+  constexpr int kNice = 10;  // a tenth of a core beside a busy thread
+  const sched_param none{};
+  static_cast<void>(sched_setscheduler(0, SCHED_BATCH, &none));
+  const int lower = std::max(kNice, getpriority(PRIO_PROCESS, 0));
+  static_cast<void>(setpriority(PRIO_PROCESS, 0, lower));
+#endif
+}
 
 struct Threads::Shared {
   std::function<void()> work;
@@ -60,4 +69,5 @@ void Threads::join() {
   if (shared_ && shared_->thrown) std::rethrow_exception(std::exchange(shared_->thrown, nullptr));
 }
 
-}  // namespace mneme::internal
+}  // namespace internal
+}  // namespace mneme

@@ -17,6 +17,10 @@ namespace mneme::internal {
 /// few milliseconds in long work without a cancel flag. Costs a nanosecond without a scope.
 void poll_interrupt();
 
+/// Lets threads of normal priority go first: work that nobody waits for does not delay theirs on
+/// the same core. For the calling thread; does nothing where the system has no such priority.
+void give_way();
+
 /// Up to `count` threads that each call `work`; fewer or none if the system refuses more. The
 /// threads share the InterruptScope of the thread that makes this object. The destructor joins
 /// them.

@@ -5,6 +5,10 @@
 
 #include <doctest/doctest.h>
 
+#include <sched.h>
+#include <sys/resource.h>
+
+#include <algorithm>
 #include <atomic>
 #include <new>
 #include <thread>
@@ -57,6 +61,22 @@ TEST_SUITE("unit") {
     }
     CHECK_NOTHROW(internal::poll_interrupt());
   }
+
+#ifdef SCHED_BATCH
+  TEST_CASE("a thread that gives way has a lower priority, others keep theirs") {
+    const auto priority = [] { return getpriority(PRIO_PROCESS, 0); };
+    const int before = priority();
+    std::atomic<int> within = 0, policy = 0;
+    internal::Threads(1, [&] {
+      internal::give_way();
+      within = priority();
+      policy = sched_getscheduler(0);
+    }).join();
+    CHECK(policy == SCHED_BATCH);
+    CHECK(within == std::max(before, 10));
+    CHECK(priority() == before);
+  }
+#endif
 
   TEST_CASE("threads that are not joined keep what ended them") {
     CHECK_NOTHROW(internal::Threads(1, [] { throw std::bad_alloc(); }));
