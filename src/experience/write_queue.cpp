@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "experience/write_queue.h"
 
+#include "base/threads.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -47,6 +49,7 @@ QueuedRows WriteQueue::counts() const {
 
 void WriteQueue::run() {
   constexpr std::chrono::milliseconds kRetryAfter(500);
+  give_way();  // woken on the core of the thread that answers, it would delay that answer
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [this] { return is_stopping_ || counts_.waiting > 0; });
