@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/idle_learner.h"
 
+#include "base/threads.h"
+
 #include <system_error>
 #include <utility>
 
@@ -42,6 +44,7 @@ void IdleLearner::stop() {
 }
 
 void IdleLearner::run() {
+  give_way();
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [&] { return is_stopping_ || (requests_ == 0 && !lessons_.empty()); });
