@@ -4,8 +4,11 @@
 /// Worker threads, and what cancels long work.
 #pragma once
 
+#include "mneme/base.h"
+
 #include <atomic>
 #include <cstddef>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <thread>
@@ -47,6 +50,17 @@ class Threads {
   std::shared_ptr<Shared> shared_;
   std::vector<JoiningThread> threads_;
 };
+
+/// Returns the result of `work`, for threads that must outlive a lack of memory. Error: io, with
+/// what the std::exception says that ended it.
+template <class Work>
+auto without_ending(const Work& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const std::exception& error) {
+    return fail(ErrorCode::io, error.what());
+  }
+}
 
 /// Returns the value of the flag; false for a null pointer.
 [[nodiscard]] inline bool is_set(const std::atomic<bool>* flag) {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <system_error>
 #include <utility>
 
 namespace mneme::internal {
@@ -25,15 +26,24 @@ WriteQueue::~WriteQueue() {
 void WriteQueue::push(std::int64_t count, Make make) {
   const std::lock_guard lock(mutex_);
   if (counts_.waiting + count > kMostRows) {
-    counts_.lost += count;
-    counts_.failure =
-        fmt::format("more than {} rows wait to be stored; new ones are dropped", kMostRows);
-    return;
+    return drop(
+        count, fmt::format("more than {} rows wait to be stored; new ones are dropped", kMostRows));
+  }
+  if (!thread_.joinable()) {
+    try {
+      thread_ = std::thread([this] { run(); });
+    } catch (const std::system_error& error) {
+      return drop(count, fmt::format("no thread to store rows: {}", error.what()));
+    }
   }
   counts_.waiting += count;
   lots_.push_back({count, std::move(make)});
-  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
   changed_.notify_all();
+}
+
+void WriteQueue::drop(std::int64_t count, std::string failure) {
+  counts_.lost += count;
+  counts_.failure = std::move(failure);
 }
 
 bool WriteQueue::flush(double timeout_s) {
@@ -67,12 +77,11 @@ void WriteQueue::make_some(std::unique_lock<std::mutex>& lock) {
     const Lot lot = std::move(lots_.front());
     lots_.pop_front();
     lock.unlock();
-    auto made = lot.make();
+    auto made = without_ending(lot.make);
     lock.lock();
     counts_.waiting -= lot.count;
     if (!made) {
-      counts_.lost += lot.count;
-      counts_.failure = made.error().message;
+      drop(lot.count, made.error().message);
       continue;
     }
     counts_.waiting += std::ssize(*made);
@@ -86,7 +95,7 @@ bool WriteQueue::insert_some(std::unique_lock<std::mutex>& lock) {
   const auto count = static_cast<std::ptrdiff_t>(std::min(kRowsAtOnce, rows_.size()));
   const std::vector<Experience> batch(rows_.begin(), rows_.begin() + count);
   lock.unlock();
-  const auto added = insert_(batch);
+  const auto added = without_ending([&] { return insert_(batch); });
   lock.lock();
   counts_.failure = added ? "" : added.error().message;
   if (!added && added.error().code == ErrorCode::io) return false;

@@ -30,7 +30,7 @@ class WriteQueue {
   ~WriteQueue();
 
   /// Counts `count` rows, at least 1, as waiting until they are made. Cost: some microseconds; the
-  /// first call starts the thread.
+  /// first call starts the thread. Without a thread the rows are lost.
   void push(std::int64_t count, Make make);
   /// Waits until all rows are inserted or lost. False if that takes longer.
   [[nodiscard]] bool flush(double timeout_s);
@@ -43,6 +43,7 @@ class WriteQueue {
   };
 
   void run();
+  void drop(std::int64_t count, std::string failure);
   /// Makes rows of the first lots, with `lock` released meanwhile, until they fill a transaction.
   void make_some(std::unique_lock<std::mutex>& lock);
   /// Tries to insert the first rows, with `lock` released meanwhile. False if they must be tried

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "engines/fixtures.h"
 #include "experience/write_queue.h"
+#include "support/no_threads.h"
 
 #include <atomic>
+#include <new>
 
 namespace mneme::test {
 namespace {
@@ -62,6 +64,29 @@ TEST_SUITE("unit") {
     REQUIRE(queue.flush(kSoon_s));
     CHECK(queue.counts().lost == 3);
     CHECK(queue.counts().failure == "damaged");
+  }
+
+  TEST_CASE(
+      "a lack of memory or of threads loses rows or tries again, and does not end the process") {
+    Rng rng(4);
+    std::atomic<int> calls = 0;
+    WriteQueue queue([&](const std::vector<Experience>& batch) -> Result<std::int64_t> {
+      if (++calls == 1) throw std::bad_alloc();
+      return std::ssize(batch);
+    });
+    {
+      const NoThreads none;
+      push(queue, random_rows(rng, 2, 1));
+      CHECK(queue.counts().lost == 2);
+      CHECK(queue.counts().failure.starts_with("no thread to store rows"));
+    }
+    queue.push(1, []() -> Result<std::vector<Experience>> { throw std::bad_alloc(); });
+    REQUIRE(queue.flush(kSoon_s));
+    CHECK(queue.counts().lost == 3);
+    push(queue, random_rows(rng, 3, 1));
+    REQUIRE(queue.flush(kSoon_s));
+    CHECK(calls == 2);
+    CHECK(queue.counts().stored == 3);
   }
 
   TEST_CASE("a queue that is given up does not wait for rows that cannot be inserted") {
