@@ -129,7 +129,7 @@ void Endpoints::leave_memory(double patience_s) {
 
 void Endpoints::refresh_memory() {
   if (database_ == nullptr) return;
-  const auto refreshed = database_->refresh();
+  const auto refreshed = internal::without_ending([&] { return database_->refresh(); });
   set_failure(&Endpoints::read_failure_, refreshed ? "" : refreshed.error().message);
 }
 

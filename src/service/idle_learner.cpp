@@ -54,7 +54,8 @@ void IdleLearner::run() {
     const std::uint64_t interruptions = interruptions_;
     lock.unlock();
     // A hint: what goes wrong is reported by the next plan.
-    static_cast<void>(study(lesson.problem, *database_, lesson.settings));
+    static_cast<void>(
+        without_ending([&] { return study(lesson.problem, *database_, lesson.settings); }));
     lock.lock();
     if (is_stopping_) return;
     if (interruptions == interruptions_) {
