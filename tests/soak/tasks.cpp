@@ -3,7 +3,7 @@
 
 /// Random tasks with a known plan. Checks every stage of every plan by exact distances, with
 /// --motion also all states of the timed motion, and its limits. Succeeds if all tasks are solved
-/// without a contact.
+/// without a contact. With --optimum compares improved plans with the best of all choices instead.
 #include "mneme/experience.h"
 #include "mneme/instances.h"
 #include "mneme/task.h"
@@ -16,8 +16,10 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mneme::soak {
@@ -29,7 +31,26 @@ struct Options {
   double resolution = 0.005;
   double moved = 0.05;  ///< how far the cup is moved for the second time, metres
   bool has_motion = false, is_first_only = false, is_verbose = false;
+  int optimum_plans = 0;  ///< plans that improvement compares, per choice; 0: no comparison
 };
+
+/// The tasks that leave one pose to each stage.
+std::vector<Task> single_choices(const Task& task) {
+  std::vector<Task> tasks = {task};
+  for (std::size_t i = 0; i < task.stages.size(); ++i) {
+    const std::vector<Transform>& poses = task.stages[i].poses.poses;
+    if (poses.size() < 2) continue;
+    std::vector<Task> further;
+    for (const Task& each : tasks) {
+      for (const Transform& pose : poses) {
+        further.push_back(each);
+        further.back().stages[i].poses.poses = {pose};
+      }
+    }
+    tasks = std::move(further);
+  }
+  return tasks;
+}
 
 double quantile(std::vector<double> values, double share) {
   if (values.empty()) return 0;
@@ -55,6 +76,7 @@ class Campaign {
   Result<bool> run() {
     const std::string urdf = MNEME_TRY(find_robot("panda"));
     const Robot panda = MNEME_TRY(load_approximated_robot(urdf)).robot;
+    if (options_.optimum_plans > 0) return compare_with_optimum(panda);
     for (int i = 0; i < options_.tasks; ++i) {
       const std::uint64_t seed = derive_seed(options_.seed, static_cast<std::uint64_t>(i));
       TaskInstanceSettings settings;
@@ -87,6 +109,42 @@ class Campaign {
   }
 
  private:
+  /// Succeeds if plans of all choices together take at most 5 % longer than the best single choice,
+  /// in 95 of 100 tasks.
+  Result<bool> compare_with_optimum(const Robot& panda) {
+    std::vector<double> ratios;
+    for (int i = 0; i < options_.tasks; ++i) {
+      TaskInstanceSettings settings;
+      settings.grasps = options_.grasps;
+      settings.placements = options_.placements;
+      const std::uint64_t seed = derive_seed(options_.seed, static_cast<std::uint64_t>(i));
+      const Task task = MNEME_TRY(make_task_instance(panda, settings, seed)).task;
+      double best_s = std::numeric_limits<double>::infinity();
+      const std::vector<Task> choices = single_choices(task);
+      for (const Task& choice : choices) {
+        best_s = std::min(best_s, MNEME_TRY(improved_time_s(choice, options_.optimum_plans)));
+      }
+      const int plans = options_.optimum_plans * static_cast<int>(choices.size());
+      ratios.push_back(MNEME_TRY(improved_time_s(task, plans)) / best_s);
+      if (options_.is_verbose) fmt::print("  {:.4f} of {:.3f} s\n", ratios.back(), best_s);
+    }
+    const auto within = std::ranges::count_if(ratios, [](double ratio) { return ratio <= 1.05; });
+    fmt::print(
+        "path time by that of the best choice: p50 {:.4f}, p95 {:.4f}, max {:.4f}; {} of {} "
+        "tasks within 5 %\n",
+        quantile(ratios, 0.5), quantile(ratios, 0.95), quantile(ratios, 1), within, ratios.size());
+    return 100 * within >= 95 * std::ssize(ratios);
+  }
+
+  /// Infinity for a task without a plan.
+  static Result<double> improved_time_s(const Task& task, int plans) {
+    TaskSettings settings;
+    settings.solve.plan.timeout_s = settings.improve = 1e4;  // plans are the limit
+    settings.improve_plans = plans;
+    const TaskResult result = MNEME_TRY(solve_task(task, nullptr, settings));
+    return result.is_solved() ? result.path_time_s : std::numeric_limits<double>::infinity();
+  }
+
   Result<TaskResult> solve_and_check(const Task& task, Database* database, Sums& sums) {
     TaskSettings settings;
     if (database != nullptr) {
@@ -197,6 +255,8 @@ int main(int argc, char** argv) {
   app.add_option("--moved", options.moved, "how far the cup is moved for the second time, metres");
   app.add_flag("--motion", options.has_motion, "check the timed motions, too");
   app.add_flag("--first-only", options.is_first_only, "without memory, and without blocked tasks");
+  app.add_option("--optimum", options.optimum_plans,
+                 "compare with the best choice, each improved by this number of plans");
   app.add_flag("--verbose", options.is_verbose, "print each task");
   CLI11_PARSE(app, argc, argv);
   const auto passed = mneme::soak::Campaign(options).run();
