@@ -290,8 +290,10 @@ class CollisionChecker {
   /// box that is not free may be free of contact; cut it in two. `margin` is at least 2e-5 m, more
   /// than the rounding of single precision. Valid for states within the limits. Boxes with values
   /// that are not finite are not free; neither are boxes where constraints or exact geometry count.
+  /// Without `has_links` links do not count against each other.
   void check_family(const FamilyMotion& motion, std::span<const FamilyBox> boxes, float margin,
-                    std::span<FamilyVerdict> verdicts, CheckCounters& counters) const;
+                    std::span<FamilyVerdict> verdicts, CheckCounters& counters,
+                    bool has_links = true) const;
 
   /// Takes a step from `from`: one configuration, or one per vector of `step.jitter`, row by row.
   /// Writes one candidate within the limits per vector. Candidates may be in contact, and far from

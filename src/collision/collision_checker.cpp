@@ -348,7 +348,7 @@ bool CollisionChecker::is_motion_valid(std::span<const double> from, std::span<c
 
 void CollisionChecker::check_family(const FamilyMotion& motion, std::span<const FamilyBox> boxes,
                                     float margin, std::span<FamilyVerdict> verdicts,
-                                    CheckCounters& counters) const {
+                                    CheckCounters& counters, bool has_links) const {
   const Tables& t = *tables_;
   const GoalShift& shift = *motion.shift;
   [[maybe_unused]] const auto parameters = internal::as_index(shift.parameters);
@@ -373,8 +373,8 @@ void CollisionChecker::check_family(const FamilyMotion& motion, std::span<const 
   // The tables lack parts of compound shapes beyond the robot's reach plus kSpareReach.
   const float most =
       t.world.scene.compounds.empty() ? kFarthest : static_cast<float>(internal::kSpareReach);
-  t.family_kernel(*t.world.robot, t.world.scene, motion, boxes, {t.margin + margin, margin, most},
-                  verdicts);
+  t.family_kernel(*t.world.robot, t.world.scene, motion, boxes,
+                  {t.margin + margin, margin, most, has_links}, verdicts);
 }
 
 void CollisionChecker::walk(std::span<const float> from, const WalkStep& step,

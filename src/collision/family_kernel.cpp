@@ -13,7 +13,8 @@
 // is z_f x (z_g x r_g). SweptMargins follow the same idea for one motion.
 //
 // Of motion along an obstacle only the part towards it counts: a body that stays on its side of the
-// plane through the obstacle's nearest point stays free of it.
+// plane through the obstacle's nearest point stays free of it. Two links stay apart if both stay on
+// their sides of a plane between them.
 #include "collision/family_kernel.h"
 
 #include <algorithm>
@@ -154,10 +155,10 @@ class BoxMargins {
     for (V& towards : towards_) towards = hn::Zero(Tag());
   }
 
-  static constexpr bool kIsDirected = true;
+  static constexpr bool kIsDirected = true, kAreLinksDirected = true;
 
   [[nodiscard]] HWY_INLINE bool moves_body(int) const { return true; }
-  [[nodiscard]] HWY_INLINE bool moves_pair(int) const { return true; }
+  [[nodiscard]] HWY_INLINE bool moves_pair(int) const { return margins_.has_links; }
 
   HWY_INLINE void follow(const Pose* poses) const {
     poses_ = poses;
@@ -182,29 +183,39 @@ class BoxMargins {
   [[nodiscard]] HWY_INLINE float widest_of_body(int i) const { return widest_[i]; }
   [[nodiscard]] HWY_INLINE V of_pair(int i, const V3*) const {
     turn_to(robot_.moving_count + i);
-    return hn::Add(sum_of(displacement_of_pair(i)), splat(margins_.links));
+    const Displacement found = displacement_of_pair(i);
+    pair_bent_ = found.bent;
+    return hn::Add(sum_of(found), splat(margins_.links));
   }
   /// Returns those of the `asked` lanes in which the part of body `i` around `point` may move by
   /// `gap` against the unit vector `normal`.
   HWY_INLINE M find_reached(int i, const V3& point, const V3& normal, V gap, M asked) const {
-    const int frame = robot_.bodies[i].frame;
-    const V3 lever = cross(point - poses_[frame].origin, normal);
     const V kept = splat(margins_.obstacles + kNormalRounding);
-    V along[kMostDirections];
-    V moved = hn::Add(bent_[i], kept);
-    for (int k = 0; k < states_.directions; ++k) {
-      const Twist& twist = twists_[k][frame];
-      const V speed = hn::Add(dot(twist.speed, normal), dot(twist.turn, lever));
-      along[k] = hn::Mul(states_.half[k], hn::Abs(speed));
-      moved = hn::Add(moved, along[k]);
-    }
-    const M reached = hn::And(asked, hn::Lt(gap, moved));
-    const M fresh = hn::AndNot(verdict_.hit, reached);
-    directed_ = hn::Or(directed_, fresh);
-    touching_ = hn::Or(touching_, hn::And(fresh, hn::Lt(gap, kept)));
+    Displacement found;
+    found.bent = bent_[i];
     for (int k = 0; k < states_.directions; ++k)
-      towards_[k] = hn::IfThenElse(fresh, along[k], towards_[k]);
-    return reached;
+      found.along[k] = hn::Mul(states_.half[k], speed_towards(i, 0, point, normal, k));
+    return note_reached(found, kept, gap, hn::Lt(gap, kept), asked);
+  }
+  /// The same for the last pair of of_pair(): the plane between them is fixed to their ancestor.
+  HWY_INLINE M find_reached(const BodyPairRow& pair, const PairAxes& axes, M asked) const {
+    const V kept = splat(margins_.links + kNormalRounding);
+    Displacement found;
+    found.bent = pair_bent_;
+    for (int k = 0; k < states_.directions; ++k) {
+      const auto fastest = [&](int body, const V3* ends) {
+        return hn::Max(speed_towards(body, pair.ancestor, ends[0], axes.normal, k),
+                       speed_towards(body, pair.ancestor, ends[1], axes.normal, k));
+      };
+      const V speed = hn::Add(fastest(pair.first, axes.first), fastest(pair.second, axes.second));
+      found.along[k] = hn::Mul(states_.half[k], speed);
+    }
+    const auto place = [&](const V3& end) { return dot(axes.normal, end); };
+    const V lowest = hn::Min(place(axes.first[0]), place(axes.first[1]));
+    const V highest = hn::Max(place(axes.second[0]), place(axes.second[1]));
+    const V gap = hn::Sub(hn::Sub(lowest, highest), splat(axes.radii));
+    const M touching = hn::Lt(hn::Sub(axes.apart, splat(axes.radii)), kept);
+    return note_reached(found, kept, gap, touching, asked);
   }
   /// No value: tables decide vectors, and the verdict of a box must not depend on its neighbours.
   [[nodiscard]] HWY_INLINE V needed_rings(const SeparationTable&) const {
@@ -239,6 +250,28 @@ class BoxMargins {
   struct Twist {
     V3 turn, speed;  // speed: of the point at the frame's origin
   };
+
+  /// Speed of a point of a body along a direction, seen from the observer, by direction `k`.
+  HWY_INLINE V speed_towards(int body, int observer, const V3& point, const V3& normal,
+                             int k) const {
+    const auto speed_of = [&](int frame) {
+      const Twist& twist = twists_[k][frame];
+      const V3 lever = cross(point - poses_[frame].origin, normal);
+      return hn::Add(dot(twist.speed, normal), dot(twist.turn, lever));
+    };
+    return hn::Abs(hn::Sub(speed_of(robot_.bodies[body].frame), speed_of(observer)));
+  }
+
+  /// Returns and notes those of the `asked` lanes in which the displacement exceeds the gap.
+  HWY_INLINE M note_reached(const Displacement& found, V kept, V gap, M touching, M asked) const {
+    const M reached = hn::And(asked, hn::Lt(gap, hn::Add(sum_of(found), kept)));
+    const M fresh = hn::AndNot(verdict_.hit, reached);
+    directed_ = hn::Or(directed_, fresh);
+    touching_ = hn::Or(touching_, hn::And(fresh, touching));
+    for (int k = 0; k < states_.directions; ++k)
+      towards_[k] = hn::IfThenElse(fresh, found.along[k], towards_[k]);
+    return reached;
+  }
 
   HWY_INLINE void follow(const FrameRow& frame, size_t index) const {
     const V3 arm = poses_[index].origin - poses_[frame.parent].origin;
@@ -386,7 +419,7 @@ class BoxMargins {
     return explained;
   }
 
-  /// Writes the displacements of lanes that may move up to an obstacle.
+  /// Writes the displacements of lanes that may move up to an obstacle or another link.
   HWY_INLINE void explain_directed(int count, FamilyVerdict* verdicts) const {
     for (int lane = 0; lane < count; ++lane) verdicts[lane].towards = verdicts[lane].displacements;
     const unsigned directed = bits_of(directed_), touching = bits_of(touching_);
@@ -411,7 +444,8 @@ class BoxMargins {
   mutable V arms_[kMaxFrames + 1];  // bounds on the distance from the parent's origin in the box
   mutable V body_margins_[kMaxBodies];
   mutable V bent_[kMaxBodies];
-  // Of lanes that may move up to an obstacle:
+  mutable V pair_bent_;  // of the last pair
+  // Of lanes that may move up to an obstacle or another link:
   mutable M directed_, touching_;
   mutable V towards_[kMostDirections];
   mutable float widest_[kMaxBodies];

@@ -18,6 +18,7 @@ struct FamilyMargins {
   float obstacles = 0, links = 0;
   /// Boxes in which a body may move farther are not free.
   float most_displacement = 0;
+  bool has_links = true;  ///< false: links do not count against each other
 };
 
 /// CollisionChecker::check_family().

@@ -34,7 +34,7 @@ HWY_INLINE V lanes_of(V x) { return x; }
 class EvenMargins {
  public:
   /// True if margins depend on the direction of contact: find_reached() decides then.
-  static constexpr bool kIsDirected = false;
+  static constexpr bool kIsDirected = false, kAreLinksDirected = false;
 
   HWY_INLINE explicit EvenMargins(float margin) : margin_(margin) { assert(std::isfinite(margin)); }
 
@@ -54,6 +54,14 @@ class EvenMargins {
   float margin_;
 };
 
+/// The axes of a part of each body of a pair, in the root's frame.
+struct PairAxes {
+  V3 first[2], second[2];  ///< ends
+  V3 normal;               ///< unit vector from the second to the first where they are nearest
+  V apart;                 ///< distance of the axes there
+  float radii = 0;         ///< sum
+};
+
 /// Larger than what rounding of the normal to an obstacle costs, metres.
 constexpr float kNormalRounding = 2e-5f;
 
@@ -64,7 +72,7 @@ constexpr float kNormalRounding = 2e-5f;
 /// most 2 * bound * (sum of all turns).
 class SweptMargins {
  public:
-  static constexpr bool kIsDirected = true;
+  static constexpr bool kIsDirected = true, kAreLinksDirected = false;
 
   HWY_INLINE SweptMargins(const RobotTables& robot, const SweptMotion& motion)
       : robot_(robot), motion_(motion), half_(hn::Zero(Tag())), since_end_(hn::Zero(Tag())) {

@@ -82,15 +82,16 @@ constexpr int kMostRuns = 32;
 /// each body's ball against the other's box, because long bodies fill little of their balls. Then
 /// checks clusters of the first against the second's box, cluster against cluster, and group
 /// against group.
-template <bool kIsMotion, class Margin>
+template <bool kIsMotion, class Margin, class Margins>
 class PairChecker {
  public:
   HWY_INLINE PairChecker(const RobotTables& robot, const BodyPairRow& pair, Margin margin,
-                         Verdict<kIsMotion>& verdict)
+                         const Margins& margins, Verdict<kIsMotion>& verdict)
       : robot_(robot),
         pair_(pair),
         second_(robot.bodies[pair.second]),
         margin_(margin),
+        margins_(margins),
         verdict_(verdict) {}
 
   /// `centers` are those of the bodies' balls. Returns true as soon as the verdict is final.
@@ -103,6 +104,7 @@ class PairChecker {
       return false;
     }
     pose_ = seen_from(second, first);
+    frame_ = &second;
     Run runs[kMostRuns];
     for (int begin = pair_.begin; begin < pair_.end;) {
       int count = 0;
@@ -249,8 +251,9 @@ class PairChecker {
       const V3 center = transform_point(pose_, first.ball.center);
       const V from_axis2 = point_segment(center, axis);
       if (!is_any_open(from_axis2, first.ball.radius + capsule.radius)) return no_hit();
-      return find_hits(robot_, first, spheres, reach,
-                       [&](const V3& p) { return point_segment(p, axis); });
+      const M hit = find_hits(robot_, first, spheres, reach,
+                              [&](const V3& p) { return point_segment(p, axis); });
+      return keep_reached(first, spheres, axis, capsule.radius, hit);
     }
     M hit = no_hit();
     for (int i = 0; i < kGroupSize; ++i) {
@@ -258,7 +261,50 @@ class PairChecker {
       const V3 center = splat(ball.center);
       const auto distance2 = [&](const V3& p) { return squared_norm(p - center); };
       const auto extra = sum(ball.radius, margin_);
-      hit = hn::Or(hit, find_hits(robot_, first, spheres, extra, distance2));
+      const M found = find_hits(robot_, first, spheres, extra, distance2);
+      hit = hn::Or(hit, keep_reached(first, spheres, point_at(center), ball.radius, found));
+    }
+    return hit;
+  }
+
+  static HWY_INLINE Segment point_at(const V3& center) {
+    const V zero = hn::Zero(Tag());
+    return {center, {zero, zero, zero}, zero};
+  }
+
+  /// Returns those lanes of `hit` in which a part of each body may move up to the other. Axes are
+  /// in the frame of the second body.
+  HWY_NOINLINE M keep_reached(const Segment& first, const Segment& second, float radii,
+                              M hit) const {
+    const V3 between = between_segments(second, first);
+    const V apart2 = squared_norm(between);
+    const M near = hn::And(hit, hn::Lt(apart2, lanes_of(squared(sum(radii, margin_)))));
+    if (hn::AllFalse(Tag(), near)) return near;
+    const auto turned = [&](const V3& v) {
+      return mul_add(v.x, frame_->axes[0], mul_add(v.y, frame_->axes[1], v.z * frame_->axes[2]));
+    };
+    const auto place = [&](const V3& v) { return frame_->origin + turned(v); };
+    PairAxes axes{{place(first.a), place(first.a + first.u)},
+                  {place(second.a), place(second.a + second.u)},
+                  {},
+                  hn::Sqrt(apart2),
+                  radii};
+    axes.normal = hn::Div(splat(1.0f), hn::Max(axes.apart, splat(1e-9f))) * turned(between);
+    return margins_.find_reached(pair_, axes, near);
+  }
+
+  /// The same for the spheres of a group.
+  HWY_INLINE M keep_reached(const GroupRow& first, const PosedSpheres& spheres,
+                            const Segment& second, float radius, M hit) const {
+    if constexpr (Margins::kAreLinksDirected) {
+      if (hn::AllFalse(Tag(), hit)) return hit;
+      M reached = no_hit();
+      for (int i = 0; i < kGroupSize; ++i) {
+        const float radii = radius + robot_.spheres[first.begin + i].radius;
+        const M found = keep_reached(point_at(spheres.centers[i]), second, radii, hit);
+        reached = hn::Or(reached, found);
+      }
+      return reached;
     }
     return hit;
   }
@@ -271,7 +317,10 @@ class PairChecker {
     if (second.is_capsule) {
       const CapsuleRow& other = robot_.capsules[second.begin];
       const V distance2 = segment_segment(axis, axis_of(other));
-      return hn::Lt(distance2, lanes_of(squared(sum(other.radius, reach))));
+      const M hit = hn::Lt(distance2, lanes_of(squared(sum(other.radius, reach))));
+      if constexpr (Margins::kAreLinksDirected)
+        return keep_reached(axis, axis_of(other), capsule.radius + other.radius, hit);
+      return hit;
     }
     const V from_ball2 = point_segment(splat(second.ball.center), axis);
     if (!is_any_open(from_ball2, second.ball.radius + capsule.radius)) return no_hit();
@@ -279,7 +328,11 @@ class PairChecker {
     for (int i = 0; i < kGroupSize; ++i) {
       const Ball& ball = robot_.spheres[second.begin + i];
       const V distance2 = point_segment(splat(ball.center), axis);
-      hit = hn::Or(hit, hn::Lt(distance2, lanes_of(squared(sum(ball.radius, reach)))));
+      M found = hn::Lt(distance2, lanes_of(squared(sum(ball.radius, reach))));
+      if constexpr (Margins::kAreLinksDirected)
+        found =
+            keep_reached(axis, point_at(splat(ball.center)), capsule.radius + ball.radius, found);
+      hit = hn::Or(hit, found);
     }
     return hit;
   }
@@ -287,8 +340,10 @@ class PairChecker {
   const RobotTables& robot_;
   const BodyPairRow& pair_;
   const BodyRow& second_;
-  Pose pose_;  ///< of the first body in the frame of the second
+  Pose pose_;                    ///< of the first body in the frame of the second
+  const Pose* frame_ = nullptr;  ///< of the second body
   Margin margin_;
+  const Margins& margins_;
   Verdict<kIsMotion>& verdict_;
 };
 

@@ -323,7 +323,7 @@ class StateChecker {
     const Pose& first = poses_[robot_.bodies[pair.first].frame];
     const Pose& second = poses_[robot_.bodies[pair.second].frame];
     using Margin = std::remove_const_t<decltype(margin)>;
-    return PairChecker<kIsMotion, Margin>(robot_, pair, margin, verdict)
+    return PairChecker<kIsMotion, Margin, Margins>(robot_, pair, margin, margins_, verdict)
         .check(first, second, centers_);
   }
 

@@ -32,16 +32,21 @@ HWY_INLINE V point_segment(const V3& p, const Segment& s) {
   return squared_norm(mul_add(hn::Neg(t), s.u, w));
 }
 
-/// Follows Ericson, section 5.1.9, but takes the determinant from the cross product n of the
-/// directions: for nearly parallel segments |n|^2 does not cancel, as a e - b^2 does.
-HWY_INLINE V segment_segment(const Segment& p, const Segment& q) {
+/// Leads from `p` to `q` where they are nearest. Follows Ericson, section 5.1.9, but takes the
+/// determinant from the cross product n of the directions: for nearly parallel segments |n|^2 does
+/// not cancel, as a e - b^2 does.
+HWY_INLINE V3 between_segments(const Segment& p, const Segment& q) {
   const V3 w = q.a - p.a;
   const V3 n = cross(p.u, q.u);
   const V s0 = clamp01(hn::Mul(dot(cross(w, q.u), n), safe_inverse(squared_norm(n))));
   const V t = clamp01(hn::Mul(dot(mul_add(s0, p.u, negated(w)), q.u), q.inverse_length2));
   const V3 to_q = mul_add(t, q.u, w);
   const V s = clamp01(hn::Mul(dot(to_q, p.u), p.inverse_length2));
-  return squared_norm(mul_add(hn::Neg(s), p.u, to_q));
+  return mul_add(hn::Neg(s), p.u, to_q);
+}
+
+HWY_INLINE V segment_segment(const Segment& p, const Segment& q) {
+  return squared_norm(between_segments(p, q));
 }
 
 HWY_INLINE V3 rotate(const float* r, const V3& v) {
