@@ -184,6 +184,19 @@ bool LinkChain::reach(const Transform& pose, const Response& response, int steps
   return false;
 }
 
+bool LinkChain::approach(const Transform& pose, const Response& response, double near,
+                         JointVector& q) const {
+  double bound = std::numeric_limits<double>::infinity();
+  while (true) {
+    const Twist error = difference(place(q), pose);
+    const double size = std::max(error.head<3>().norm(), error.tail<3>().norm() / kRadiansPerMetre);
+    if (size < near) return true;
+    if (!(size < bound)) return false;
+    bound = size / 2;
+    q += response * error;
+  }
+}
+
 LinkChain::MotionBounds LinkChain::bounds(const JointVector& from, const JointVector& to) const {
   double turn = 0, jerk = 0;
   for (const Step& step : steps_) {

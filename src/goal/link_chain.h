@@ -59,6 +59,11 @@ class LinkChain {
   [[nodiscard]] bool reach(const Transform& pose, const Response& response, int steps, double near,
                            JointVector& q) const;
 
+  /// The same by the chord method, without Jacobians: faster near the configuration of `response`.
+  /// False as soon as an error does not halve.
+  [[nodiscard]] bool approach(const Transform& pose, const Response& response, double near,
+                              JointVector& q) const;
+
   /// Bounds on a straight motion of the joints, with time from 0 to 1.
   struct MotionBounds {
     double jerk = 0;  ///< of the link's origin: length of its third derivative, metres
