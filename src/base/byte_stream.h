@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Short binary files. Integers have 7 bits a byte, the lowest first, as long as the top bit is
+/// set. ByteWriter and ByteReader have the same members, so that one function does both.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <vector>
+
+static_assert(std::endian::native == std::endian::little);
+
+namespace mneme::internal {
+
+/// A value as a multiple of `step`.
+[[nodiscard]] inline std::int64_t multiples(float value, double step) {
+  return std::llround(value / step);
+}
+
+/// Appends values.
+class ByteWriter {
+ public:
+  explicit ByteWriter(std::string_view head) : bytes_(head) {}
+
+  void field(double value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
+  void field(const std::string& text) {
+    number(text.size());
+    bytes_.append(text);
+  }
+  template <class Integer>
+  void number(const Integer& value) {
+    auto rest = static_cast<std::uint64_t>(value);
+    for (; rest >= 128; rest >>= 7) bytes_.push_back(static_cast<char>(rest | 128));
+    bytes_.push_back(static_cast<char>(rest));
+  }
+  /// Writes a multiple of `step` as the difference from `base`, another multiple.
+  void multiple(const float& value, double step, float base = 0) {
+    const std::int64_t difference = multiples(value, step) - multiples(base, step);
+    const auto doubled = static_cast<std::uint64_t>(difference) << 1;
+    number(difference < 0 ? ~doubled : doubled);
+  }
+  template <class T, class Each>
+  void list(const std::vector<T>& items, const Each& each) {
+    number(items.size());
+    for (const T& item : items) each(*this, item);
+  }
+  [[nodiscard]] static std::size_t bounded(std::size_t count) { return count; }
+  [[nodiscard]] const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+/// Reads values. After a read beyond the end all values are 0.
+class ByteReader {
+ public:
+  explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
+
+  void field(double& value) { read(&value, sizeof value); }
+  void field(std::string& text) {
+    text.resize(count());
+    read(text.data(), text.size());
+  }
+  template <class Integer>
+  void number(Integer& value) {
+    value = static_cast<Integer>(next());
+  }
+  void multiple(float& value, double step, float base = 0) {
+    const std::uint64_t doubled = next();
+    const auto half = static_cast<std::int64_t>(doubled >> 1);
+    const std::int64_t difference = (doubled & 1) != 0 ? ~half : half;
+    const double sum = static_cast<double>(multiples(base, step)) + static_cast<double>(difference);
+    value = static_cast<float>(sum * step);
+  }
+  template <class T, class Each>
+  void list(std::vector<T>& items, const Each& each) {
+    items.resize(count());
+    for (T& item : items) each(*this, item);
+  }
+  /// A number of items, or 0 if the file is too short for one byte each.
+  [[nodiscard]] std::size_t bounded(std::size_t count) {
+    is_good_ = is_good_ && count <= bytes_.size();
+    return is_good_ ? count : 0;
+  }
+  [[nodiscard]] bool is_complete() const { return is_good_ && bytes_.empty(); }
+
+ private:
+  std::uint64_t next() {
+    std::uint64_t value = 0;
+    for (int shift = 0; shift < 64; shift += 7) {
+      unsigned char byte = 0;
+      read(&byte, 1);
+      value |= static_cast<std::uint64_t>(byte & 127) << shift;
+      if (byte < 128) return value;
+    }
+    is_good_ = false;
+    return 0;
+  }
+  std::size_t count() { return bounded(static_cast<std::size_t>(next())); }
+  void read(void* to, std::size_t size) {
+    is_good_ = is_good_ && size <= bytes_.size();
+    if (!is_good_) {
+      std::memset(to, 0, size);
+      return;
+    }
+    std::memcpy(to, bytes_.data(), size);
+    bytes_.remove_prefix(size);
+  }
+
+  std::string_view bytes_;
+  bool is_good_ = true;
+};
+
+}  // namespace mneme::internal
