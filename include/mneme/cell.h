@@ -168,10 +168,22 @@ struct CellProgress {
 /// The cost of a call of Cell::verify().
 struct CellVerification {
   int proven = 0;   ///< boxes that passed
+  int kept = 0;     ///< boxes that were proven against changed obstacles only
   int checked = 0;  ///< boxes
   double time_s = 0;
   int paths = 0;       ///< answers that were checked by exact distances
   int in_contact = 0;  ///< answers in contact among these: a fault of the proof
+};
+
+/// Neighbouring tasks whose paths differ.
+struct CellJump {
+  CellTask task = {};  ///< on the face between the boxes
+  int box = -1, next = -1;
+  double change = 0;  ///< largest difference of a joint at equal shares of the paths' lengths
+};
+struct CellContinuity {
+  int faces = 0;                ///< between proven boxes, at whose middle tasks were compared
+  std::vector<CellJump> jumps;  ///< the largest first
 };
 
 /// Boxes of tasks with a path each, which bends with the task. All motions of a proven box, for all
@@ -201,12 +213,22 @@ class Cell {
                                double timeout_s = 1) const;
 
   [[nodiscard]] CellCoverage coverage(std::size_t start = 0, int samples = 10000) const;
+  /// Compares the paths of tasks on both sides of the faces between boxes. Jumps are changes of at
+  /// least `least` radians or metres. Cost: some microseconds a box.
+  [[nodiscard]] CellContinuity continuity(std::size_t start = 0, double least = 0.5) const;
   /// The parts that are not proven, largest first.
   [[nodiscard]] std::vector<UnprovenBox> unproven(std::size_t start = 0) const;
 
-  /// Proves all boxes again in the present scene; those that fail become hints. Then checks
-  /// `samples` answers, half of them at corners of boxes, by exact distances.
+  /// Proves all boxes again in the present scene; those that fail become hints. If only obstacles
+  /// have changed since the last proof, proves that boxes are free of these. Then checks `samples`
+  /// answers, half of them at corners of boxes, by exact distances.
   CellVerification verify(int samples = 1000, std::uint64_t seed = 1, int threads = 1);
+
+  /// Continues the build, as build_cell() does, with the cell's margin. Boxes that verify() did not
+  /// prove are replaced. Errors: a setting out of range; invalid unless is_of_this_world().
+  [[nodiscard]] Result<void> extend(
+      const CellSettings& settings = {},
+      const std::function<void(const CellProgress&)>& on_progress = {});
 
   /// Writes a file that load_cell() reads back to the same cell.
   [[nodiscard]] Result<void> save(const std::string& path) const;

@@ -76,13 +76,14 @@ BentPath bend(Waypoints path, int profile) {
   insert_at(end, path);
   BentPath bent;
   for (const double at : arc_lengths(path)) {
-    bent.shares.push_back(
-        static_cast<float>(std::clamp((at - begin) / std::max(end - begin, 1e-9), 0.0, 1.0)));
+    const double share = std::clamp((at - begin) / std::max(end - begin, 1e-9), 0.0, 1.0);
+    bent.shares.push_back(rounded(share, kPathStep));
   }
   bent.shares.front() = 0;
   bent.shares.back() = 1;
-  for (const JointVector& q : path) {
-    for (const double value : q) bent.rows.push_back(static_cast<float>(value));
+  for (const double value : path.front()) bent.rows.push_back(static_cast<float>(value));
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    for (const double value : path[i]) bent.rows.push_back(rounded(value, kPathStep));
   }
   return bent;
 }
@@ -111,7 +112,7 @@ class Prover {
 
   bool run() {
     // States at which bent paths are blocked most often decide cheaply, from the goal back.
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < 3 && settings_.has_trials; ++round) {
       for (std::size_t i = path_.size() - 1; i > 0; --i) {
         if ((round == 0 || is_bent(i)) && !try_states(i, round == 0)) return false;
       }
@@ -153,7 +154,7 @@ class Prover {
 
   void check(std::size_t i, std::span<const FamilyBox> boxes) {
     checker_.check_family(motion(i), boxes, settings_.margin, {verdicts_.data(), boxes.size()},
-                          counters_);
+                          counters_, settings_.has_links);
   }
 
   bool fail(std::size_t i, const FamilyBox& box, const FamilyVerdict& verdict) {

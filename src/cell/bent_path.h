@@ -9,6 +9,7 @@
 #include "goal/link_chain.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,6 +17,14 @@
 namespace mneme::internal {
 
 using Waypoints = std::vector<JointVector>;
+
+/// Waypoints behind the start, and shares, are multiples of it: short in files.
+inline constexpr double kPathStep = 1.0 / 8192;
+
+/// The multiple of `step` that is nearest to a value.
+[[nodiscard]] inline float rounded(double value, double step) {
+  return static_cast<float>(step * std::nearbyint(value / step));
+}
 
 /// A path that moves each waypoint by a share of the change of its goal.
 struct BentPath {
@@ -60,6 +69,8 @@ struct ProofSettings {
   float margin = 2e-4f;
   std::uint64_t most_states = 20000;
   std::uint64_t seed = 1;
+  bool has_links = true;   ///< false: only obstacles count
+  bool has_trials = true;  ///< single states first: cheaper where the proof fails
 };
 
 /// Returns true if the path, with its goal changed by any value of `shift`, is free. Otherwise

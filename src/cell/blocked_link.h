@@ -27,13 +27,26 @@ class BlockedLink {
 
   /// Returns a contact that all tasks of the box share, if one is proven.
   [[nodiscard]] std::optional<BlockedBy> find(const TaskBox& box) const;
+  /// Returns what is closer than `margin` in one task, if it is a box, sphere, capsule or cylinder.
+  [[nodiscard]] std::optional<BlockedBy> find(const CellTask& task, double margin) const;
 
  private:
+  template <class DepthOf>
+  [[nodiscard]] std::optional<BlockedBy> find_deep(const CellTask& task, double margin,
+                                                   const DepthOf& is_deep) const;
+
+  /// A shape of an obstacle, and a ball around it.
+  struct Place {
+    const Shape* shape = nullptr;
+    Vec3 center;
+    double radius = 0;
+    const std::string* obstacle = nullptr;
+  };
   struct Part {
     Capsule capsule;  ///< in the region's link's frame
     double away = 0;  ///< distance of its farthest point from the pivot
     std::string link;
-    std::vector<const Obstacle*> obstacles;  ///< that it may not touch
+    std::vector<Place> obstacles;  ///< that it may not touch
   };
 
   const TaskFrame& frame_;

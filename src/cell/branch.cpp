@@ -3,6 +3,7 @@
 #include "cell/branch.h"
 
 #include "base/as_index.h"
+#include "cell/bent_path.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,14 +12,18 @@ namespace mneme::internal {
 namespace {
 
 /// Multiple of the largest error at the probes, and what is added to it, radians.
-constexpr double kRestFactor = 2, kLeastRest = 2e-4;
+constexpr double kRestFactor = 2, kLeastRest = 2e-5;
 /// Largest `rest`, radians: beyond it a smaller box proves more.
 constexpr double kMostRest = 0.002;
 /// Largest motion of a joint from the middle of a box.
 constexpr double kMostMotion = 1.5;
 /// Boxes that need more than this multiple of the room to the limits are not fitted.
 constexpr double kLeastSlack = 0.2;
-constexpr int kProbesPerParameter = 20, kNodesPerParameter = 15;
+constexpr int kProbesPerParameter = 20, kNodesPerParameter = 8;
+/// Random probes at which models are checked.
+constexpr int kChecksPerParameter = 10;
+/// Accuracy of configurations that models are fitted to, metres.
+constexpr double kNear = 1e-6;
 
 /// All points of {-1, 0, 1}^d.
 std::vector<std::vector<double>> make_grid(int parameters) {
@@ -52,7 +57,7 @@ GoalShift to_shift(const Eigen::MatrixXd& coefficients, int parameters) {
   shift.parameters = parameters;
   const auto append = [&](std::vector<float>& rows, Eigen::Index row) {
     for (Eigen::Index j = 0; j < joints; ++j) {
-      rows.push_back(static_cast<float>(coefficients(row, j)));
+      rows.push_back(rounded(coefficients(row, j), kShiftStep));
     }
   };
   append(shift.constant, 0);
@@ -62,7 +67,7 @@ GoalShift to_shift(const Eigen::MatrixXd& coefficients, int parameters) {
   for (int k = 0; k < parameters; ++k) {
     for (int l = k; l < parameters; ++l, ++row) {
       for (Eigen::Index j = 0; j < joints; ++j) {
-        const auto value = static_cast<float>((k == l ? 2 : 1) * coefficients(row, j));
+        const float value = rounded((k == l ? 2 : 1) * coefficients(row, j), kShiftStep);
         shift.curvatures[static_cast<std::size_t>((k * parameters + l) * joints + j)] = value;
         shift.curvatures[static_cast<std::size_t>((l * parameters + k) * joints + j)] = value;
       }
@@ -75,7 +80,7 @@ GoalShift to_shift(const Eigen::MatrixXd& coefficients, int parameters) {
 
 Branch make_branch(const LinkChain& chain, const JointVector& q) {
   Branch branch;
-  branch.q0 = q.cast<float>().cast<double>();
+  branch.q0 = q.unaryExpr([](double value) { return double{rounded(value, kPathStep)}; });
   branch.response = chain.response(branch.q0);
   return branch;
 }
@@ -97,7 +102,10 @@ JointVector evaluate(const GoalShift& shift, const double* u) {
 
 BranchFitter::BranchFitter(const LinkChain& chain, const TaskFrame& frame)
     : chain_(chain), frame_(frame), parameters_(static_cast<int>(frame.varying().size())) {
-  nodes_ = make_grid(parameters_);
+  for (const auto& point : make_grid(parameters_)) {
+    const auto zeros = std::ranges::count(point, 0.0);
+    if (zeros == 0 || zeros >= parameters_ - 1) nodes_.push_back(point);
+  }
   Rng rng(1);
   const auto random = [&](const auto& shape) {
     std::vector<double> u;
@@ -110,6 +118,7 @@ BranchFitter::BranchFitter(const LinkChain& chain, const TaskFrame& frame)
   for (const auto& point : make_grid(parameters_)) {
     if (std::ranges::count(point, 0.0) == 0) probes_.push_back(point);
   }
+  checks_ = probes_.size() + as_index(kChecksPerParameter * parameters_);
   for (int i = 0; i < kProbesPerParameter * parameters_; ++i) {
     probes_.push_back(random([](double x) { return x; }));
   }
@@ -146,6 +155,13 @@ double BranchFitter::rate(const TaskBox& box, const JointVector& q) const {
   return std::min(slack(q, motion), 1.5) - 0.25 * motion.cwiseAbs().sum() / parameters_;
 }
 
+bool BranchFitter::solve(const Transform& pose, const Branch& branch, JointVector& q) const {
+  const JointVector from = q;
+  if (chain_.approach(pose, branch.response, kNear, q)) return true;
+  q = from;
+  return chain_.reach(pose, branch.response, 8, kNear, q);
+}
+
 FitFault BranchFitter::fit(const TaskBox& box, const Branch& branch, GoalShift& shift) const {
   const Eigen::MatrixXd motion = slopes(box, branch);
   if (slack(branch.q0, motion) < kLeastSlack) return FitFault::limits;
@@ -155,21 +171,26 @@ FitFault BranchFitter::fit(const TaskBox& box, const Branch& branch, GoalShift& 
     JointVector q = branch.q0;
     for (int k = 0; k < parameters_; ++k) q += motion.col(k) * nodes_[i][as_index(k)];
     const Transform pose = frame_.pose(box.at(frame_.varying(), nodes_[i].data()));
-    if (!chain_.reach(pose, branch.response, 8, 1e-6, q)) return FitFault::kinematics;
+    if (!solve(pose, branch, q)) return FitFault::kinematics;
     values.row(static_cast<Eigen::Index>(i)) = (q - branch.q0).transpose();
   }
   shift = to_shift(solver_ * values, parameters_);
   JointVector error = JointVector::Zero(chain_.joint_count());
-  for (const std::vector<double>& u : probes_) {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const JointVector change = values.row(static_cast<Eigen::Index>(i)).transpose();
+    error = error.cwiseMax((change - evaluate(shift, nodes_[i].data())).cwiseAbs());
+  }
+  for (std::size_t i = 0; i < checks_; ++i) {
+    const std::vector<double>& u = probes_[i];
     const JointVector modelled = branch.q0 + evaluate(shift, u.data());
     JointVector q = modelled;
     const Transform pose = frame_.pose(box.at(frame_.varying(), u.data()));
-    if (!chain_.reach(pose, branch.response, 8, 1e-7, q)) return FitFault::kinematics;
+    if (!solve(pose, branch, q)) return FitFault::kinematics;
     error = error.cwiseMax((q - modelled).cwiseAbs());
   }
   if (kRestFactor * error.maxCoeff() > kMostRest) return FitFault::bends;
   for (int j = 0; j < chain_.joint_count(); ++j) {
-    shift.rest.push_back(static_cast<float>(kRestFactor * error[j] + kLeastRest));
+    shift.rest.push_back(rounded(kRestFactor * error[j] + kLeastRest, kShiftStep));
   }
   return FitFault::none;
 }

@@ -20,7 +20,10 @@ struct Branch {
   Response response;
 };
 
-/// Rounds `q` to single precision, so that the kernel and the query see the same number.
+/// Coefficients and rests of models are multiples of it, radians or metres: short in files.
+inline constexpr double kShiftStep = 1.0 / 262144;
+
+/// Rounds `q` to kPathStep, so that kernel, query and file have the same number.
 [[nodiscard]] Branch make_branch(const LinkChain& chain, const JointVector& q);
 
 /// The value of a family's quadratic at `u`, in double precision.
@@ -49,14 +52,18 @@ class BranchFitter {
   [[nodiscard]] double slack(const JointVector& q, const Eigen::MatrixXd& slopes) const;
   /// Larger is better: room to the limits, little motion.
   [[nodiscard]] double rate(const TaskBox& box, const JointVector& q) const;
-  /// Values in [-1, 1] at which models are checked: corners, then random ones.
+  /// Values in [-1, 1] that stand for a box: corners, then random ones.
   [[nodiscard]] const std::vector<std::vector<double>>& probes() const { return probes_; }
 
  private:
+  /// Moves `q`, within q + span(response), until the link is at `pose`.
+  [[nodiscard]] bool solve(const Transform& pose, const Branch& branch, JointVector& q) const;
+
   const LinkChain& chain_;
   const TaskFrame& frame_;
   int parameters_;
   std::vector<std::vector<double>> nodes_, probes_;
+  std::size_t checks_ = 0;  ///< models are checked at this number of probes
   Eigen::MatrixXd solver_;  // from values at the nodes to coefficients
 };
 

@@ -19,7 +19,9 @@ namespace {
 /// depend on threads.
 constexpr std::size_t kRound = 8;
 /// Boxes of a smaller share of the region are not cut.
-constexpr double kLeastShare = 1e-5;
+constexpr double kLeastShare = 1e-7;
+/// Boxes without a sample that may be served count as if this share of them could.
+constexpr double kLeastLeft = 0.003;
 /// Tasks by which progress is measured.
 constexpr int kTracked = 6000;
 
@@ -38,14 +40,18 @@ std::vector<CellTask> sample_tasks(const TaskFrame& frame, int count, std::uint6
 /// Builds the boxes of one start.
 class CellBuilder {
  public:
-  CellBuilder(const Examiner& examiner, const CellSettings& settings, double seconds)
+  /// Continues with `known`.
+  CellBuilder(const Examiner& examiner, const CellSettings& settings, double seconds,
+              StartCell known)
       : examiner_(examiner),
         settings_(settings),
         seconds_(seconds),
+        cell_(std::move(known)),
         tracked_(sample_tasks(examiner.frame(), kTracked, 4242)),
         is_tracked_(tracked_.size(), false) {
     for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<int>(i);
-    queue_.push({examiner.frame().whole(), 1, 0, {}});
+    for (const CellBox& box : cell_.boxes) track(box);
+    reopen();
   }
 
   StartCell run(const std::function<void(const CellProgress&)>& on_progress) {
@@ -53,11 +59,10 @@ class CellBuilder {
       round();
       if (on_progress) on_progress(progress());
     }
-    while (!queue_.empty()) {
-      leave(queue_.top(), queue_.top().around);
-      queue_.pop();
+    for (; !queue_.empty(); queue_.pop()) {
+      cell_.tree.set_gap(queue_.top().node, queue_.top().around, false);
     }
-    std::ranges::stable_sort(cell_.unproven, std::greater(), &UnprovenBox::share);
+    cell_.tree.merge();
     return std::move(cell_);
   }
 
@@ -70,13 +75,40 @@ class CellBuilder {
  private:
   struct IsSmaller {
     bool operator()(const OpenBox& a, const OpenBox& b) const {
-      return a.share != b.share ? a.share < b.share : a.node > b.node;
+      return a.priority != b.priority ? a.priority < b.priority : a.node > b.node;
     }
   };
 
   [[nodiscard]] bool is_over() const {
     return examined_ >= settings_.boxes || stopwatch_.elapsed_s() >= seconds_ ||
            is_set(settings_.cancel);
+  }
+
+  /// Queues what is not proven: leaves, or the halves of those that were examined.
+  void reopen() {
+    const std::vector<TaskBox> places = cell_.tree.place(examiner_.frame().whole());
+    std::vector<std::vector<int>> above(places.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const SplitNode node = cell_.tree.nodes[i];
+      for (int k = 0; k < node.count; ++k) above[i].push_back(node.first + k);
+      for (int side = 0; side < 2 && !node.is_leaf(); ++side) {
+        above[as_index(node.below + side)] = above[i];
+      }
+      if (node.has_gap) reopen(node.gap, places[i], static_cast<int>(i), std::move(above[i]));
+    }
+  }
+
+  void reopen(const LeafGap& gap, const TaskBox& tasks, int node, std::vector<int> above) {
+    OpenBox open{tasks, examiner_.frame().share_of(tasks), node, std::move(above)};
+    open.around = cell_.tree.reason_of(gap);
+    if (gap.reason == CellGap::blocked) {
+      blocked_ += open.share;
+    } else if (!gap.is_examined) {
+      open.priority = open.share;
+      queue_.push(std::move(open));
+    } else if (open.share / 2 >= kLeastShare) {
+      cut(open, {}, open.above, open.around);
+    }
   }
 
   void round() {
@@ -118,23 +150,34 @@ class CellBuilder {
 
   void take(const OpenBox& open, Examined&& result) {
     std::vector<int> above = open.above;
+    cell_.tree.nodes[as_index(open.node)].has_gap = false;
     for (std::size_t i = 0; i < result.boxes.size(); ++i) {
       CellBox& box = result.boxes[i];
       const int index = static_cast<int>(cell_.boxes.size());
       if (box.origin < 0) box.origin = index;
       ++wins_[as_index(result.profiles[i])];
-      cell_.tree[as_index(open.node)].boxes.push_back(index);
+      SplitNode& node = cell_.tree.nodes[as_index(open.node)];
+      if (node.count++ == 0) node.first = index;
       above.push_back(index);
       track(box);
       cell_.boxes.push_back(std::move(box));
+    }
+    Tally& tally = tallies_.at(static_cast<std::size_t>(open.around.gap));
+    if (!result.blocked_by) {
+      tally.tried += 1;
+      tally.gained += result.gained;
     }
     if (result.is_served) return;
     if (result.is_blocked) blocked_ += open.share;
     UnprovenBox reason;
     reason.gap = result.gap;
     if (result.failure) examiner_.describe(*result.failure, reason);
+    if (result.blocked_by) {
+      reason = {{}, {}, CellGap::contact, 0, result.blocked_by->link, result.blocked_by->obstacle,
+                1};
+    }
     if (result.is_blocked || open.share / 2 < kLeastShare) {
-      leave(open, reason);
+      cell_.tree.set_gap(open.node, reason, true);
     } else {
       cut(open, result, above, reason);
     }
@@ -150,11 +193,10 @@ class CellBuilder {
     }
   }
 
-  void leave(const OpenBox& open, UnprovenBox reason) {
-    reason.center = open.tasks.center;
-    reason.half_extents = open.tasks.half;
-    reason.share = open.share;
-    cell_.unproven.push_back(std::move(reason));
+  /// Estimates how much of a box is proven when the box around it was not for this reason.
+  [[nodiscard]] double chance_of(CellGap reason) const {
+    const Tally& tally = tallies_.at(static_cast<std::size_t>(reason));
+    return (1 + tally.gained) / (2 + tally.tried);
   }
 
   /// Cuts a box across the parameter that moves the arm most and was most to blame.
@@ -173,23 +215,20 @@ class CellBuilder {
     int widest = varying.front();
     double most = -1;
     for (std::size_t i = 0; i < varying.size(); ++i) {
-      const double weight = kSizeWeight * size(varying[i]) / sizes + result.blame[i] / blames;
+      const double weight =
+          kSizeWeight * size(varying[i]) / sizes + result.blame[i] / blames + result.contrast[i];
       if (weight <= most) continue;
       most = weight;
       widest = varying[i];
     }
-    SplitNode& node = cell_.tree[as_index(open.node)];
-    node.parameter = widest;
-    node.at = open.tasks.center[as_index(widest)];
-    node.below = static_cast<int>(cell_.tree.size());
-    node.above = node.below + 1;
     const double half = open.tasks.half[as_index(widest)] / 2;
+    int node = cell_.tree.cut(open.node, widest, open.tasks.center[as_index(widest)]);
     for (const double side : {-1.0, 1.0}) {
-      OpenBox part{open.tasks, open.share / 2, static_cast<int>(cell_.tree.size()), above, reason};
+      OpenBox part{open.tasks, open.share / 2, node++, above, reason};
+      part.priority = part.share * std::max(result.left, kLeastLeft) * chance_of(reason.gap);
       part.tasks.half[as_index(widest)] = half;
       part.tasks.center[as_index(widest)] += side * half;
       queue_.push(std::move(part));
-      cell_.tree.emplace_back();
     }
   }
 
@@ -206,6 +245,11 @@ class CellBuilder {
   std::size_t tracked_count_ = 0;
   double blocked_ = 0;
   std::uint64_t examined_ = 0;
+  /// Boxes that were examined, and what of them was proven, by the reason of the box around them.
+  struct Tally {
+    double tried = 0, gained = 0;
+  };
+  std::array<Tally, kCellGaps> tallies_ = {};
 };
 
 Result<void> check_start(const CollisionChecker& checker, const CellStart& start) {
@@ -216,6 +260,33 @@ Result<void> check_start(const CollisionChecker& checker, const CellStart& start
               "at start {}, {} is closer to {} than the margin of {} m; expected a start in the "
               "open, or a smaller margin",
               start.name, contacts.front().link, contacts.front().other, checker.margin());
+}
+
+/// Builds on what the starts of a cell have.
+Result<void> grow(CellData& data, const CellSettings& settings,
+                  const std::function<void(const CellProgress&)>& on_progress) {
+  const Stopwatch stopwatch;
+  const double before = data.progress.empty() ? 0 : data.progress.back().time_s;
+  for (std::size_t i = 0; i < data.starts.size(); ++i) {
+    const auto examiner = MNEME_TRY(Examiner::make(data.region, data.region.starts[i], settings));
+    const double left = settings.seconds - stopwatch.elapsed_s();
+    const auto starts_left = static_cast<double>(data.starts.size() - i);
+    CellBuilder builder(examiner, settings, std::max(0.0, left / starts_left),
+                        std::move(data.starts[i]));
+    double kept = -1;
+    CellProgress last = builder.progress();
+    last.time_s += before;
+    data.starts[i] = builder.run([&](const CellProgress& progress) {
+      constexpr double kStep = 0.002;
+      last = progress;
+      last.time_s += before;
+      if (progress.proven >= kept + kStep) data.progress.push_back(last);
+      if (progress.proven >= kept + kStep) kept = progress.proven;
+      if (on_progress) on_progress(last);
+    });
+    data.progress.push_back(last);
+  }
+  return {};
 }
 
 }  // namespace
@@ -231,18 +302,27 @@ Result<Cell> build_cell(const CellRegion& region, const CellSettings& settings,
       MNEME_TRY(CollisionChecker::make(region.problem.robot, region.problem.scene, kept));
   for (const CellStart& start : region.starts) MNEME_TRY(internal::check_start(careful, start));
   auto data = MNEME_TRY(internal::make_cell_data(region, settings.margin));
-  const Stopwatch stopwatch;
-  for (std::size_t i = 0; i < region.starts.size(); ++i) {
-    const auto examiner = MNEME_TRY(internal::Examiner::make(region, region.starts[i], settings));
-    const double left = settings.seconds - stopwatch.elapsed_s();
-    const auto starts_left = static_cast<double>(region.starts.size() - i);
-    internal::CellBuilder builder(examiner, settings, std::max(0.0, left / starts_left));
-    data->starts.push_back(builder.run([&](const CellProgress& progress) {
-      data->progress.push_back(progress);
-      if (on_progress) on_progress(progress);
-    }));
-  }
+  data->starts.resize(region.starts.size());
+  MNEME_TRY(internal::grow(*data, settings, on_progress));
   return Cell(std::move(data));
+}
+
+Result<void> Cell::extend(const CellSettings& settings,
+                          const std::function<void(const CellProgress&)>& on_progress) {
+  MNEME_TRY(internal::check_ranges(settings));
+  if (!data_->is_of_this_world) {
+    return fail(ErrorCode::invalid,
+                "{}: the robot, the scene or allowed contacts have changed since the cell was "
+                "built; prove its boxes again before more are built",
+                data_->region.path);
+  }
+  auto data = std::make_shared<internal::CellData>(*data_);
+  for (internal::StartCell& start : data->starts) start.drop_hints();
+  CellSettings same = settings;
+  same.margin = data->margin;
+  MNEME_TRY(internal::grow(*data, same, on_progress));
+  data_ = std::move(data);
+  return {};
 }
 
 }  // namespace mneme

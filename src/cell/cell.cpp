@@ -7,6 +7,7 @@
 
 #include "base/as_index.h"
 #include "base/threads.h"
+#include "cell/blocked_link.h"
 #include "cell/cell_data.h"
 
 #include <fmt/format.h>
@@ -32,6 +33,37 @@ Result<std::shared_ptr<internal::CellData>> internal::make_cell_data(const CellR
       CellData{region, MNEME_TRY(LinkChain::make(problem.robot, region.middle().link)),
                TaskFrame(region), MNEME_TRY(CollisionChecker::make(problem.robot, problem.scene)),
                margin, hash_world(problem)});
+}
+
+void internal::StartCell::drop_hints() {
+  if (std::ranges::all_of(boxes, &CellBox::is_proven)) return;
+  std::vector<int> index(boxes.size(), -1);
+  std::vector<CellBox> kept;
+  std::vector<bool> is_lost(tree.nodes.size());
+  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+    SplitNode& node = tree.nodes[i];
+    const int first = node.first, count = node.count;
+    node.first = static_cast<int>(kept.size());
+    for (int k = first; k < first + count; ++k) {
+      if (!boxes[as_index(k)].is_proven) continue;
+      index[as_index(k)] = static_cast<int>(kept.size());
+      kept.push_back(std::move(boxes[as_index(k)]));
+    }
+    node.count = static_cast<std::uint16_t>(static_cast<int>(kept.size()) - node.first);
+    is_lost[i] = is_lost[i] || node.count < count;
+    for (int side = 0; side < 2 && !node.is_leaf(); ++side) {
+      is_lost[as_index(node.below + side)] = is_lost[i];
+    }
+    if (!node.is_leaf() || !is_lost[i] || node.has_gap) continue;
+    node.has_gap = true;
+    node.gap = {};
+    node.gap.is_examined = node.count > 0;
+  }
+  boxes = std::move(kept);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const int origin = index[as_index(boxes[i].origin)];
+    boxes[i].origin = origin < 0 ? static_cast<int>(i) : origin;
+  }
 }
 
 std::string_view to_string(CellTier tier) {
@@ -188,21 +220,22 @@ class PathBender {
       seen_.push_back(q);
       if (!data_.chain.keeps_limits(q)) continue;
       ++tried;
-      Path path = bend_to(box, q - box.branch.q0);
-      CheckCounters counters;
-      const MotionVerifier verifier(data_.checker);
-      if (path.empty() || verifier.find_invalid_motion(path, counters) >= 0) continue;
-      answer.tier = CellTier::verified;
-      answer.box = index;
-      answer.path = std::move(path);
-      return true;
+      for (Path& path : paths_to(box, q)) {
+        CheckCounters counters;
+        const MotionVerifier verifier(data_.checker);
+        if (path.empty() || verifier.find_invalid_motion(path, counters) >= 0) continue;
+        answer.tier = CellTier::verified;
+        answer.box = index;
+        answer.path = std::move(path);
+        return true;
+      }
     }
     return false;
   }
 
  private:
-  static constexpr int kTries = 4;
-  static constexpr std::size_t kNearest = 16;
+  static constexpr int kTries = 12;
+  static constexpr std::size_t kNearest = 64;
   static constexpr double kSame = 0.02;
 
   [[nodiscard]] bool is_seen(const JointVector& q) const {
@@ -231,6 +264,14 @@ class PathBender {
     std::vector<int> result;
     for (std::size_t i = 0; i < count; ++i) result.push_back(order[i].second);
     return result;
+  }
+
+  /// The box's path bent to the goal; then with a motion from its middle to the goal.
+  [[nodiscard]] std::array<Path, 2> paths_to(const CellBox& box, const JointVector& q) const {
+    const JointVector change = q - box.branch.q0;
+    Path longer = bend_to(box, 0 * change);
+    if (!longer.empty()) longer.push_back(internal::to_configuration(q));
+    return {bend_to(box, change), std::move(longer)};
   }
 
   [[nodiscard]] Path bend_to(const CellBox& box, const JointVector& change) const {
@@ -330,10 +371,6 @@ CellTask random_task(const internal::TaskFrame& frame, Rng& rng) {
   return task;
 }
 
-bool is_within(const UnprovenBox& box, const CellTask& task) {
-  return internal::TaskBox{box.center, box.half_extents}.contains(task);
-}
-
 }  // namespace
 
 CellCoverage Cell::coverage(std::size_t start, int samples) const {
@@ -343,7 +380,6 @@ CellCoverage Cell::coverage(std::size_t start, int samples) const {
   CellAnswer answer;
   std::array<int, kCellGaps> gap_counts = {};
   int proven = 0;
-  const std::vector<UnprovenBox>& gaps = data_->starts[start].unproven;
   for (int i = 0; i < samples; ++i) {
     const CellTask task = random_task(data_->frame, rng);
     look_up(task, answer, start);
@@ -351,9 +387,8 @@ CellCoverage Cell::coverage(std::size_t start, int samples) const {
       ++proven;
       continue;
     }
-    const auto gap =
-        std::ranges::find_if(gaps, [&](const UnprovenBox& box) { return is_within(box, task); });
-    const CellGap reason = gap != gaps.end() ? gap->gap : CellGap::limits;
+    const internal::SplitNode& leaf = data_->starts[start].tree.leaf_of(task);
+    const CellGap reason = leaf.has_gap ? leaf.gap.reason : CellGap::limits;
     ++gap_counts[static_cast<std::size_t>(reason)];
   }
   const auto share = [samples](int count) { return samples > 0 ? double(count) / samples : 0; };
@@ -363,34 +398,68 @@ CellCoverage Cell::coverage(std::size_t start, int samples) const {
 }
 
 std::vector<UnprovenBox> Cell::unproven(std::size_t start) const {
-  return data_->starts[start].unproven;
+  return data_->starts[start].tree.unproven(data_->frame);
 }
 
 namespace {
 
-/// Proves all boxes of a start again.
-void prove_again(const internal::CellData& data, StartCell& start, int threads,
-                 CellVerification& result) {
-  std::atomic<std::size_t> next = 0;
-  std::atomic<int> proven = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < start.boxes.size(); i = next++) {
-      CellBox& box = start.boxes[i];
-      internal::ProofSettings settings;
-      settings.margin = static_cast<float>(data.margin);
-      settings.most_states = ~std::uint64_t{0} >> 1;
-      internal::ProofFailure failure;
-      CheckCounters counters;
-      box.is_proven =
-          internal::prove(data.checker, box.path, box.shift, settings, failure, counters);
-      proven += box.is_proven ? 1 : 0;
-    }
-  };
-  internal::Threads others(as_index(std::max(1, threads) - 1), work);
-  work();
-  others.join();
-  result.proven += proven;
-  result.checked += static_cast<int>(start.boxes.size());
+/// Proves boxes again: against changed obstacles only where the rest is proven.
+class Reprover {
+ public:
+  explicit Reprover(const internal::CellData& data) : data_(data) {
+    if (!data.changed) return;
+    auto checker = CollisionChecker::make(data.region.problem.robot, *data.changed);
+    if (checker) changes_ = std::move(*checker);
+  }
+
+  void run(StartCell& start, int threads, CellVerification& result) const {
+    std::atomic<std::size_t> next = 0;
+    std::atomic<int> proven = 0, kept = 0;
+    const auto work = [&] {
+      for (std::size_t i = next++; i < start.boxes.size(); i = next++) {
+        CellBox& box = start.boxes[i];
+        const bool is_known = changes_.has_value() && box.was_proven;
+        kept += is_known ? 1 : 0;
+        box.is_proven = box.was_proven = prove(box, is_known);
+        proven += box.is_proven ? 1 : 0;
+      }
+    };
+    internal::Threads others(as_index(std::max(1, threads) - 1), work);
+    work();
+    others.join();
+    result.proven += proven;
+    result.kept += kept;
+    result.checked += static_cast<int>(start.boxes.size());
+  }
+
+ private:
+  [[nodiscard]] bool prove(const CellBox& box, bool is_known) const {
+    if (is_known && data_.changed->obstacles.empty()) return true;
+    internal::ProofSettings settings;
+    settings.margin = static_cast<float>(data_.margin);
+    settings.most_states = ~std::uint64_t{0} >> 1;
+    settings.has_trials = false;
+    settings.has_links = !is_known;
+    internal::ProofFailure failure;
+    CheckCounters counters;
+    const CollisionChecker& checker = is_known ? *changes_ : data_.checker;
+    return internal::prove(checker, box.path, box.shift, settings, failure, counters);
+  }
+
+  const internal::CellData& data_;
+  std::optional<CollisionChecker> changes_;  ///< with changed obstacles only
+};
+
+/// Leaves whose link is no longer blocked are open.
+void check_blocked(const internal::CellData& data, internal::SplitTree& tree) {
+  const internal::BlockedLink blocked(data.region, data.frame);
+  const std::vector<internal::TaskBox> places = tree.place(data.frame.whole());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    internal::SplitNode& node = tree.nodes[i];
+    if (!node.has_gap || node.gap.reason != CellGap::blocked || blocked.find(places[i])) continue;
+    node.gap = {};
+    node.gap.is_examined = node.count > 0;
+  }
 }
 
 /// A task of a random box: at a corner for odd `i`.
@@ -409,8 +478,13 @@ CellVerification Cell::verify(int samples, std::uint64_t seed, int threads) {
   const Stopwatch stopwatch;
   CellVerification result;
   auto data = std::make_shared<internal::CellData>(*data_);
-  for (StartCell& start : data->starts) prove_again(*data, start, threads, result);
+  const Reprover reprover(*data);
+  for (StartCell& start : data->starts) {
+    reprover.run(start, threads, result);
+    if (!data->is_of_this_world) check_blocked(*data, start.tree);
+  }
   data->is_of_this_world = true;
+  data->changed.reset();
   data_ = data;
   result.time_s = stopwatch.elapsed_s();
   constexpr double kResolution = 1.0 / 320;

@@ -10,10 +10,12 @@
 #include "cell/bent_path.h"
 #include "cell/branch.h"
 #include "goal/link_chain.h"
+#include "cell/split_tree.h"
 #include "cell/task_frame.h"
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,25 +29,19 @@ struct CellBox {
   GoalShift shift;  ///< over the box, as a change of branch.q0
   int origin = 0;   ///< the box whose planned path this one bends; itself if it was planned
   bool is_proven = true;
-};
-
-/// A node of the tree of boxes of tasks. Its boxes may serve only some of its tasks.
-struct SplitNode {
-  int parameter = -1;  ///< that is cut at `at`; -1: a leaf
-  double at = 0;
-  int below = -1, above = -1;
-  std::vector<int> boxes;
+  bool was_proven = true;  ///< is free of links and of all obstacles but CellData::changed
 };
 
 /// All boxes for one start.
 struct StartCell {
   std::vector<CellBox> boxes;
-  std::vector<SplitNode> tree = std::vector<SplitNode>(1);
-  std::vector<UnprovenBox> unproven;
+  SplitTree tree;
 
   /// Calls `visit(index)` for the boxes around a task, the smallest first, until it returns true.
   template <class Visit>
   void visit_boxes(const CellTask& task, const Visit& visit) const;
+  /// Removes boxes that are not proven. Leaves that they served are not examined then.
+  void drop_hints();
 };
 
 template <class Visit>
@@ -54,12 +50,10 @@ void StartCell::visit_boxes(const CellTask& task, const Visit& visit) const {
   std::array<int, kMost> found;
   std::size_t count = 0;
   for (int i = 0; i >= 0;) {
-    const SplitNode& node = tree[static_cast<std::size_t>(i)];
-    for (const int box : node.boxes) {
-      if (count < kMost) found[count++] = box;
-    }
-    if (node.parameter < 0) break;
-    i = task[static_cast<std::size_t>(node.parameter)] <= node.at ? node.below : node.above;
+    const SplitNode& node = tree.nodes[as_index(i)];
+    for (int k = 0; k < node.count && count < kMost; ++k) found[count++] = node.first + k;
+    if (node.is_leaf()) break;
+    i = node.half_of(task);
   }
   while (count > 0) {
     if (visit(found[--count])) return;
@@ -70,9 +64,13 @@ void StartCell::visit_boxes(const CellTask& task, const Visit& visit) const {
 [[nodiscard]] bool serves(const CellBox& box, const CellTask& task, const TaskFrame& frame,
                           const LinkChain& chain);
 
-/// 16 hexadecimal digits over what decides whether a motion is free: robot with attached objects,
-/// scene, allowed contacts.
-[[nodiscard]] std::string hash_world(const Problem& problem);
+/// Hashes over what decides whether a motion is free: 16 hexadecimal digits each.
+struct WorldHash {
+  std::string robot;                   ///< with attached objects
+  std::vector<std::string> obstacles;  ///< with contacts that they are allowed
+  bool operator==(const WorldHash&) const = default;
+};
+[[nodiscard]] WorldHash hash_world(const Problem& problem);
 /// The same over the region's tasks and starts.
 [[nodiscard]] std::string hash_tasks(const CellRegion& region);
 
@@ -85,8 +83,10 @@ struct CellData {
   TaskFrame frame;
   CollisionChecker checker;
   double margin = 0;
-  std::string world = {};  ///< hash_world() of the region's problem
+  WorldHash world = {};  ///< hash_world() of the region's problem
   bool is_of_this_world = true;
+  /// Obstacles that the boxes' last proof lacks; nothing if all is to be proven again.
+  std::optional<Scene> changed = {};
   std::vector<StartCell> starts = {};
   std::vector<CellProgress> progress = {};
 };

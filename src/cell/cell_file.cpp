@@ -1,205 +1,211 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// A file: a line of text, then numbers as they stand in memory (little-endian), then their
-// checksum.
+// A file: a line of text, then values, then their checksum (XXH3, little-endian). Values of paths
+// and models are multiples of kPathStep and kShiftStep. Boxes of tasks follow from the tree.
 #include "base/as_index.h"
+#include "base/byte_stream.h"
 #include "base/fail.h"
 #include "base/files.h"
 #include "cell/cell_data.h"
 
 #include <xxhash.h>
 
-#include <bit>
-#include <cmath>
+#include <algorithm>
 #include <cstring>
 #include <string_view>
-#include <type_traits>
-
-static_assert(std::endian::native == std::endian::little);
 
 namespace mneme {
 namespace internal {
 namespace {
 
-constexpr std::string_view kMagic = "mneme cell, version 1\n";
+constexpr std::string_view kFormat = "mneme cell, version ", kVersion = "2";
+constexpr std::string_view kMagic = "mneme cell, version 2\n";
 constexpr std::size_t kMostCellBytes = std::size_t{1} << 30;
-
-/// Appends values.
-class CellWriter {
- public:
-  template <class T>
-  requires std::is_trivially_copyable_v<T>
-  void field(const T& value) { bytes_.append(reinterpret_cast<const char*>(&value), sizeof value); }
-  void field(const std::string& text) {
-    field(std::uint64_t{text.size()});
-    bytes_.append(text);
-  }
-  template <class T, class Each>
-  void list(const std::vector<T>& items, const Each& each) {
-    field(std::uint64_t{items.size()});
-    for (const T& item : items) each(*this, item);
-  }
-  void list(const std::vector<float>& values) {
-    field(std::uint64_t{values.size()});
-    bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
-  }
-  [[nodiscard]] const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_ = std::string(kMagic);
-};
-
-/// Reads values. After a read beyond the end all values are 0.
-class CellReader {
- public:
-  explicit CellReader(std::string_view bytes) : bytes_(bytes) {}
-
-  template <class T>
-  requires std::is_trivially_copyable_v<T>
-  void field(T& value) { read(&value, sizeof value); }
-  void field(std::string& text) {
-    text.resize(count(1));
-    read(text.data(), text.size());
-  }
-  template <class T, class Each>
-  void list(std::vector<T>& items, const Each& each) {
-    items.resize(count(1));
-    for (T& item : items) each(*this, item);
-  }
-  void list(std::vector<float>& values) {
-    values.resize(count(sizeof(float)));
-    read(values.data(), values.size() * sizeof(float));
-  }
-  [[nodiscard]] bool is_complete() const { return is_good_ && bytes_.empty(); }
-
- private:
-  /// The number of items of at least this size.
-  std::size_t count(std::size_t size) {
-    std::uint64_t count = 0;
-    field(count);
-    is_good_ = is_good_ && count <= bytes_.size() / size;
-    return is_good_ ? static_cast<std::size_t>(count) : 0;
-  }
-  void read(void* to, std::size_t size) {
-    is_good_ = is_good_ && size <= bytes_.size();
-    if (!is_good_) {
-      std::memset(to, 0, size);
-      return;
-    }
-    std::memcpy(to, bytes_.data(), size);
-    bytes_.remove_prefix(size);
-  }
-
-  std::string_view bytes_;
-  bool is_good_ = true;
-};
 
 /// The head of a file.
 struct CellHead {
-  std::string region_path, world, tasks, kinematics;
+  std::string region_path, tasks, kinematics;
+  WorldHash world;
   double margin = 0;
 };
 
-// One description for reading and writing: `f` is a CellWriter or a CellReader.
+// One description for reading and writing: `f` is a ByteWriter or a ByteReader.
 
 template <class File, class Head>
 void visit_head(File& f, Head& head) {
   f.field(head.region_path);
-  f.field(head.world);
+  f.field(head.world.robot);
+  f.list(head.world.obstacles, [](auto& file, auto& hash) { file.field(hash); });
   f.field(head.tasks);
   f.field(head.kinematics);
   f.field(head.margin);
 }
 
+/// Numbers of values in a box.
+struct BoxShape {
+  std::size_t joints = 0, parameters = 0;
+};
+
+BoxShape shape_of(const CellData& data) {
+  return {as_index(data.chain.joint_count()), data.frame.varying().size()};
+}
+
+void resize(const CellBox&, std::size_t, const BoxShape&) {}
+void resize(CellBox& box, std::size_t waypoints, const BoxShape& shape) {
+  box.path.rows.resize(waypoints * shape.joints);
+  box.path.shares.resize(waypoints);
+  box.shift.parameters = static_cast<int>(shape.parameters);
+  box.shift.constant.resize(shape.joints);
+  box.shift.slopes.resize(shape.parameters * shape.joints);
+  box.shift.curvatures.resize(shape.parameters * shape.parameters * shape.joints);
+  box.shift.rest.resize(shape.joints);
+}
+
+void mirror(const GoalShift&, std::size_t, std::size_t) {}
+void mirror(GoalShift& shift, std::size_t from, std::size_t to) {
+  shift.curvatures[to] = shift.curvatures[from];
+}
+
 template <class File, class Shift>
-void visit_shift(File& f, Shift& shift) {
-  f.field(shift.parameters);
-  f.list(shift.constant);
-  f.list(shift.slopes);
-  f.list(shift.curvatures);
-  f.list(shift.rest);
+void visit_shift(File& f, Shift& shift, const BoxShape& shape) {
+  for (auto* values : {&shift.constant, &shift.slopes, &shift.rest}) {
+    for (auto& value : *values) f.multiple(value, kShiftStep);
+  }
+  for (std::size_t k = 0; k < shape.parameters; ++k) {
+    for (std::size_t l = k; l < shape.parameters; ++l) {
+      for (std::size_t j = 0; j < shape.joints; ++j) {
+        const std::size_t at = (k * shape.parameters + l) * shape.joints + j;
+        f.multiple(shift.curvatures[at], kShiftStep);
+        mirror(shift, at, (l * shape.parameters + k) * shape.joints + j);
+      }
+    }
+  }
 }
 
+/// All of a box but its tasks, its branch, and the start of its path.
 template <class File, class BoxOf>
-void visit_box(File& f, BoxOf& box) {
-  f.field(box.tasks.center);
-  f.field(box.tasks.half);
-  f.list(box.path.rows);
-  f.list(box.path.shares);
-  visit_shift(f, box.shift);
-  f.field(box.origin);
-  f.field(box.is_proven);
-}
-
-template <class File, class Node>
-void visit_node(File& f, Node& node) {
-  f.field(node.parameter);
-  f.field(node.at);
-  f.field(node.below);
-  f.field(node.above);
-  f.list(node.boxes, [](auto& file, auto& index) { file.field(index); });
+void visit_box(File& f, BoxOf& box, const BoxShape& shape) {
+  std::size_t waypoints = box.path.size();
+  f.number(waypoints);
+  resize(box, f.bounded(waypoints), shape);
+  auto& rows = box.path.rows;
+  for (std::size_t i = shape.joints; i < rows.size(); ++i) {
+    const float before = i < 2 * shape.joints ? 0 : rows[i - shape.joints];
+    f.multiple(rows[i], kPathStep, before);
+  }
+  for (auto& share : box.path.shares) f.multiple(share, kPathStep);
+  visit_shift(f, box.shift, shape);
+  f.number(box.origin);
+  f.number(box.is_proven);
 }
 
 template <class File, class Gap>
 void visit_gap(File& f, Gap& gap) {
-  f.field(gap.center);
-  f.field(gap.half_extents);
-  f.field(gap.gap);
-  f.field(gap.share);
-  f.field(gap.first);
-  f.field(gap.other);
-  f.field(gap.along);
+  f.number(gap.reason);
+  f.number(gap.is_examined);
+  f.number(gap.first);
+  f.number(gap.other);
+  f.number(gap.along);
+}
+
+template <class File, class Node>
+void visit_node(File& f, Node& node) {
+  f.number(node.parameter);
+  f.number(node.count);
+  if (node.count > 0) f.number(node.first);
+  f.number(node.has_gap);
+  if (node.has_gap) visit_gap(f, node.gap);
 }
 
 template <class File, class Start>
-void visit_start(File& f, Start& start) {
-  f.list(start.boxes, [](auto& file, auto& box) { visit_box(file, box); });
-  f.list(start.tree, [](auto& file, auto& node) { visit_node(file, node); });
-  f.list(start.unproven, [](auto& file, auto& gap) { visit_gap(file, gap); });
+void visit_start(File& f, Start& start, const BoxShape& shape) {
+  f.list(start.tree.names, [](auto& file, auto& name) { file.field(name); });
+  f.list(start.tree.nodes, [](auto& file, auto& node) { visit_node(file, node); });
+  f.list(start.boxes, [&](auto& file, auto& box) { visit_box(file, box, shape); });
+}
+
+template <class File, class Progress>
+void visit_progress(File& f, Progress& progress) {
+  f.field(progress.time_s);
+  f.number(progress.boxes);
+  f.field(progress.proven);
+  f.field(progress.decided);
 }
 
 template <class File, class Starts, class Progress>
-void visit_body(File& f, Starts& starts, Progress& progress) {
-  f.list(starts, [](auto& file, auto& start) { visit_start(file, start); });
-  f.list(progress, [](auto& file, auto& step) { file.field(step); });
+void visit_body(File& f, Starts& starts, Progress& progress, const BoxShape& shape) {
+  f.list(starts, [&](auto& file, auto& start) { visit_start(file, start, shape); });
+  f.list(progress, [](auto& file, auto& step) { visit_progress(file, step); });
 }
 
 // What a reader relies on, whatever is in the file.
 
-bool are_finite(std::span<const float> values) {
-  return std::ranges::all_of(values, [](float value) { return std::isfinite(value); });
-}
-
-bool is_sound(const CellBox& box, std::size_t joints, std::size_t parameters) {
-  const GoalShift& shift = box.shift;
-  return box.path.size() >= 2 && box.path.rows.size() == joints * box.path.size() &&
-         as_index(shift.parameters) == parameters && shift.constant.size() == joints &&
-         shift.slopes.size() == parameters * joints &&
-         shift.curvatures.size() == parameters * parameters * joints &&
-         shift.rest.size() == joints && are_finite(box.path.rows) && are_finite(box.path.shares);
-}
-
-bool is_sound(const StartCell& start, std::size_t joints, std::size_t parameters) {
-  const auto nodes = static_cast<int>(start.tree.size());
-  const auto boxes = static_cast<int>(start.boxes.size());
-  for (int i = 0; i < nodes; ++i) {
-    const SplitNode& node = start.tree[as_index(i)];
-    for (const int box : node.boxes) {
-      if (box < 0 || box >= boxes) return false;
-    }
-    if (node.parameter < 0) continue;
-    // Children come later, so that a walk down the tree ends.
-    const bool is_inner = node.below > i && node.above > i && node.below < nodes &&
-                          node.above < nodes && as_index(node.parameter) < kTaskSize;
-    if (!is_inner) return false;
+/// Sets the children of nodes, which are in the order of their depth. False if they do not fit.
+bool link_nodes(SplitTree& tree, const TaskFrame& frame) {
+  std::size_t next = 1;
+  for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+    SplitNode& node = tree.nodes[i];
+    if (node.gap.first >= tree.names.size() || node.gap.other >= tree.names.size()) return false;
+    if (as_index(static_cast<int>(node.gap.reason)) >= kCellGaps) return false;
+    if (node.is_leaf()) continue;
+    if (std::ranges::count(frame.varying(), node.parameter) == 0) return false;
+    node.below = static_cast<int>(next);
+    next += 2;
+    if (next > tree.nodes.size() || as_index(node.below) <= i) return false;
   }
-  return nodes > 0 && std::ranges::all_of(start.boxes, [&](const CellBox& box) {
-           return is_sound(box, joints, parameters);
-         });
+  return next == tree.nodes.size();
+}
+
+/// Gives boxes the tasks of their nodes. False if a box has not one node.
+bool place_boxes(StartCell& start, const TaskFrame& frame) {
+  const std::vector<TaskBox> places = start.tree.place(frame.whole());
+  std::vector<bool> is_placed(start.boxes.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const SplitNode& node = start.tree.nodes[i];
+    for (int k = node.first; k < node.first + node.count; ++k) {
+      if (k < 0 || as_index(k) >= start.boxes.size() || is_placed[as_index(k)]) return false;
+      is_placed[as_index(k)] = true;
+      start.boxes[as_index(k)].tasks = places[i];
+    }
+  }
+  return std::ranges::count(is_placed, false) == 0;
+}
+
+/// Completes what the file says of a start. False if its parts do not fit together.
+bool complete(StartCell& start, const CellStart& from, const CellData& data) {
+  if (!link_nodes(start.tree, data.frame) || !place_boxes(start, data.frame)) return false;
+  for (CellBox& box : start.boxes) {
+    if (box.path.size() < 2 || as_index(box.origin) >= start.boxes.size()) return false;
+    std::ranges::transform(from.q, box.path.rows.begin(),
+                           [](double value) { return static_cast<float>(value); });
+    const JointVector none = JointVector::Zero(data.chain.joint_count());
+    box.branch = make_branch(data.chain, box.path.waypoint(box.path.size() - 1, none));
+    box.was_proven = box.is_proven;
+    box.is_proven = box.is_proven && data.is_of_this_world;
+  }
+  return true;
+}
+
+/// The obstacles of the scene that were not there when the file was written.
+Scene find_changed(const CellHead& head, const CellData& data) {
+  Scene changed;
+  const std::vector<Obstacle>& obstacles = data.region.problem.scene.obstacles;
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    if (std::ranges::count(head.world.obstacles, data.world.obstacles[i]) == 0) {
+      changed.obstacles.push_back(obstacles[i]);
+    }
+  }
+  return changed;
 }
 
 Result<std::string_view> check_bytes(std::string_view bytes, const std::string& path) {
+  if (bytes.starts_with(kFormat) && !bytes.starts_with(kMagic)) {
+    const std::string_view version = bytes.substr(kFormat.size());
+    return fail(ErrorCode::unsupported,
+                "{}: a cell of version {}, but this mneme reads version {}; build it anew", path,
+                version.substr(0, version.find_first_not_of("0123456789")), kVersion);
+  }
   if (!bytes.starts_with(kMagic)) {
     return fail(ErrorCode::corrupt, "{}: expected a cell, which begins with \"{}\"", path,
                 kMagic.substr(0, kMagic.size() - 1));
@@ -232,13 +238,14 @@ Result<void> check_head(const CellHead& head, const CellRegion& region, const st
 }  // namespace internal
 
 Result<void> Cell::save(const std::string& path) const {
-  internal::CellWriter writer;
+  internal::ByteWriter writer(internal::kMagic);
   internal::CellHead head{std::filesystem::absolute(data_->region.path).lexically_normal().string(),
-                          data_->world, internal::hash_tasks(data_->region),
-                          data_->region.problem.robot.kinematics_hash(), data_->margin};
-  if (!data_->is_of_this_world) head.world.clear();
+                          internal::hash_tasks(data_->region),
+                          data_->region.problem.robot.kinematics_hash(), data_->world,
+                          data_->margin};
+  if (!data_->is_of_this_world) head.world = {};
   internal::visit_head(writer, head);
-  internal::visit_body(writer, data_->starts, data_->progress);
+  internal::visit_body(writer, data_->starts, data_->progress, internal::shape_of(*data_));
   const std::uint64_t checksum = XXH3_64bits(writer.bytes().data(), writer.bytes().size());
   auto file = MNEME_TRY(internal::NewFile::create(path));
   MNEME_TRY(file.write(writer.bytes()));
@@ -249,7 +256,7 @@ Result<void> Cell::save(const std::string& path) const {
 Result<Cell> load_cell(const std::string& path, const std::string& region_path,
                        const ProblemOptions& options) {
   const std::string bytes = MNEME_TRY(internal::read_regular_file(path, internal::kMostCellBytes));
-  internal::CellReader reader(MNEME_TRY(internal::check_bytes(bytes, path)));
+  internal::ByteReader reader(MNEME_TRY(internal::check_bytes(bytes, path)));
   internal::CellHead head;
   internal::visit_head(reader, head);
   const CellRegion region =
@@ -257,19 +264,13 @@ Result<Cell> load_cell(const std::string& path, const std::string& region_path,
   MNEME_TRY(internal::check_head(head, region, path));
   auto data = MNEME_TRY(internal::make_cell_data(region, head.margin));
   data->is_of_this_world = head.world == data->world;
-  internal::visit_body(reader, data->starts, data->progress);
-  const auto joints = internal::as_index(region.problem.robot.joint_count());
-  const std::size_t parameters = data->frame.varying().size();
+  if (!data->is_of_this_world && head.world.robot == data->world.robot) {
+    data->changed = internal::find_changed(head, *data);
+  }
+  internal::visit_body(reader, data->starts, data->progress, internal::shape_of(*data));
   bool is_sound = reader.is_complete() && data->starts.size() == region.starts.size();
-  for (internal::StartCell& start : data->starts) {
-    is_sound = is_sound && internal::is_sound(start, joints, parameters);
-    if (!is_sound) break;
-    for (internal::CellBox& box : start.boxes) {
-      const internal::JointVector none =
-          internal::JointVector::Zero(region.problem.robot.joint_count());
-      box.branch = internal::make_branch(data->chain, box.path.waypoint(box.path.size() - 1, none));
-      box.is_proven = box.is_proven && data->is_of_this_world;
-    }
+  for (std::size_t i = 0; i < data->starts.size() && is_sound; ++i) {
+    is_sound = internal::complete(data->starts[i], region.starts[i], *data);
   }
   if (!is_sound) {
     return fail(ErrorCode::corrupt, "{}: the cell does not fit together; build it anew", path);

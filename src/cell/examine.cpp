@@ -71,7 +71,21 @@ class Examination {
       result_.gap = CellGap::blocked;
       return std::move(result_);
     }
-    result_.is_served = try_neighbours() || (!is_too_large_ && try_fresh());
+    drop_blocked();
+    const std::size_t before = needed_;
+    // No proof of the whole box can succeed where the link is too close to contact in a part of it.
+    if (result_.blocked_by) {
+      result_.gap = CellGap::contact;
+    } else {
+      result_.is_served = try_neighbours() || (!is_too_large_ && try_fresh());
+    }
+    const auto share_of = [&](std::size_t count) {
+      return static_cast<double>(count) / static_cast<double>(tasks_.size());
+    };
+    result_.gained = share_of(before - needed_);
+    result_.left = share_of(needed_);
+    if (result_.is_served) return std::move(result_);
+    note_contrast();
     if (!result_.failure && tightest_ > 0) {
       std::ranges::copy(limit_blame_, result_.blame.begin());
     }
@@ -86,6 +100,30 @@ class Examination {
       if (!is_needed_[i] || !serves(box, tasks_[i], e_.frame(), e_.chain())) continue;
       is_needed_[i] = false;
       --needed_;
+    }
+  }
+
+  /// Samples whose link is too close to contact are not needed: nothing can serve them.
+  void drop_blocked() {
+    for (std::size_t i = 0; i < tasks_.size(); ++i) {
+      if (!is_needed_[i]) continue;
+      auto found = e_.blocked_->find(tasks_[i], e_.margin_);
+      if (!found) continue;
+      is_needed_[i] = false;
+      --needed_;
+      result_.blocked_by = std::move(found);
+    }
+  }
+
+  void note_contrast() {
+    for (std::size_t k = 0; k < e_.frame().varying().size(); ++k) {
+      double below = 0, above = 0, belows = 1e-9, aboves = 1e-9;
+      for (std::size_t i = 0; i < tasks_.size(); ++i) {
+        const bool is_below = e_.fitter_->probes()[i][k] < 0;
+        (is_below ? belows : aboves) += 1;
+        if (is_needed_[i]) (is_below ? below : above) += 1;
+      }
+      result_.contrast[k] = std::abs(below / belows - above / aboves);
     }
   }
 
@@ -156,16 +194,38 @@ class Examination {
     result_.failure = failure;
   }
 
+  [[nodiscard]] ProofSettings proof_settings() const {
+    ProofSettings settings;
+    settings.margin = static_cast<float>(e_.margin_);
+    settings.seed = seed_;
+    return settings;
+  }
+
+  /// Proves that the goals are free, whatever the path: most proofs fail there.
+  bool prove_goal(const Branch& branch, const GoalShift& shift) {
+    BentPath goal;
+    for (int end = 0; end < 2; ++end) {
+      for (const double value : branch.q0) goal.rows.push_back(static_cast<float>(value));
+      goal.shares.push_back(1);
+    }
+    ProofFailure failure;
+    CheckCounters counters;
+    if (prove(e_.levels_.back().checker, goal, shift, proof_settings(), failure, counters)) {
+      return true;
+    }
+    failure.along = 1;
+    blame(failure);
+    is_too_large_ = failure.is_over_budget;
+    return false;
+  }
+
   /// Tries to prove one path over the box. True if all tasks are served then.
   bool prove_path(const Waypoints& path, const Branch& branch, const GoalShift& shift, int origin) {
     for (const int profile : order_) {
       const BentPath bent = bend(path, profile);
       ProofFailure failure;
       CheckCounters counters;
-      ProofSettings settings;
-      settings.margin = static_cast<float>(e_.margin_);
-      settings.seed = seed_;
-      if (prove(e_.levels_.back().checker, bent, shift, settings, failure, counters)) {
+      if (prove(e_.levels_.back().checker, bent, shift, proof_settings(), failure, counters)) {
         result_.boxes.push_back({box_, branch, bent, shift, origin, true});
         result_.profiles.push_back(profile);
         serve(result_.boxes.back());
@@ -247,7 +307,11 @@ class Examination {
       if (is_among(seen, candidate.q, kSameSolution)) continue;
       seen.push_back(candidate.q);
       GoalShift shift;
-      if (!fit(make_branch(e_.chain(), candidate.q), shift)) continue;
+      const Branch branch = make_branch(e_.chain(), candidate.q);
+      if (!fit(branch, shift) || !prove_goal(branch, shift)) {
+        if (is_too_large_) return false;
+        continue;
+      }
       ++tried;
       if (try_candidate(candidate)) return true;
       if (is_too_large_) return false;

@@ -28,6 +28,7 @@ struct OpenBox {
   int node = 0;             ///< of the tree
   std::vector<int> above;   ///< boxes that serve some of its tasks already
   UnprovenBox around = {};  ///< why the box that it is a half of was not proven throughout
+  double priority = 1;      ///< what examining it may gain
 };
 
 /// The result of examining a box.
@@ -35,11 +36,16 @@ struct Examined {
   std::vector<CellBox> boxes;  ///< proven; an origin of -1 stands for itself
   std::vector<int> profiles;   ///< profiles that proved the boxes
   bool is_served = false;      ///< all samples of the box are served
+  double gained = 0;           ///< share of the samples that the boxes serve
+  double left = 1;             ///< share of the samples that are not served yet
   bool is_blocked = false;     ///< no task of the box is free: proven
   CellGap gap = CellGap::unreachable;
   std::optional<ProofFailure> failure;
+  std::optional<BlockedBy> blocked_by;  ///< what the link touches in some tasks
   /// How much each parameter that varies is to blame, relative to the others.
   std::array<double, kMostParameters> blame = {};
+  /// How much the shares of samples that may be served yet differ between the halves.
+  std::array<double, kMostParameters> contrast = {};
 };
 
 /// Examines boxes of one region and start. Const functions are parallel-safe.

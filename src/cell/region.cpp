@@ -146,13 +146,18 @@ class Digest {
 
 namespace internal {
 
-std::string hash_world(const Problem& problem) {
-  Digest digest;
-  digest.add(problem.robot.hash());
+WorldHash hash_world(const Problem& problem) {
+  Digest robot;
+  robot.add(problem.robot.hash());
   const auto attached = problem.robot.attached();
-  digest.add(std::vector<ApproximatedObject>(attached.begin(), attached.end()));
-  digest.add(problem.scene.obstacles);
-  return digest.text();
+  robot.add(std::vector<ApproximatedObject>(attached.begin(), attached.end()));
+  WorldHash hash{robot.text(), {}};
+  for (const Obstacle& obstacle : problem.scene.obstacles) {
+    Digest digest;
+    digest.add(obstacle);
+    hash.obstacles.push_back(digest.text());
+  }
+  return hash;
 }
 
 std::string hash_tasks(const CellRegion& region) {

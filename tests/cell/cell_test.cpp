@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cell/cells.h"
+#include "cell/split_tree.h"
 
 #include <doctest/doctest.h>
 
@@ -101,10 +102,16 @@ TEST_SUITE("flow") {
     REQUIRE(changed.has_value());
     CellVerification verification = changed->verify(200);
     CHECK(verification.checked == static_cast<int>(cell.box_count()));
+    CHECK(verification.kept == verification.checked);
     CHECK(verification.proven < verification.checked);
     CHECK(verification.in_contact == 0);
     CHECK(changed->is_of_this_world());
-    CHECK(changed->proven_count() == static_cast<std::size_t>(verification.proven));
+    const int proven = verification.proven;
+    CHECK(changed->proven_count() == static_cast<std::size_t>(proven));
+    // A second call proves all: nothing has changed since.
+    verification = changed->verify(0);
+    CHECK(verification.kept == 0);
+    CHECK(verification.proven == proven);
     // And back: all is proven again.
     write_file(directory / "region.yaml", region_text());
     REQUIRE(changed->save(file).has_value());
@@ -112,8 +119,75 @@ TEST_SUITE("flow") {
     REQUIRE(back.has_value());
     verification = back->verify(200);
     CHECK(verification.proven == verification.checked);
+    CHECK(verification.kept == proven);
     CHECK(verification.paths > 150);
     CHECK(verification.in_contact == 0);
+  }
+
+  TEST_CASE("a build that is resumed proves more, also of a file") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    Cell cell = require_cell(region, 4);
+    const double before = cell.coverage().proven;
+    CHECK(before < 0.9);
+    const std::string file = directory / "a.cell";
+    REQUIRE(cell.save(file).has_value());
+    auto loaded = load_cell(file);
+    REQUIRE(loaded.has_value());
+    CellSettings settings;
+    settings.boxes = 56;
+    settings.seconds = 1000;
+    for (Cell* each : {&cell, &*loaded}) {
+      REQUIRE(each->extend(settings).has_value());
+      CHECK(each->coverage().proven > 0.97);
+      CHECK(each->verify(100).in_contact == 0);
+      CHECK(each->proven_count() == each->box_count());
+    }
+    CHECK(cell.coverage().proven == loaded->coverage().proven);
+  }
+
+  TEST_CASE("boxes that a change of the scene blocks are replaced by a resumed build") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    const std::string file = directory / "a.cell";
+    REQUIRE(require_cell(region, 60).save(file).has_value());
+    // The post now stands where hands go.
+    write_file(directory / "region.yaml", region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", 0.17));
+    auto changed = load_cell(file);
+    REQUIRE(changed.has_value());
+    CellSettings settings;
+    settings.boxes = 300;
+    settings.seconds = 1000;
+    const auto refused = changed->extend(settings);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().code == ErrorCode::invalid);
+    const CellVerification verification = changed->verify(0);
+    REQUIRE(verification.proven < verification.checked);
+    const double before = changed->coverage().proven;
+    REQUIRE(changed->extend(settings).has_value());
+    CHECK(changed->coverage().proven > before + 0.02);
+    CHECK(changed->proven_count() == changed->box_count());
+    CHECK(changed->verify(200).in_contact == 0);
+  }
+
+  TEST_CASE("jumps of paths are listed where boxes of different plans meet") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    const Cell cell = require_cell(region, 60);
+    const CellContinuity all = cell.continuity(0, 0);
+    CHECK(all.faces > 0);
+    REQUIRE(all.jumps.size() == static_cast<std::size_t>(all.faces));
+    const double median = all.jumps[all.jumps.size() / 2].change;
+    const CellContinuity half = cell.continuity(0, median);
+    CHECK(half.faces == all.faces);
+    CHECK(half.jumps.size() <= all.jumps.size() / 2 + 1);
+    for (const CellJump& jump : all.jumps) {
+      CHECK(jump.box != jump.next);
+      CellAnswer there;
+      cell.look_up(jump.task, there);
+      REQUIRE(there.tier == CellTier::certified);
+      CHECK(there.box == jump.next);
+    }
   }
 
   TEST_CASE("a cell depends on its settings, not on threads") {
@@ -191,6 +265,51 @@ TEST_SUITE("unit") {
       REQUIRE_FALSE(refused.has_value());
       CHECK(refused.error().code == ErrorCode::corrupt);
     }
+  }
+
+  TEST_CASE("a cell of another version is refused by its number") {
+    const TemporaryDirectory directory;
+    write_file(directory / "old.cell", "mneme cell, version 1\nwhatever there was");
+    const auto old = load_cell(directory / "old.cell");
+    REQUIRE_FALSE(old.has_value());
+    CHECK(old.error().code == ErrorCode::unsupported);
+    CHECK(old.error().message.ends_with(
+        "old.cell: a cell of version 1, but this mneme reads version 2; build it anew"));
+  }
+
+  TEST_CASE("neighbours that are not proven for one reason are one box") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    const internal::TaskFrame frame(region);
+    internal::SplitTree tree;
+    UnprovenBox contact, limits;
+    contact.gap = CellGap::contact;
+    contact.first = "hand";
+    contact.other = "post";
+    limits.gap = CellGap::limits;
+    const int half = tree.cut(0, 0, 0);
+    tree.set_gap(half, contact, true);
+    const int quarter = tree.cut(half + 1, 1, 0);
+    const int eighth = tree.cut(quarter, 0, 0.05);
+    for (const int node : {eighth, eighth + 1}) tree.set_gap(node, limits, false);
+    tree.set_gap(quarter + 1, contact, true);
+    tree.merge();
+    CHECK(tree.nodes.size() == 5);
+    const std::vector<UnprovenBox> boxes = tree.unproven(frame);
+    REQUIRE(boxes.size() == 3);
+    CHECK(boxes[0].share == doctest::Approx(0.5));
+    CHECK(boxes[0].first == "hand");
+    CHECK(boxes[0].other == "post");
+    CHECK(boxes[1].share == doctest::Approx(0.25));
+    CHECK(boxes[2].share == doctest::Approx(0.25));
+    CHECK(tree.leaf_of({0.05, -0.04, 0, 0}).gap.reason == CellGap::limits);
+    CHECK(tree.leaf_of({0.05, 0.04, 0, 0}).gap.reason == CellGap::contact);
+    // The last two alone are one box as well.
+    for (internal::SplitNode& node : tree.nodes) node.gap.reason = CellGap::contact;
+    for (internal::SplitNode& node : tree.nodes) node.gap.first = node.gap.other = 0;
+    tree.merge();
+    CHECK(tree.nodes.size() == 1);
+    CHECK(tree.unproven(frame).front().share == 1);
   }
 
   TEST_CASE("a cell of other tasks is refused") {
