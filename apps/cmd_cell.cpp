@@ -4,7 +4,9 @@
 /// mneme cell: builds, queries, verifies and shows certified cells, and makes regions for them.
 #include "mneme/benchmark.h"
 #include "mneme/cell.h"
+#include "mneme/report.h"
 
+#include "cell_page.h"
 #include "commands.h"
 #include "console.h"
 #include "inputs.h"
@@ -76,6 +78,7 @@ struct CellBuildOptions {
   std::string region;
   std::string output;
   CellSettings settings;
+  bool is_resumed = false;
   bool is_json = false;
 };
 
@@ -105,6 +108,19 @@ Json describe_cell(const Cell& cell) {
           {"starts", starts},           {"progress", steps}};
 }
 
+/// Builds a cell, or continues the one in the output file.
+Result<Cell> build_or_resume(const CellRegion& region, const CellBuildOptions& options,
+                             const std::function<void(const CellProgress&)>& on_progress) {
+  CellSettings settings = options.settings;
+  settings.cancel = interrupt_flag();
+  if (!options.is_resumed || !std::filesystem::exists(options.output)) {
+    return build_cell(region, settings, on_progress);
+  }
+  Cell cell = MNEME_TRY(load_cell(options.output, options.region));
+  MNEME_TRY(cell.extend(settings, on_progress));
+  return cell;
+}
+
 Result<ExitCode> run_cell_build(const CellBuildOptions& options) {
   ProblemOptions reading;
   reading.on_approximated = show_sphere_progress();
@@ -113,10 +129,8 @@ Result<ExitCode> run_cell_build(const CellBuildOptions& options) {
   add_files("a file of the problem", region.problem.files, inputs);
   MNEME_TRY(check_outputs(std::array{options.output}, inputs));
   for (const std::string& warning : region.problem.warnings) print_warning(warning);
-  CellSettings settings = options.settings;
-  settings.cancel = interrupt_flag();
   Progress bar("proving");
-  const Cell cell = MNEME_TRY(build_cell(region, settings, [&](const CellProgress& progress) {
+  const Cell cell = MNEME_TRY(build_or_resume(region, options, [&](const CellProgress& progress) {
     bar.update(static_cast<std::int64_t>(1000 * progress.decided), 1000,
                fmt::format("{} boxes", progress.boxes));
   }));
@@ -137,6 +151,8 @@ void add_cell_build(CLI::App& group, Action& action) {
   command.add_option("REGION", options->region, "problem file with the key 'region'")->required();
   command.add_option("-o,--output", options->output, "file to write")->required();
   add_settings(command, options->settings);
+  command.add_flag("--resume", options->is_resumed,
+                   "continue the cell in the output file, if there is one, with its margin");
   add_isa(command);
   add_json(command, options->is_json);
 }
@@ -240,6 +256,7 @@ Result<ExitCode> run_cell_verify(const CellVerifyOptions& options) {
   if (options.is_json) {
     print_json({{"boxes", result.checked},
                 {"proven", result.proven},
+                {"kept", result.kept},
                 {"time_s", result.time_s},
                 {"paths", result.paths},
                 {"in_contact", result.in_contact}});
@@ -274,6 +291,9 @@ void add_cell_verify(CLI::App& group, Action& action) {
 struct CellShowOptions {
   CellFile cell;
   int count = 10;
+  int jumps = 0;
+  std::string view;
+  std::string start;
   bool is_json = false;
 };
 
@@ -303,8 +323,37 @@ void print_unproven(const std::vector<UnprovenBox>& boxes, int count) {
   }
 }
 
+std::string describe_task(const CellRegion& region, const CellTask& task) {
+  std::string text;
+  for (std::size_t k = 0; k < kTaskSize; ++k) {
+    if (region.half_extents[k] == 0) continue;
+    text += fmt::format("{}{} {:.3f}", text.empty() ? "" : ", ", kTaskNames[k], task[k]);
+  }
+  return text;
+}
+
+void print_jumps(const CellRegion& region, const CellContinuity& found, int count) {
+  fmt::print("paths change by 0.5 rad or more across {} of {} between boxes\n", found.jumps.size(),
+             counted(static_cast<std::size_t>(found.faces), "face", "faces"));
+  const auto shown = std::min(found.jumps.size(), static_cast<std::size_t>(count));
+  for (std::size_t i = 0; i < shown; ++i) {
+    const CellJump& jump = found.jumps[i];
+    fmt::print("{:>8.2f} rad  boxes {} and {}, at {}\n", jump.change, jump.box, jump.next,
+               describe_task(region, jump.task));
+  }
+}
+
 Result<ExitCode> run_cell_show(const CellShowOptions& options) {
   const Cell cell = MNEME_TRY(read_cell(options.cell));
+  if (!options.view.empty()) {
+    std::vector<ReadFile> inputs = {{"the cell", options.cell.path}};
+    add_files("a file of the problem", cell.region().problem.files, inputs);
+    MNEME_TRY(check_outputs(std::array{options.view}, inputs));
+    const auto start = MNEME_TRY(find_start(cell.region(), options.start));
+    const PlanTrace trace = MNEME_TRY(trace_cell(cell, start));
+    const std::string page = MNEME_TRY(to_page(to_json(trace), options.view));
+    MNEME_TRY(write_file(options.view, page));
+  }
   if (options.is_json) {
     print_json(describe_cell(cell));
     return ExitCode::done;
@@ -312,6 +361,7 @@ Result<ExitCode> run_cell_show(const CellShowOptions& options) {
   print_built(cell, options.cell.path);
   for (std::size_t i = 0; i < cell.region().starts.size(); ++i) {
     print_unproven(cell.unproven(i), options.count);
+    print_jumps(cell.region(), cell.continuity(i), options.jumps);
   }
   return ExitCode::done;
 }
@@ -324,6 +374,12 @@ void add_cell_show(CLI::App& group, Action& action) {
   add_cell_argument(command, options->cell);
   add_number(command, "--unproven", options->count, 0, 1000000,
              "boxes that are not proven to list");
+  add_number(command, "--jumps", options->jumps, 0, 1000000,
+             "faces between boxes across which paths change to list");
+  command.add_option("--view", options->view,
+                     "write a page that shows the region, coloured by what is proven, and a path");
+  command.add_option("--start", options->start,
+                     "name of the start for --view (default: the first)");
   add_json(command, options->is_json);
 }
 

@@ -26,6 +26,8 @@
 namespace mneme::app {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct LineOptions {
   std::string robot;
   RobotOptions robot_options;
@@ -93,7 +95,6 @@ void print_text(const LineResult& result, double time_s) {
 }
 
 nlohmann::ordered_json to_json(const LineResult& result, double time_s) {
-  using Json = nlohmann::ordered_json;
   return {{"is_whole", result.is_whole()},
           {"fraction", result.line.fraction()},
           {"path", result.line.path},

@@ -49,6 +49,18 @@ TEST_SUITE("flow") {
     const ProgramRun shown = run_program({"cell", "show", cell});
     CHECK(shown.exit_code == 0);
     CHECK(shown.out.find("proven for the modelled scene") != std::string::npos);
+    CHECK(shown.out.find("paths change by 0.5 rad or more across 0 of ") != std::string::npos);
+
+    const std::string page = directory / "a.html";
+    const ProgramRun viewed = run_program({"cell", "show", cell, "--view", page});
+    CHECK_MESSAGE(viewed.exit_code == 0, viewed.err);
+    CHECK(read_file(page).find("<html") != std::string::npos);
+    CHECK(run_program({"cell", "show", cell, "--view", cell}).exit_code != 0);
+
+    const ProgramRun more =
+        run_program({"cell", "build", region, "-o", cell, "--boxes", "20", "--resume", "--json"});
+    REQUIRE_MESSAGE(more.exit_code == 0, more.err);
+    CHECK(Json::parse(more.out)["boxes"] >= summary["boxes"]);
   }
 
   TEST_CASE("wrong words of a cell are explained") {
@@ -70,7 +82,7 @@ TEST_SUITE("flow") {
     write_file(cell, "no cell");
     const ProgramRun damaged = run_program({"cell", "show", cell});
     CHECK(damaged.exit_code == 5);
-    CHECK(damaged.err.find("mneme cell, version 1") != std::string::npos);
+    CHECK(damaged.err.find("mneme cell, version 2") != std::string::npos);
     const ProgramRun itself = run_program({"cell", "build", region, "-o", region});
     CHECK(itself.exit_code != 0);
     CHECK(itself.err.find("region") != std::string::npos);
