@@ -69,6 +69,7 @@ py::dict verify(Cell& cell, int samples, std::uint64_t seed, int threads) {
   py::dict result;
   result["boxes"] = done.checked;
   result["proven"] = done.proven;
+  result["kept"] = done.kept;
   result["paths"] = done.paths;
   result["in_contact"] = done.in_contact;
   return result;
