@@ -272,18 +272,20 @@ class RobotTablesBuilder {
     row.group_begin = static_cast<int>(tables_.groups.size());
     row.cluster_begin = static_cast<int>(tables_.clusters.size());
     std::vector<Capsule> all;
+    clustered_.clear();
     for (const int link : body.links) {
       std::vector<Capsule> shapes = shapes_of(link);
       const auto capsules = std::partition(shapes.begin(), shapes.end(), is_sphere);
       Range& groups = groups_of_link_[as_index(link)];
       groups.begin = static_cast<int>(tables_.groups.size());
-      for_each_part({shapes.begin(), capsules}, kClusterSize * kGroupSize, [&](auto cluster) {
-        for_each_part(cluster, kGroupSize, [&](auto group) { add_spheres(group); });
-        close_cluster(cluster);
+      for_each_part({shapes.begin(), capsules}, kClusterSize * kGroupSize, [&](auto part) {
+        const std::size_t begin = tables_.groups.size();
+        for_each_part(part, kGroupSize, [&](auto group) { add_spheres(group); });
+        cluster_groups(begin, part);
       });
       for (auto capsule = capsules; capsule != shapes.end(); ++capsule) {
         add_capsule(*capsule);
-        close_cluster(std::span(&*capsule, 1));
+        cluster_groups(tables_.groups.size() - 1, std::span(&*capsule, 1));
       }
       groups.end = static_cast<int>(tables_.groups.size());
       tables_.link_of_group.resize(tables_.groups.size(), link);
@@ -317,20 +319,34 @@ class RobotTablesBuilder {
     }
   }
 
-  /// Adds a cluster of the groups since the previous cluster; they hold `shapes`.
-  void close_cluster(std::span<const Capsule> shapes) {
-    const int begin = tables_.clusters.empty() ? 0 : tables_.clusters.back().end;
-    const int end = static_cast<int>(tables_.groups.size());
-    tables_.clusters.push_back({to_ball(enclosing_ball(shapes)), begin, end});
+  /// Adds the groups from `begin` on, which hold `shapes`, to the body's last cluster, or to a new
+  /// one. Links of a gripper, of one or two spheres each, share clusters.
+  void cluster_groups(std::size_t begin, std::span<const Capsule> shapes) {
+    const std::size_t end = tables_.groups.size();
+    const auto has_room = [&](const ClusterRow& cluster) {
+      return end - as_index(cluster.begin) <= as_index(kClusterSize) &&
+             !tables_.groups[as_index(cluster.begin)].is_capsule &&
+             !tables_.groups[begin].is_capsule;
+    };
+    if (clustered_.empty() || !has_room(tables_.clusters.back())) {
+      tables_.clusters.push_back({{}, static_cast<int>(begin), static_cast<int>(end)});
+      clustered_.clear();
+    }
+    clustered_.insert(clustered_.end(), shapes.begin(), shapes.end());
+    ClusterRow& cluster = tables_.clusters.back();
+    cluster.ball = to_ball(enclosing_ball(clustered_));
+    cluster.end = static_cast<int>(end);
+    for (std::size_t i = begin; i < end; ++i) {
+      tables_.groups[i].cluster = static_cast<int>(tables_.clusters.size()) - 1;
+    }
   }
 
   /// Includes capsules so short that floats cannot represent their direction.
   static bool is_sphere(const Capsule& shape) { return (shape.b - shape.a).norm() < 1e-9; }
 
   void add_spheres(std::span<const Capsule> spheres) {
-    tables_.groups.push_back({to_ball(enclosing_ball(spheres)), false,
-                              static_cast<int>(tables_.spheres.size()),
-                              static_cast<int>(tables_.clusters.size())});
+    tables_.groups.push_back(
+        {to_ball(enclosing_ball(spheres)), false, static_cast<int>(tables_.spheres.size())});
     for (std::size_t i = 0; i < as_index(kGroupSize); ++i) {
       const Capsule& sphere = spheres[std::min(i, spheres.size() - 1)];
       Ball& row = tables_.spheres.emplace_back();
@@ -341,8 +357,7 @@ class RobotTablesBuilder {
 
   void add_capsule(const Capsule& capsule) {
     tables_.groups.push_back({to_ball(enclosing_ball(std::span(&capsule, 1))), true,
-                              static_cast<int>(tables_.capsules.size()),
-                              static_cast<int>(tables_.clusters.size())});
+                              static_cast<int>(tables_.capsules.size())});
     CapsuleRow& row = tables_.capsules.emplace_back();
     store(capsule.a, row.a);
     store(Vec3(capsule.b - capsule.a), row.along);
@@ -451,6 +466,7 @@ class RobotTablesBuilder {
   std::vector<Placement> placements_;
   std::vector<Range> groups_of_link_;
   std::map<int, int> body_of_link_;
+  std::vector<Capsule> clustered_;  ///< shapes of the last cluster; empty if that is another body's
   RobotTables tables_;
 };
 

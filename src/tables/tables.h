@@ -69,7 +69,7 @@ struct GroupRow {
   int cluster = 0;  ///< index of its cluster
 };
 
-/// A cluster: several neighbouring groups of spheres of one link, or a single capsule.
+/// A cluster: several neighbouring groups of spheres of one body, or a single capsule.
 struct ClusterRow {
   Ball ball;  ///< the bounding ball
   int begin = 0, end = 0;
