@@ -238,6 +238,7 @@ TEST_SUITE("unit") {
       CHECK(tables.bodies.size() == (distance < 0.1 ? 1 : 2));
       CHECK(tables.moving_count == std::ssize(tables.bodies));
       CHECK(tables.groups.size() == 2);
+      CHECK(tables.clusters.size() == tables.bodies.size());
     }
   }
 
@@ -341,7 +342,7 @@ TEST_SUITE("law") {
     }
   }
 
-  TEST_CASE("balls contain what they are around, of groups and of bodies") {
+  TEST_CASE("balls contain what they are around, of groups, clusters and bodies") {
     Rng rng(502);
     for (int i = 0; i < 200; ++i) {
       const RobotTables tables = require_tables(random_robot(rng));
@@ -357,6 +358,20 @@ TEST_SUITE("law") {
       };
       for (const internal::BodyRow& body : tables.bodies) {
         require_inside(body.ball, body.group_begin, body.group_end);
+        int next = body.group_begin;
+        for (int c = body.cluster_begin; c < body.cluster_end; ++c) {
+          const internal::ClusterRow& cluster = tables.clusters[static_cast<std::size_t>(c)];
+          REQUIRE(cluster.begin == next);
+          REQUIRE(cluster.end - cluster.begin <= internal::kClusterSize);
+          next = cluster.end;
+          require_inside(cluster.ball, cluster.begin, cluster.end);
+          for (int g = cluster.begin; g < cluster.end; ++g) {
+            const internal::GroupRow& group = tables.groups[static_cast<std::size_t>(g)];
+            REQUIRE(group.cluster == c);
+            REQUIRE((!group.is_capsule || cluster.end == cluster.begin + 1));
+          }
+        }
+        REQUIRE(next == body.group_end);
         for (int g = body.group_begin; g < body.group_end; ++g) {
           require_inside(tables.groups[static_cast<std::size_t>(g)].ball, g, g + 1);
         }
