@@ -60,7 +60,8 @@ Eigen::Matrix3d rotation_to_axis(const Vec3& axis, bool& is_reversed) {
 void store_turn(const Eigen::Matrix3d& rotation, FrameRow& row) {
   const Eigen::Matrix3d rounded = rotation.array().round();
   store(rotation, row.rotation);
-  if (!rotation.isApprox(rounded, 1e-9)) {
+  // Files write right angles with as few as nine digits; floats have seven.
+  if (!rotation.isApprox(rounded, 1e-8)) {
     row.turn = Turn::general;
     return;
   }
