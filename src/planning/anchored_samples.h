@@ -18,13 +18,18 @@ class AnchoredSamples {
  public:
   explicit AnchoredSamples(PlannerRun& run);
 
-  SampleSource next(std::span<const float> newest, std::span<float> q);
+  /// Early in the search, samples are pulled towards `target`, unless it is empty.
+  SampleSource next(std::span<const float> newest, std::span<float> q,
+                    std::span<const float> target = {});
 
  private:
+  void replace(std::span<const float> newest, std::span<const float> target, std::span<float> q);
+
   PlannerRun& run_;
   Rng rng_;
   double probability_;
-  std::vector<float> sigmas_;  ///< per joint
+  std::vector<float> sigmas_;   ///< per joint
+  std::vector<float> towards_;  ///< from the newest node to the target
 };
 
 }  // namespace mneme::internal

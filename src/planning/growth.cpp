@@ -23,7 +23,7 @@ Growth::Growth(PlannerRun& run)
   steps_.reserve(kMostSteps);
 }
 
-bool Growth::sample_steps(const Tree& tree) {
+bool Growth::sample_steps(const Tree& tree, std::span<const float> target) {
   const std::size_t joints = run_.start().size();
   const auto wanted = static_cast<std::size_t>(std::min(kMostSteps, 1 + rejections_));
   steps_.clear();
@@ -33,7 +33,7 @@ bool Growth::sample_steps(const Tree& tree) {
   }
   while (steps_.size() < wanted && run_.begin_iterations() > 0) {
     const std::span<float> q(samples_.data() + steps_.size() * joints, joints);
-    const SampleSource source = anchored_.next(tree.newest(), q);
+    const SampleSource source = anchored_.next(tree.newest(), q, target);
     const int node = choose_node(tree, q);
     if (node < 0) {
       report(source, SampleOutcome::rejected);

@@ -25,8 +25,9 @@ class Growth {
 
   /// Samples steps of `tree`: one after a success, more the longer there has been none. Rejects
   /// samples outside the domain of their nearest node; after kPatience rejections in a row a step
-  /// starts at a random node instead. Returns false if a limit is reached before the first step.
-  bool sample_steps(const Tree& tree);
+  /// starts at a random node instead. `target`: see AnchoredSamples. Returns false if a limit is
+  /// reached before the first step.
+  bool sample_steps(const Tree& tree, std::span<const float> target = {});
 
   [[nodiscard]] int size() const { return static_cast<int>(steps_.size()); }
   /// Takes step `i` and continues towards its sample until blocked. Returns the last new node, or

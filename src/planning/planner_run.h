@@ -45,6 +45,9 @@ class PlannerRun {
   [[nodiscard]] bool is_long_search() const {
     return result_.iterations > kLongSearch && std::isfinite(first_domain_);
   }
+  /// True in the first iterations, in which easy problems end. Never for planar arms, for robots of
+  /// many joints, and where a range or a resolution is set.
+  [[nodiscard]] bool is_early() const { return result_.iterations < early_iterations_; }
   [[nodiscard]] const PlanSettings& settings() const { return settings_; }
   [[nodiscard]] Rng make_rng(RngStream stream) const {
     return Rng(derive_seed(settings_.seed, static_cast<std::uint64_t>(stream)));
@@ -120,8 +123,8 @@ class PlannerRun {
  private:
   /// Work of an iteration: a sample and the search for its nearest node.
   static constexpr std::uint64_t kIterationWork = 2000;
-  /// Number of early iterations, in which easy problems end. Their steps are long and checked at
-  /// kEarlyRefinement of the resolution, so that a step still takes one vector of states.
+  /// Number of early iterations. Their steps are long and checked at kEarlyRefinement of the
+  /// resolution, so that a step still takes one vector of states.
   static constexpr std::uint64_t kEarly = 100;
   static constexpr float kEarlyRefinement = 0.5f;
   /// Number of iterations after which a search is long. Ordinary problems take fewer.
@@ -130,7 +133,6 @@ class PlannerRun {
   static constexpr std::uint64_t kGoalPeriod = 1000;
   static constexpr std::size_t kMostGoals = 64;
 
-  [[nodiscard]] bool is_early() const { return result_.iterations < early_iterations_; }
   [[nodiscard]] bool would_pass(std::span<const float> from, std::span<const float> to);
   [[nodiscard]] bool is_cancelled() const;
   [[nodiscard]] bool is_time_up() const;

@@ -52,7 +52,7 @@ class RrtConnect {
       const bool is_forward = start_tree_.size() <= goal_tree_.size();
       Tree& growing = is_forward ? start_tree_ : goal_tree_;
       Tree& other = is_forward ? goal_tree_ : start_tree_;
-      if (!growth_.sample_steps(growing)) return false;
+      if (!growth_.sample_steps(growing, other[0])) return false;
       for (int i = 0; i < growth_.size(); ++i) {
         const int node = growth_.take(i, growing);
         if (node < 0) {
