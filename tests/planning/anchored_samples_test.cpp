@@ -116,6 +116,26 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("only early samples are pulled, up to half of the way to the target") {
+    RunFixture f(open_room(lift()), anchored(1, 0.01));
+    REQUIRE(f.run.is_early());
+    internal::AnchoredSamples samples(f.run);
+    const Row newest = {0, -0.5f, 3}, target = {0, 1.5f, 3};
+    const auto mean_and_spread = [&] {
+      std::vector<Row> rows(2000, Row(3));
+      for (Row& row : rows) samples.next(newest, row, target);
+      CHECK(std::abs(spread_of(rows, newest, 0).first) < 1e-3);
+      return spread_of(rows, newest, 1);
+    };
+    const auto [early, early_spread] = mean_and_spread();
+    CHECK(early == doctest::Approx(0.5).epsilon(0.05));
+    CHECK(early_spread == doctest::Approx(1 / std::sqrt(12.0)).epsilon(0.05));
+    f.run.begin_iterations(1000);
+    const auto [late, late_spread] = mean_and_spread();
+    CHECK(std::abs(late) < 1e-3);
+    CHECK(late_spread == doctest::Approx(0.01).epsilon(0.1));
+  }
+
   TEST_CASE("the same seed gives the same samples and another one others") {
     const Row newest = {0.5, -0.5, 3};
     std::vector<std::vector<Row>> runs;
