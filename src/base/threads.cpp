@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/threads.h"
 
+#include "mneme/base.h"
+
 #include <sched.h>
 #include <sys/resource.h>
-
 #include <algorithm>
 #include <exception>
 #include <mutex>

@@ -7,7 +7,6 @@
 
 #include <sched.h>
 #include <sys/resource.h>
-
 #include <algorithm>
 #include <atomic>
 #include <new>
