@@ -132,17 +132,21 @@ std::optional<std::string> describe_shape_fault(const Link& link) {
 
 namespace {
 
+bool has_limits(JointType type) {
+  return type == JointType::revolute || type == JointType::prismatic;
+}
+
 std::optional<std::string> describe_motion_fault(const Joint& joint) {
   if (!joint.origin.rotation.allFinite() || !is_position(joint.origin.translation)) {
     return fmt::format("its origin is not within {} m", kFarthest);
   }
-  if (joint.type == JointType::fixed) return std::nullopt;
+  if (joint.type == JointType::fixed && !joint.held) return std::nullopt;
   const double norm = joint.axis.norm();
   if (!std::isfinite(norm) || norm < kMinAxisNorm) {
     return fmt::format("its axis ({}, {}, {}) is no direction", joint.axis.x(), joint.axis.y(),
                        joint.axis.z());
   }
-  if (joint.type == JointType::continuous) return std::nullopt;
+  if (!has_limits(joint.type)) return std::nullopt;
   if (!std::isfinite(joint.lower) || !std::isfinite(joint.upper)) {
     return fmt::format("its limits [{}, {}] are not finite", joint.lower, joint.upper);
   }
@@ -270,7 +274,7 @@ std::vector<int> joints_in_order(const Robot::Parts& parts, int root) {
 
 /// The joint with a unit axis and its type's limits.
 Joint canonical(Joint joint) {
-  if (joint.type != JointType::fixed) joint.axis.normalize();
+  if (joint.type != JointType::fixed || joint.held) joint.axis.normalize();
   if (joint.type == JointType::continuous) {
     joint.lower = -std::numbers::pi;
     joint.upper = std::numbers::pi;

@@ -70,6 +70,17 @@ TEST_SUITE("unit") {
     check_near(pose_of(robot, "arm").translation, {1, 2, 3.5});
   }
 
+  TEST_CASE("a planar joint's axis is a direction of any length, but not zero") {
+    const std::map<std::string, double> values{{"base/x", 1}, {"base/theta", 0.5}};
+    const Transform pose = pose_of(held(cart("planar"), values).value(), "arm");
+    const Robot longer = held(cart("planar", "<axis xyz=\"0 0 5\"/>"), values).value();
+    check_near(pose_of(longer, "arm").translation, pose.translation);
+    CHECK(pose_of(longer, "arm").rotation.isApprox(pose.rotation));
+    const auto none = held(cart("planar", "<axis xyz=\"0 0 0\"/>"), values);
+    REQUIRE_FALSE(none.has_value());
+    CHECK(contains(none.error().message, "joint 'base': its axis (0, 0, 0) is no direction"));
+  }
+
   TEST_CASE("without values planar and floating joints stay at their origin, and robots differ") {
     const Robot still = held(cart("planar"), {}).value();
     CHECK(pose_of(still, "cart").translation == Vec3(0, 0, 1));
