@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -27,6 +28,9 @@ constexpr double kThin = 1e-4;
 
 /// Radians or metres beyond which a limit counts as infinite.
 constexpr double kFarthestLimit = 1e4;
+
+/// Radians that a revolute joint is assumed to stay within if a limit is infinite.
+constexpr double kFarthestTurn = 4 * std::numbers::pi;
 
 /// Sizes of a solid. Returns false if all are 0: there is no shape.
 bool has_size(XmlReader& xml, const XmlElement& shape, std::initializer_list<double*> sizes,
@@ -92,22 +96,28 @@ void add_mesh(XmlReader& xml, const MeshFinder& meshes, const XmlElement& mesh,
   if (!unknown.empty()) {
     xml.tolerate(mesh, fmt::format("no package '{}', took files above the URDF", unknown), name);
   }
-  if (is_empty_stl(*path)) {
-    return xml.tolerate(mesh, "the mesh has no triangles and is ignored", name);
+  if (is_empty_mesh(*path)) {
+    return xml.tolerate(mesh, "the mesh has no surface and is ignored", name);
   }
   link.solids.push_back(MeshFile{*std::move(path), scale, pose});
 }
 
 void add_sphere(XmlReader& xml, const XmlElement& sphere, const Transform& pose, Link& link) {
   xml.check_attributes(sphere, {"radius"});
-  link.spheres.push_back({pose.translation, xml.non_negative_number(sphere, "radius")});
+  double radius = xml.non_negative_number(sphere, "radius");
+  if (!has_size(xml, sphere, {&radius}, "radius is 0, expected more than 0")) return;
+  link.spheres.push_back({pose.translation, radius});
 }
 
 void add_capsule(XmlReader& xml, const XmlElement& capsule, const Transform& pose, Link& link) {
   xml.check_attributes(capsule, {"radius", "length"});
-  const Vec3 half(0, 0, 0.5 * xml.non_negative_number(capsule, "length"));
-  link.capsules.push_back(
-      {pose * Vec3(-half), pose * half, xml.non_negative_number(capsule, "radius")});
+  double radius = xml.non_negative_number(capsule, "radius");
+  double length = xml.non_negative_number(capsule, "length");
+  const bool is_ball = length == 0 && radius > 0;
+  const char* fault = "radius is 0, expected more than 0";
+  if (!is_ball && !has_size(xml, capsule, {&radius, &length}, fault)) return;
+  const Vec3 half(0, 0, 0.5 * length);
+  link.capsules.push_back({pose * Vec3(-half), pose * half, radius});
 }
 
 }  // namespace
@@ -216,7 +226,7 @@ class UrdfReader {
   void read_name(const XmlElement& robot) {
     const char* name = robot.Attribute("name");
     if (name != nullptr && *name != '\0') {
-      parts_.name = name;
+      parts_.name = xml_.text(robot, "name");
       return;
     }
     const std::string stem = std::filesystem::path(source_).stem().string();
@@ -296,15 +306,17 @@ class UrdfReader {
       joint.acceleration = read_rate(*limit, "acceleration");
       if (!joint.acceleration) joint.acceleration = read_rate(*limit, "drake:acceleration");
     }
-    if (joint.type == JointType::continuous) return;
-    read_limits(element, joint);
+    if (joint.type != JointType::continuous) read_limits(element, joint);
     narrow_limits(element, joint);
+    settle_endless(element, joint);
   }
 
   /// A limit of velocity or acceleration: nothing if it is missing, infinite or negative.
   std::optional<double> read_rate(const XmlElement& limit, const char* attribute) {
     if (limit.Attribute(attribute) == nullptr) return std::nullopt;
-    const double rate = xml_.number_or_infinity(limit, attribute);
+    const std::string text = xml_.text(limit, attribute);
+    const double rate =
+        text == "nan" || text == "NaN" ? std::nan("") : xml_.number_or_infinity(limit, attribute);
     if (rate >= 0 && std::isfinite(rate)) return rate;
     const char* expected = std::isfinite(rate) ? "0 or more" : "a finite number";
     xml_.tolerate(limit, fmt::format("{} is {} and counts as none", attribute, rate),
@@ -322,17 +334,30 @@ class UrdfReader {
                            "the element <limit> is missing");
     }
     // Values that a joint is assumed to stay within if a limit is infinite.
-    const double farthest = is_revolute ? 4 * std::numbers::pi : 100;
-    joint.lower = read_limit(*limit, "lower", farthest);
-    joint.upper = read_limit(*limit, "upper", farthest);
-    const auto is_endless = [&](const char* attribute) {
-      return limit->Attribute(attribute) &&
-             std::abs(xml_.number_or_infinity(*limit, attribute)) > kFarthestLimit;
-    };
-    if (is_revolute && !xml_.is_strict() && joint.lower < 0 && joint.upper > 0 &&
-        is_endless("lower") && is_endless("upper")) {
-      joint.type = JointType::continuous;
+    const double farthest = is_revolute ? kFarthestTurn : 100;
+    if (is_endless(*limit, joint)) {
+      joint.upper = std::numeric_limits<double>::infinity();
+      joint.lower = -joint.upper;
+    } else {
+      joint.lower = read_limit(*limit, "lower", farthest);
+      joint.upper = read_limit(*limit, "upper", farthest);
     }
+  }
+
+  bool is_endless(const XmlElement& limit, const Joint& joint) const {
+    if (joint.type != JointType::revolute || xml_.is_strict()) return false;
+    const auto value = [&](const char* attribute) {
+      return limit.Attribute(attribute) ? xml_.number_or_infinity(limit, attribute) : 0.0;
+    };
+    return value("lower") < -kFarthestLimit && value("upper") > kFarthestLimit;
+  }
+
+  /// A joint with endless limits that no soft limits narrow turns without end.
+  void settle_endless(const XmlElement& element, Joint& joint) {
+    if (!std::isinf(joint.lower)) return;
+    joint.type = JointType::continuous;
+    xml_.tolerate(*element.FirstChildElement("limit"),
+                  "both limits are infinite, so that the joint counts as continuous", "");
   }
 
   double read_limit(const XmlElement& limit, const char* attribute, double farthest) {
@@ -350,25 +375,37 @@ class UrdfReader {
     return taken;
   }
 
-  /// Soft limits are narrower than hard ones; where they leave no range, they are not meant.
   void narrow_limits(const XmlElement& element, Joint& joint) {
     const XmlElement* safety = element.FirstChildElement("safety_controller");
-    if (safety == nullptr || options_.hard_limits || element.FirstChildElement("mimic")) return;
+    if (safety == nullptr) return;
+    xml_.check_attributes(*safety,
+                          {"k_position", "k_velocity", "soft_lower_limit", "soft_upper_limit"});
+    const bool is_soft =
+        safety->Attribute("soft_lower_limit") || safety->Attribute("soft_upper_limit");
+    if (!is_soft || options_.hard_limits || element.FirstChildElement("mimic")) return;
+    if (joint.type != JointType::continuous) return narrow_to_soft_limits(*safety, joint);
+    xml_.tolerate(*safety, "soft limits of a continuous joint are ignored",
+                  "a continuous joint has soft limits; expected type 'revolute'");
+  }
+
+  /// Soft limits are narrower than hard ones; where they leave no range, they are not meant.
+  void narrow_to_soft_limits(const XmlElement& safety, Joint& joint) {
     double lower = joint.lower, upper = joint.upper;
-    if (safety->Attribute("soft_lower_limit")) {
-      lower = std::max(lower, xml_.number_or_infinity(*safety, "soft_lower_limit"));
+    if (safety.Attribute("soft_lower_limit")) {
+      lower = std::max(lower, xml_.number_or_infinity(safety, "soft_lower_limit"));
     }
-    if (safety->Attribute("soft_upper_limit")) {
-      upper = std::min(upper, xml_.number_or_infinity(*safety, "soft_upper_limit"));
+    if (safety.Attribute("soft_upper_limit")) {
+      upper = std::min(upper, xml_.number_or_infinity(safety, "soft_upper_limit"));
     }
     if (lower == joint.lower && upper == joint.upper) return;
     if (lower >= upper) {
-      return xml_.tolerate(*safety, "its soft limits leave no range and are ignored",
+      return xml_.tolerate(safety, "its soft limits leave no range and are ignored",
                            "expected soft limits that leave a range");
     }
-    joint.lower = lower;
-    joint.upper = upper;
-    narrowed_.push_back(fmt::format("'{}' to [{:.6g}, {:.6g}]", joint.name, lower, upper));
+    joint.lower = std::isinf(lower) ? -kFarthestTurn : lower;
+    joint.upper = std::isinf(upper) ? kFarthestTurn : upper;
+    narrowed_.push_back(
+        fmt::format("'{}' to [{:.6g}, {:.6g}]", joint.name, joint.lower, joint.upper));
   }
 
   void read_mimic(const XmlElement& element, Joint& joint) {

@@ -11,7 +11,9 @@
 #include <cctype>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <optional>
+#include <system_error>
 
 namespace mneme::internal {
 namespace {
@@ -48,8 +50,15 @@ std::string_view trimmed(std::string_view text) {
 std::optional<double> parse_xml_number(std::string_view word) {
   // XML allows a plus sign, which from_chars does not.
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
-  const auto value = parse_number<double>(word);
-  return value && !std::isnan(*value) ? value : std::nullopt;
+  double value = 0;
+  const char* const end = word.data() + word.size();
+  const auto [stop, error] = number_from(word.data(), end, value);
+  if (stop != end || std::isnan(value)) return std::nullopt;
+  if (error == std::errc()) return value;
+  if (error != std::errc::result_out_of_range) return std::nullopt;
+  const bool is_tiny = word.find("e-") != word.npos || word.find("E-") != word.npos;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return is_tiny ? 0.0 : std::copysign(kInfinity, word.starts_with('-') ? -1.0 : 1.0);
 }
 
 /// The name of tinyxml2's error, such as "mismatched element".
@@ -216,6 +225,10 @@ std::string XmlReader::text(const XmlElement& element, const char* attribute) co
   const char* value = element.Attribute(attribute);
   if (value == nullptr) fail(element, "attribute '{}' is missing", attribute);
   if (*value == '\0') fail(element, "'{}' is empty", attribute);
+  if (!decode_utf8(value)) {
+    fail(element, "{} is {}, which is not UTF-8; expected a file saved as UTF-8", attribute,
+         in_quotes(value));
+  }
   return value;
 }
 

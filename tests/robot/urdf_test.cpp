@@ -324,6 +324,12 @@ TEST_SUITE("unit") {
         {"<axis", "<axis xyz=\"0 1 0\"/><axis", "a second <axis> in <joint> (line 15)"},
         {"lower=\"-1\"", "", "joint 'turn': <limit>: lower is missing and taken for 0"},
         {"velocity=\"1\"", "velocity=\"inf\"", "<limit>: velocity is inf and counts as none"},
+        {"velocity=\"1\"", "velocity=\"1e400\"", "<limit>: velocity is inf and counts as none"},
+        {"velocity=\"1\"", "velocity=\"nan\"", "<limit>: velocity is nan and counts as none"},
+        {"lower=\"-1\" upper=\"1.5\"", "lower=\"-1e5\" upper=\"inf\"",
+         "<limit>: both limits are infinite, so that the joint counts as continuous"},
+        {"</joint>", "<safety_controller soft_lower=\"1\"/></joint>",
+         "unknown attribute 'soft_lower' of <safety_controller>"},
         {"velocity=\"1\"", "velocity=\"-1\"", "<limit>: velocity is -1 and counts as none"},
         {"upper=\"1.5\"", "upper=\"inf\"", "<limit>: upper is inf and taken for 12.57"},
         {"<limit lower=\"-1\" upper=\"1.5\" effort=\"1\" velocity=\"1\"/>", "",
@@ -337,6 +343,8 @@ TEST_SUITE("unit") {
         {shape, shape + shape, "<geometry>: several shapes, which are all used"},
         {"<geometry>", "<geometry/><geometry>",
          "a second <geometry> in <collision>, which is used"},
+        {shape, "<sphere radius=\"0\"/>", "<sphere>: the shape has no size and is ignored"},
+        {shape, "<capsule radius=\"0\" length=\"0\"/>", "<capsule>: the shape has no size"},
         {shape, shape + "<box size=\"0 0 0\"/>", "<box>: the shape has no size and is ignored"},
     };
     for (const Tolerated& c : cases) {
@@ -359,6 +367,7 @@ TEST_SUITE("unit") {
     CHECK(joint_of("velocity=\"2\"").upper == 0);
     CHECK(joint_of("lower=\"-inf\" upper=\"inf\"").type == JointType::continuous);
     CHECK(joint_of("lower=\"-1e16\" upper=\"3.4e38\"").type == JointType::continuous);
+    CHECK(joint_of("lower=\"-1e400\" upper=\"1e400\"").type == JointType::continuous);
     CHECK(joint_of("lower=\"-inf\" upper=\"1\"").type == JointType::revolute);
     CHECK(joint_of("lower=\"-inf\" upper=\"1\"").lower == -4 * kPi);
     CHECK(joint_of("lower=\"0\" upper=\"1\" drake:acceleration=\"3\"").acceleration == 3);
@@ -387,6 +396,42 @@ TEST_SUITE("unit") {
     const Robot unset = require_parsed(with("soft_lower_limit=\"0\" soft_upper_limit=\"0\""));
     CHECK(unset.group_joint(0).upper == 1.5);
     CHECK(contains(unset.warnings()[0], "its soft limits leave no range and are ignored"));
+  }
+
+  TEST_CASE("soft limits keep a joint with infinite limits from turning without end") {
+    const auto joint_of = [](const std::string& soft) {
+      std::string text = replaced("lower=\"-1\" upper=\"1.5\"", "lower=\"-inf\" upper=\"1e16\"");
+      text.replace(text.find("</joint>"), 0, "<safety_controller " + soft + "/>");
+      return require_parsed(text).group_joint(0);
+    };
+    const Joint both = joint_of("soft_lower_limit=\"-1\" soft_upper_limit=\"1\"");
+    CHECK(both.type == JointType::revolute);
+    CHECK(both.lower == -1);
+    CHECK(both.upper == 1);
+    const Joint one = joint_of("soft_lower_limit=\"-1\"");
+    CHECK(one.type == JointType::revolute);
+    CHECK(one.lower == -1);
+    CHECK(one.upper == 4 * kPi);
+    CHECK(joint_of("k_velocity=\"1\"").type == JointType::continuous);
+  }
+
+  TEST_CASE("soft limits of a continuous joint are ignored by name, and refused if strict") {
+    std::string text = replaced(
+        "</joint>", "<safety_controller soft_lower_limit=\"-1\" soft_upper_limit=\"1\"/></joint>");
+    text.replace(text.find("revolute"), 8, "continuous");
+    const Robot robot = require_parsed(text);
+    REQUIRE(robot.warnings().size() == 1);
+    CHECK(contains(robot.warnings()[0], "soft limits of a continuous joint are ignored"));
+    CHECK_FALSE(parse_robot(text, "arm.urdf", strictly()).has_value());
+  }
+
+  TEST_CASE("names that are not UTF-8 are refused with their line") {
+    const auto refusal = [](const std::string& from, const std::string& to) {
+      return parse_robot(replaced(from, to), "arm.urdf").error().message;
+    };
+    CHECK(
+        contains(refusal("name=\"turn\"", "name=\"\xe4\""), "name is '\\xe4', which is not UTF-8"));
+    CHECK(contains(refusal("name=\"arm\"", "name=\"\xe4\""), "which is not UTF-8"));
   }
 
   TEST_CASE("an origin may have a quaternion, but not angles too") {
