@@ -62,10 +62,18 @@ int open_alone(const std::string& path) {
   }
 }
 
+/// A stream that this process was given, such as standard input or a shell's <(..).
+bool is_own_stream(std::string_view path) {
+  return path == "/dev/stdin" || path.starts_with("/dev/fd/") || path.starts_with("/proc/self/fd/");
+}
+
 }  // namespace
 
 Result<std::string> read_text_file(const std::string& path, std::size_t max_bytes) {
-  return read_all(UniqueFile(std::fopen(path.c_str(), "rb")), path, max_bytes);
+  if (is_own_stream(path)) {
+    return read_all(UniqueFile(std::fopen(path.c_str(), "rb")), path, max_bytes);
+  }
+  return read_regular_file(path, max_bytes);
 }
 
 Result<std::string> read_regular_file(const std::string& path, std::size_t max_bytes) {
@@ -73,7 +81,9 @@ Result<std::string> read_regular_file(const std::string& path, std::size_t max_b
   if (descriptor < 0) return read_all(nullptr, path, max_bytes);
   const UniqueFile file(::fdopen(descriptor, "rb"));
   struct stat status {};
-  if (::fstat(descriptor, &status) == 0 && !S_ISREG(status.st_mode)) {
+  const bool is_known = ::fstat(descriptor, &status) == 0;
+  // Reading a directory fails with a message of its own.
+  if (is_known && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode)) {
     return fail(ErrorCode::io, "{}: expected a regular file", path);
   }
   return read_all(file, path, max_bytes);

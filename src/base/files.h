@@ -19,11 +19,12 @@ namespace mneme::internal {
 
 inline constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;
 
-/// Returns the bytes of a file. Errors: io; unsupported for more than `max_bytes`.
+/// Returns the bytes of a regular file, or of a stream named /dev/stdin or /dev/fd/N. Other devices
+/// and pipes are refused without waiting. Errors: io; unsupported for more than `max_bytes`.
 [[nodiscard]] Result<std::string> read_text_file(const std::string& path,
                                                  std::size_t max_bytes = kMaxFileBytes);
 
-/// As read_text_file(), for regular files only: devices and pipes are refused without waiting.
+/// As read_text_file(), for regular files only.
 [[nodiscard]] Result<std::string> read_regular_file(const std::string& path,
                                                     std::size_t max_bytes = kMaxFileBytes);
 

@@ -50,6 +50,9 @@ TEST_SUITE("unit") {
     const auto text = internal::read_regular_file(directory / "pipe");
     REQUIRE_FALSE(text.has_value());
     CHECK(text.error().message == (directory / "pipe") + ": expected a regular file");
+    CHECK(internal::read_text_file(directory / "pipe").error().message == text.error().message);
+    CHECK(internal::read_text_file("/dev/zero").error().message ==
+          "/dev/zero: expected a regular file");
     write_file(directory / "file", "12345");
     CHECK(internal::read_regular_file(directory / "file").value() == "12345");
   }
