@@ -87,9 +87,19 @@ class DaeReader {
   [[nodiscard]] double find_unit() const {
     const XMLElement* asset = root_.FirstChildElement("asset");
     const XMLElement* unit = asset == nullptr ? nullptr : asset->FirstChildElement("unit");
-    const double meter = unit == nullptr ? 1 : unit->DoubleAttribute("meter", 1);
+    const double meter = unit == nullptr ? 1 : attribute_or(*unit, "meter", 1.0);
     if (!(meter > 0 && std::isfinite(meter))) fail(*unit, "expected a positive length in metres");
     return meter;
+  }
+
+  template <class Number>
+  [[nodiscard]] Number attribute_or(const XMLElement& element, const char* name,
+                                    Number fallback) const {
+    const char* text = element.Attribute(name);
+    if (text == nullptr) return fallback;
+    const auto number = parse_number<Number>(text);
+    if (!number) fail(element, "{} is \"{}\", expected a number", name, excerpt(text));
+    return *number;
   }
 
   /// The element that `attribute` refers to: "#ID".
@@ -106,11 +116,21 @@ class DaeReader {
     return *found->second;
   }
 
+  /// The text of all parts, with CDATA, between comments.
+  [[nodiscard]] std::string text_of(const XMLElement& element) const {
+    std::string text;
+    for (const auto* node = element.FirstChild(); node != nullptr; node = node->NextSibling()) {
+      if (node->ToText() != nullptr) text += node->Value();
+      if (node->ToElement() != nullptr) fail(element, "expected numbers, got <{}>", node->Value());
+    }
+    return text;
+  }
+
   template <class Number>
   [[nodiscard]] std::vector<Number> numbers_of(const XMLElement& element) const {
     std::vector<Number> numbers;
-    const char* text = element.GetText();
-    for (std::string_view rest = text == nullptr ? "" : text;;) {
+    const std::string text = text_of(element);
+    for (std::string_view rest = text;;) {
       const std::size_t begin = rest.find_first_not_of(" \t\r\n");
       if (begin == rest.npos) return numbers;
       rest.remove_prefix(begin + (rest[begin] == '+' ? 1 : 0));
@@ -214,7 +234,13 @@ class DaeReader {
   [[nodiscard]] std::vector<Vec3> read_geometry(const XMLElement& geometry) {
     std::vector<Vec3> corners;
     const XMLElement* mesh = geometry.FirstChildElement("mesh");
-    if (mesh == nullptr) return corners;
+    if (mesh == nullptr) {
+      const XMLElement* other = geometry.FirstChildElement();
+      if (other != nullptr && !is_named(*other, "spline")) {
+        fail(*other, "is not supported; expected a <mesh>");
+      }
+      return corners;
+    }
     for (const XMLElement* child = mesh->FirstChildElement(); child != nullptr;
          child = child->NextSiblingElement()) {
       for (const std::string_view kind :
@@ -248,7 +274,7 @@ class DaeReader {
     const XMLElement* vertices = nullptr;
     for (const XMLElement* input = faces.FirstChildElement("input"); input != nullptr;
          input = input->NextSiblingElement("input")) {
-      const unsigned offset = input->UnsignedAttribute("offset");
+      const auto offset = attribute_or<std::size_t>(*input, "offset", 0);
       if (offset > 100) fail(*input, "expected an offset of at most 100");
       result.stride = std::max<std::size_t>(result.stride, offset + 1);
       if (input->Attribute("semantic", "VERTEX") == nullptr) continue;
@@ -279,8 +305,8 @@ class DaeReader {
     const XMLElement* accessor =
         technique == nullptr ? nullptr : technique->FirstChildElement("accessor");
     if (accessor == nullptr) fail(source, "expected an <accessor>");
-    const auto stride = std::size_t{accessor->UnsignedAttribute("stride", 1)};
-    const auto offset = std::size_t{accessor->UnsignedAttribute("offset", 0)};
+    const auto stride = attribute_or<std::size_t>(*accessor, "stride", 1);
+    const auto offset = attribute_or<std::size_t>(*accessor, "offset", 0);
     if (stride < 3) fail(*accessor, "expected a stride of at least 3");
     const XMLElement& array = target(*accessor, "source");
     const auto [found, is_new] = arrays_.try_emplace(&array);
@@ -289,11 +315,17 @@ class DaeReader {
   }
 
   void read_faces(const XMLElement& faces, std::vector<Vec3>& corners) {
+    if (const XMLElement* holed = faces.FirstChildElement("ph")) {
+      fail(*holed, "a polygon with holes is not supported; triangulate the mesh before");
+    }
     const VertexInput input = read_inputs(faces);
     std::vector<Vec3> all;
     const auto read_vertices = [&](const XMLElement& p) {
       all.clear();
       const auto indices = numbers_of<std::size_t>(p);
+      if (indices.size() % input.stride != 0) {
+        fail(p, "has {} indices, expected {} per vertex", indices.size(), input.stride);
+      }
       for (std::size_t i = input.offset; i < indices.size(); i += input.stride) {
         if (indices[i] >= input.vertices.size()) {
           fail(p, "a face has the vertex {}, but there are {}", indices[i], input.vertices.size());
@@ -306,6 +338,7 @@ class DaeReader {
          p = p->NextSiblingElement("p")) {
       read_vertices(*p);
       if (is_named(faces, "triangles")) {
+        if (all.size() % 3 != 0) fail(*p, "has {} vertices, expected 3 per triangle", all.size());
         for (std::size_t i = 0; i + 2 < all.size(); i += 3) append(all, {i, i + 1, i + 2}, corners);
       } else if (is_named(faces, "tristrips")) {
         for (std::size_t i = 0; i + 2 < all.size(); ++i) append(all, {i, i + 1, i + 2}, corners);
@@ -314,7 +347,7 @@ class DaeReader {
       } else if (is_named(faces, "polygons")) {
         append_polygon(all, corners);
       } else {
-        return append_polygons(faces, all, corners);
+        append_polygons(faces, all, corners);
       }
     }
   }
@@ -329,6 +362,7 @@ class DaeReader {
       append_polygon(all.first(count), corners);
       all = all.subspan(count);
     }
+    if (!all.empty()) fail(faces, "has {} vertices more than its <vcount> states", all.size());
   }
 
   void append_polygon(std::span<const Vec3> polygon, std::vector<Vec3>& corners) {

@@ -72,7 +72,7 @@ std::string lower_case(std::string_view text) {
 const Words* LineReader::next_line() {
   if (rest_.empty()) return nullptr;
   ++line_;
-  const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+  const std::size_t end = std::min(rest_.find(line_end_), rest_.size());
   std::string_view line = rest_.substr(0, end);
   rest_.remove_prefix(std::min(end + 1, rest_.size()));
   words_.clear();
@@ -138,7 +138,8 @@ double read_binary(const char* bytes, NumberType type, bool is_big_endian) {
 }
 
 bool is_ply(std::string_view bytes) {
-  return bytes.starts_with("ply\n") || bytes.starts_with("ply\r\n");
+  bytes = without_mark(bytes);
+  return bytes.starts_with("ply\n") || bytes.starts_with("ply\r");
 }
 
 PlyHeader read_ply_header(LineReader& lines) {

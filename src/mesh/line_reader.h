@@ -21,11 +21,21 @@ using Words = std::vector<std::string_view>;
 /// The first characters of a word, for messages.
 [[nodiscard]] inline std::string_view excerpt(std::string_view word) { return word.substr(0, 60); }
 
-/// Splits text into lines of words. Keeps references to its arguments. Its functions throw
+/// `bytes` without the byte order mark of UTF-8.
+[[nodiscard]] inline std::string_view without_mark(std::string_view bytes) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  return bytes.substr(bytes.starts_with(kMark) ? kMark.size() : 0);
+}
+
+/// Splits text into lines of words: after LF, or after CR where there is no LF. Skips a byte order
+/// mark. Keeps references to its arguments. Its functions throw
 /// InputFailure, which names the source and mostly the line.
 class LineReader {
  public:
-  LineReader(std::string_view bytes, const std::string& source) : rest_(bytes), source_(source) {}
+  LineReader(std::string_view bytes, const std::string& source)
+      : rest_(without_mark(bytes)),
+        source_(source),
+        line_end_(bytes.find('\n') == bytes.npos ? '\r' : '\n') {}
 
   /// The words of the next line, valid until the next call; null at the end.
   [[nodiscard]] const Words* next_line();
@@ -55,6 +65,7 @@ class LineReader {
  private:
   std::string_view rest_;
   const std::string& source_;
+  char line_end_;
   Words words_;
   std::size_t line_ = 0;
 };

@@ -36,10 +36,27 @@ Result<std::vector<Triangle>> read_triangles(const std::string& path, const Vec3
   return parse_triangles(*bytes, path, scale, pose);
 }
 
+bool is_empty_mesh(const std::string& path) {
+  constexpr std::size_t kMostBytes = std::size_t{64} << 10;
+  const auto format = find_format(path);
+  const Result<std::string> bytes = read_regular_file(path, kMostBytes);
+  if (!format || !bytes) return false;
+  const auto is_empty = without_throwing([&] {
+    SurfaceBuilder surface(path, Vec3::Ones(), {});
+    if (!bytes->empty()) (*format)(*bytes, surface);
+    return surface.is_empty();
+  });
+  return is_empty.value_or(false);
+}
+
 Result<std::vector<Triangle>> parse_triangles(std::string_view bytes, const std::string& path,
                                               const Vec3& scale, const Transform& pose) {
   const ReadMesh read = MNEME_TRY(find_format(path));
   if (bytes.empty()) return fail(ErrorCode::parse, "mesh {}: is empty", path);
+  if (bytes.starts_with("version https://git-lfs")) {
+    return fail(ErrorCode::parse, "mesh {}: is a pointer of Git LFS; fetch the file: git lfs pull",
+                path);
+  }
   const std::string source = "mesh " + path;
   return without_throwing([&] {
     SurfaceBuilder surface(source, scale, pose);

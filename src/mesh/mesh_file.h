@@ -35,8 +35,8 @@ inline constexpr std::size_t kMaxTriangles = 1'000'000;
                                                             const Vec3& scale,
                                                             const Transform& pose);
 
-/// Returns whether a file is a binary STL without triangles: a header that counts none, or one of
-/// zeros that ends before its count. Some robots are published with the latter.
-[[nodiscard]] bool is_empty_stl(const std::string& path);
+/// Returns whether a file is a well-formed mesh without a triangle that has an area, or has no
+/// bytes. False for files beyond 64 kB, which are not read.
+[[nodiscard]] bool is_empty_mesh(const std::string& path);
 
 }  // namespace mneme::internal

@@ -109,8 +109,8 @@ class PlyReader {
   [[nodiscard]] const Vec3& vertex_at(double index) const {
     if (!(index >= 0 && index < static_cast<double>(vertices_.size()) &&
           index == std::floor(index))) {
-      lines_.fail_file(ErrorCode::parse, "a face has the vertex {}, but there are {}", index,
-                       vertices_.size());
+      lines_.fail_file(ErrorCode::parse, "a face has the vertex {}, but there are {} before it",
+                       index, vertices_.size());
     }
     return vertices_[static_cast<std::size_t>(index)];
   }

@@ -1,12 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "base/files.h"
 #include "mesh/line_reader.h"
-#include "mesh/mesh_file.h"
 #include "mesh/surface_builder.h"
 
 #include <algorithm>
-#include <filesystem>
 
 namespace mneme::internal {
 namespace {
@@ -45,6 +42,13 @@ void read_text(std::string_view bytes, SurfaceBuilder& surface) {
   if (is_open) lines.fail_file(ErrorCode::parse, "ends within a facet");
 }
 
+/// True for text of STL, which has no NUL.
+bool is_text(std::string_view bytes) {
+  bytes = without_mark(bytes);
+  bytes.remove_prefix(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size()));
+  return lower_case(bytes.substr(0, 5)) == "solid" && bytes.find('\0') == bytes.npos;
+}
+
 /// A binary file states its number of triangles after its title. Bytes after these are ignored.
 void read_binary_facets(std::string_view bytes, SurfaceBuilder& surface) {
   const auto stated =
@@ -67,26 +71,17 @@ void read_binary_facets(std::string_view bytes, SurfaceBuilder& surface) {
 }  // namespace
 
 void read_stl(std::string_view bytes, SurfaceBuilder& surface) {
-  const std::string_view text =
-      bytes.substr(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size()));
-  const bool is_text = lower_case(text.substr(0, 5)) == "solid" && bytes.find('\0') == bytes.npos;
-  if (is_text) return read_text(bytes, surface);
-  if (bytes.size() < kHeaderBytes) {
+  const std::string_view text = bytes.substr(0, bytes.find_last_not_of('\0') + 1);
+  if (is_text(text)) return read_text(text, surface);
+  const bool is_other_text = bytes.find('\0') == bytes.npos && bytes.find("facet") != bytes.npos;
+  if (bytes == std::string(kTitleBytes, '\0')) return;  // some robots are published with it
+  if (bytes.size() < kHeaderBytes || is_other_text) {
     throw_failure(ErrorCode::parse,
                   "{}: ends before the triangles of binary STL, and does not begin "
                   "with \"solid\" like text",
                   surface.source());
   }
   read_binary_facets(bytes, surface);
-}
-
-bool is_empty_stl(const std::string& path) {
-  if (lower_case(std::filesystem::path(path).extension().string()) != ".stl") return false;
-  const Result<std::string> bytes = read_regular_file(path, kHeaderBytes);
-  if (!bytes) return false;
-  const auto is_zero = [](char byte) { return byte == 0; };
-  if (bytes->size() == kTitleBytes) return std::ranges::all_of(*bytes, is_zero);
-  return bytes->size() == kHeaderBytes && std::ranges::all_of(bytes->substr(kTitleBytes), is_zero);
 }
 
 }  // namespace mneme::internal

@@ -28,6 +28,7 @@ class SurfaceBuilder {
   /// The triangles; fails if there are none.
   [[nodiscard]] std::vector<Triangle> take();
 
+  [[nodiscard]] bool is_empty() const { return triangles_.empty(); }
   [[nodiscard]] const std::string& source() const { return source_; }
 
  private:

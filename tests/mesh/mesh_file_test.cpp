@@ -145,6 +145,37 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("Numbers of COLLADA go on after comments and CDATA") {
+    for (const char* p : {"<p>0 0 0 1 0 2 0 0<!-- c --> 0 2 0 3</p>",
+                          "<p><!-- c -->0 0 0 1 <![CDATA[0 2 0 0 0 2 0]]> 3</p>"}) {
+      const std::string faces = "<triangles>" + kInputs + p + "</triangles>";
+      CHECK(area_of(read(make_dae(faces, kNode), "a.dae")) == doctest::Approx(1));
+    }
+  }
+
+  TEST_CASE("COLLADA whose surface would be lost in part is refused with its line") {
+    const auto fault = [](const std::string& kind, const std::string& rest) {
+      return refusal(make_dae("<" + kind + ">" + kInputs + rest + "</" + kind + ">", kNode),
+                     "a.dae");
+    };
+    CHECK(fault("polylist", "<vcount>3</vcount><p>0 0 0 1 0 2 0 0 0 2 0 3</p>") ==
+          "mesh a.dae:1: <polylist>: has 3 vertices more than its <vcount> states");
+    CHECK(fault("triangles", "<p>0 0 0 1 0 2 0 3</p>") ==
+          "mesh a.dae:1: <p>: has 4 vertices, expected 3 per triangle");
+    CHECK(fault("triangles", "<p>0 0 0 1 0 2 0</p>") ==
+          "mesh a.dae:1: <p>: has 7 indices, expected 2 per vertex");
+    CHECK(fault("triangles", "<p>0 0 0 1 0 <b/>2</p>") ==
+          "mesh a.dae:1: <p>: expected numbers, got <b>");
+    CHECK(fault("polygons", "<ph><p>0 0 0 1 0 2</p><h>0 0 0 1 0 2</h></ph>") ==
+          "mesh a.dae:1: <ph>: a polygon with holes is not supported; triangulate the mesh before");
+    std::string unit = make_dae(kSquare, kNode);
+    unit.replace(unit.find("0.5"), 3, "abc");
+    CHECK(refusal(unit, "a.dae") == "mesh a.dae:1: <unit>: meter is \"abc\", expected a number");
+    CHECK(refusal("<COLLADA><library_geometries><geometry id=\"g\"><convex_mesh/></geometry>"
+                  "</library_geometries></COLLADA>",
+                  "a.dae") == "mesh a.dae:1: <convex_mesh>: is not supported; expected a <mesh>");
+  }
+
   TEST_CASE("Nodes place what they instance, transforms apply from the last to the first") {
     const std::string node =
         "<node id=\"n\"><translate>10 0 0</translate><rotate>0 0 1 90</rotate><scale>1 3 1</scale>"
@@ -243,7 +274,8 @@ TEST_SUITE("unit") {
           "mesh a.stl: ends before the 4294967295 triangles that it announces");
     CHECK(
         refusal(ply_header("ascii") + "0 7 0 .5\n2 7 0 .5\n2 7 3 .5\n0 7 3 .5\n3 0 1 4294967295\n",
-                "a.ply") == "mesh a.ply: a face has the vertex 4294967295, but there are 4");
+                "a.ply") ==
+        "mesh a.ply: a face has the vertex 4294967295, but there are 4 before it");
   }
 
   TEST_CASE("A pipe is refused without waiting for it, and a mesh opens no other file") {
@@ -256,6 +288,48 @@ TEST_SUITE("unit") {
     REQUIRE(mkfifo((files / "m.mtl").c_str(), 0600) == 0);
     test::write_file(files / "a.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     CHECK(read_triangles(files / "a.obj", Vec3::Ones(), {}).value().size() == 1);
+  }
+
+  TEST_CASE("A byte order mark, lines that end with CR, and NULs behind text of STL are no part") {
+    const std::string mark = "\xef\xbb\xbf", obj = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 9 9 9\nf 1 2 3\n";
+    CHECK(area_of(read(mark + obj, "a.obj")) == doctest::Approx(2));
+    std::string carriage = obj;
+    std::ranges::replace(carriage, '\n', '\r');
+    CHECK(area_of(read(carriage, "a.obj")) == doctest::Approx(2));
+    const std::string stl =
+        "solid a\nfacet\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 2 0\nendfacet\nendsolid\n";
+    CHECK(area_of(read(mark + stl + std::string(100, '\0'), "a.stl")) == doctest::Approx(2));
+    CHECK(refusal("# comment\n" + stl + stl, "a.stl").find("does not begin with \"solid\"") !=
+          std::string::npos);
+    const std::string ply =
+        ply_header("ascii") + "0 7 0 .5\n2 7 0 .5\n2 7 3 .5\n0 7 3 .5\n4 0 1 2 3\n";
+    CHECK(area_of(read(mark + ply, "a.ply")) == doctest::Approx(6));
+    CHECK(refusal("version https://git-lfs.github.com/spec/v1\noid", "a.stl") ==
+          "mesh a.stl: is a pointer of Git LFS; fetch the file: git lfs pull");
+  }
+
+  TEST_CASE("Files without a surface are empty, malformed ones are not") {
+    const test::TemporaryDirectory files;
+    const auto is_empty = [&](const std::string& name, const std::string& bytes) {
+      test::write_file(files / name, bytes);
+      return is_empty_mesh(files / name);
+    };
+    const std::string flat = "v 0 0 0\nv 1 0 0\nv 2 0 0\n";
+    CHECK(is_empty("a.stl", ""));
+    CHECK(is_empty("a.stl", std::string(80, '\0')));
+    CHECK(is_empty("a.stl", std::string(84, '\0')));
+    CHECK(is_empty("a.stl", "solid a\nendsolid a\n"));
+    CHECK(is_empty("a.obj", flat));
+    CHECK(is_empty("a.obj", flat + "f 1 2 3\n"));
+    CHECK(is_empty("a.ply",
+                   "ply\nformat ascii 1.0\nelement face 0\nproperty list uchar int "
+                   "vertex_indices\nend_header\n"));
+    CHECK(is_empty("a.dae", "<COLLADA/>"));
+    CHECK_FALSE(is_empty("a.obj", flat + "v 0 1 0\nf 1 2 4\n"));
+    CHECK_FALSE(is_empty("a.obj", flat + "f 1 2 9\n"));
+    CHECK_FALSE(is_empty("a.stl", std::string(79, '\0')));
+    CHECK_FALSE(is_empty("a.txt", ""));
+    CHECK_FALSE(is_empty_mesh(files / "none.stl"));
   }
 
   TEST_CASE("A concave polygon is covered once, one with very many corners is refused") {
