@@ -4,15 +4,16 @@
 #include "mneme/benchmark.h"
 
 #include "base/fail.h"
+#include "base/files.h"
 #include "base/text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <set>
+#include <sstream>
 #include <utility>
 
 namespace mneme {
@@ -26,8 +27,8 @@ bool is_yaml(const fs::path& path) {
 
 /// Distinguishes problems from scenes, grids and settings by a line for the goal.
 bool is_problem_file(const fs::path& path) {
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
+  std::istringstream text(internal::read_text_file(path).value_or(""));
+  for (std::string line; std::getline(text, line);) {
     if (line.starts_with("goal:") || line.starts_with("goals:") ||
         line.starts_with("goal_constraints:")) {
       return true;

@@ -5,11 +5,12 @@
 #include "mneme/report.h"
 
 #include "base/fail.h"
+#include "base/files.h"
 #include "benchmark/suite_memories.h"
 
 #include <algorithm>
 #include <array>
-#include <fstream>
+#include <sstream>
 
 namespace mneme {
 namespace {
@@ -81,8 +82,8 @@ Result<internal::ReadySuite> prepare(const SuiteRun& run, const Suite& suite,
 
 bool is_suite_file(const std::string& path) {
   if (!path.ends_with(".yaml") && !path.ends_with(".yml")) return false;
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
+  std::istringstream text(internal::read_text_file(path).value_or(""));
+  for (std::string line; std::getline(text, line);) {
     if (line.starts_with("problems:")) return true;
   }
   return false;

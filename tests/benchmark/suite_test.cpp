@@ -326,6 +326,12 @@ settings:
     CHECK(failure(head + "decomposer: pairs}\n").find("unknown key") != std::string::npos);
   }
 
+  TEST_CASE("A device is no suite, and is not read") {
+    const test::TemporaryDirectory directory;
+    std::filesystem::create_symlink("/dev/zero", directory / "zero.yaml");
+    CHECK_FALSE(is_suite_file(directory / "zero.yaml"));
+  }
+
   TEST_CASE("A suite that is not there is an error that names it") {
     const auto suite = load_suite("no/such.yaml");
     REQUIRE_FALSE(suite.has_value());
