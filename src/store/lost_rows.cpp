@@ -62,7 +62,8 @@ std::string log_path(const std::string& path) { return real_path(path) + "-wal";
 namespace {
 
 void write_record(const std::string& path, const StateRecord& content) {
-  const Descriptor file(::open(record_path(path).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644));
+  const Descriptor file(
+      ::open(record_path(path).c_str(), O_WRONLY | O_CREAT | O_NONBLOCK | O_CLOEXEC, 0644));
   if (file.fd < 0) return;
   const Record record = to_record(content);
   (void)!::pwrite(file.fd, record.data(), sizeof record, 0);
@@ -84,7 +85,7 @@ void settle_record(const std::string& path) {
 }
 
 std::optional<StateRecord> read_record(const std::string& path) {
-  const Descriptor file(::open(record_path(path).c_str(), O_RDONLY | O_CLOEXEC));
+  const Descriptor file(::open(record_path(path).c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   Record record{};
   if (file.fd < 0 || ::pread(file.fd, record.data(), sizeof record, 0) != ssize_t{sizeof record}) {
     return std::nullopt;
