@@ -91,7 +91,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a mesh of an unknown package may lie above the URDF, unless reading is strict") {
     const test::TemporaryDirectory files;
     std::filesystem::create_directories(files / "meshes");
-    test::write_file(files / "meshes/a.stl", "solid");
+    test::write_file(files / "meshes/a.stl", "a mesh");
     const std::string urdf = files / "arm.urdf";
     test::write_file(urdf, R"(<robot name="r"><link name="l"><collision><geometry>
       <mesh filename="package://old_name/meshes/a.stl"/></geometry></collision></link>

@@ -504,7 +504,7 @@ TEST_SUITE("unit") {
     CHECK(read_link(R"(<cylinder radius="0" length="0"/>)").solids.empty());
     CHECK(read_link(R"(<drake:capsule radius="1" length="2"/>)").capsules.size() == 1);
     const test::TemporaryDirectory directory;
-    test::write_file(directory / "a.stl", "solid");
+    test::write_file(directory / "a.stl", "a mesh");
     const Link scaled = read_link(R"(<mesh filename="a.stl" scale="0.5"/>)", directory / "r.urdf");
     CHECK(std::get<MeshFile>(scaled.solids.at(0)).scale == Vec3::Constant(0.5));
   }
@@ -526,7 +526,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("meshes are found and keep their scale") {
     const test::TemporaryDirectory directory;
-    test::write_file(directory / "a.stl", "solid");
+    test::write_file(directory / "a.stl", "a mesh");
     const std::string urdf = directory / "r.urdf";
     const Link plain = read_link(R"(<mesh filename="a.stl"/>)", urdf);
     check_pose(std::get<MeshFile>(plain.solids.at(0)).pose);

@@ -130,7 +130,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("solids are written too") {
     const test::TemporaryDirectory directory;
-    test::write_file(directory / "a&b.stl", "solid");
+    test::write_file(directory / "a&b.stl", "a mesh");
     Rng rng(3);
     Robot::Parts parts = test::make_chain(1);
     const Transform pose = random_pose(rng);
