@@ -40,6 +40,17 @@ Result<void> check_access(const std::string& path, int access, const char* verb)
   return {};
 }
 
+/// Refuses an empty file beside a log with rows: SQLite would delete the log. A new database has a
+/// header before its log begins.
+Result<void> refuse_orphaned_log(const std::string& path) {
+  const std::int64_t log_bytes = size_or_zero(log_path(path));
+  if (size_or_zero(path) > 0 || log_bytes == 0) return {};
+  return fail(ErrorCode::corrupt,
+              "{0}: the file is damaged: it is empty, but its log {1} has {2} bytes; restore the "
+              "file from a copy, or remove {1} to begin an empty database",
+              path, log_path(path), log_bytes);
+}
+
 /// Makes SQLite read the file, so that errors surface here.
 Result<Connection> probed(Result<Connection> connection, const char* settings) {
   if (!connection) return connection;
@@ -57,6 +68,7 @@ constexpr const char* kWriting = "PRAGMA cell_size_check = ON; PRAGMA synchronou
 
 Result<Connection> open_for_reading(const std::string& path) {
   MNEME_TRY(check_access(path, R_OK, "read"));
+  MNEME_TRY(refuse_orphaned_log(path));
   // A writing handle, if permitted, so that SQLite recovers the log of a killed process.
   auto connection = probed(Connection::open(path, Connection::Access::read_write), kReading);
   if (connection || connection.error().code != ErrorCode::io) return connection;
@@ -74,6 +86,7 @@ Result<Connection> open_for_writing(const std::string& path, bool can_create) {
   const bool is_new = can_create && !std::filesystem::exists(path, ignored);
   if (!is_new) {
     MNEME_TRY(check_access(path, R_OK | W_OK, "written"));
+    MNEME_TRY(refuse_orphaned_log(path));
   }
   const auto access = is_new ? Connection::Access::create : Connection::Access::read_write;
   auto connection = probed(Connection::open(path, access), kWriting);

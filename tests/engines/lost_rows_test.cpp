@@ -3,6 +3,8 @@
 #include "engines/fixtures.h"
 #include "store/lost_rows.h"
 
+#include <sys/stat.h>
+
 #include <map>
 
 namespace mneme::test {
@@ -74,6 +76,31 @@ TEST_SUITE("law") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("an empty file beside its log is damaged, and the log is kept") {
+    const TemporaryDirectory directory;
+    Leftover leftover = make_leftover(directory / "sound.db");
+    leftover.file.clear();
+    leftover.record.clear();
+    const std::string path = directory / "a.db";
+    write_leftover(path, leftover);
+    for (const OpenMode mode : {OpenMode::read_only, OpenMode::read_write, OpenMode::create}) {
+      const auto opened = Database::open(path, arm_signature(), mode);
+      REQUIRE_FALSE(opened.has_value());
+      CHECK(opened.error().code == ErrorCode::corrupt);
+      CHECK(opened.error().message.find("it is empty, but its log") != std::string::npos);
+    }
+    const auto damages = verify_database(path);
+    CHECK((!damages || !damages->empty()));
+    CHECK(read_file(path + "-wal") == leftover.log);
+  }
+
+  TEST_CASE("a record that is a pipe is none, and is not waited for") {
+    const TemporaryDirectory directory;
+    REQUIRE(::mkfifo((directory / "a.db.tally").c_str(), 0600) == 0);
+    CHECK_FALSE(internal::read_record(directory / "a.db").has_value());
+    internal::settle_record(directory / "a.db");
+  }
+
   TEST_CASE("a changed byte in a log is reported with the number of lost rows, without a record") {
     const TemporaryDirectory directory;
     Leftover leftover = make_leftover(directory / "sound.db");
