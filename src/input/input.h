@@ -138,8 +138,9 @@ class Input {
 [[nodiscard]] std::optional<double> parse_yaml_number(std::string_view text);
 
 /// Parses the one document of `yaml`; empty ones may follow. `source` names it in messages. The
-/// tags !degrees and !radians of a number give radians. Throws InputFailure, also for other tags, a
-/// repeated key and more than 4 million values with aliases expanded.
+/// tags !degrees and !radians of a number, and deg(N) and rad(N), give radians; merge keys << are
+/// expanded. Throws InputFailure, also for other tags, a repeated key and more than 4 million
+/// values with aliases expanded.
 [[nodiscard]] InputValue parse_yaml(std::string_view yaml, const std::string& source);
 
 /// Parses JSON with lines; `source` names it in messages. Throws InputFailure.

@@ -52,6 +52,25 @@ void TreeBuilder::open(int line, Content content) {
   levels_.push_back({{std::move(content), line}, {}, {}, 0});
 }
 
+void TreeBuilder::merge() {
+  constexpr const char* kMergeKey = "<<";
+  Level& level = levels_.back();
+  auto* map = std::get_if<InputValue::Map>(&level.value.content);
+  if (map == nullptr || !level.keys.contains(kMergeKey)) return;
+  const auto merged = std::ranges::find(*map, kMergeKey, &InputEntry::key);
+  InputValue base = std::move(merged->value);
+  map->erase(merged);
+  InputValue::List maps{base};
+  if (auto* list = std::get_if<InputValue::List>(&base.content)) maps = std::move(*list);
+  for (const InputValue& each : maps) {
+    const auto* entries = std::get_if<InputValue::Map>(&each.content);
+    if (entries == nullptr) refuse(base.line, "key <<: expected a map or a list of maps");
+    for (const InputEntry& entry : *entries) {
+      if (level.keys.insert(entry.key).second) map->push_back(entry);
+    }
+  }
+}
+
 const InputValue& TreeBuilder::close() {
   InputValue value = std::move(levels_.back().value);
   levels_.pop_back();
@@ -88,6 +107,14 @@ int count_values(const InputValue& value) {
     for (const InputEntry& entry : *map) count += count_values(entry.value);
   }
   return count;
+}
+
+/// Radians of deg(NUMBER) or rad(NUMBER), as rosparam has them.
+std::optional<double> parse_rosparam_angle(std::string_view text) {
+  const bool is_degrees = text.starts_with("deg(");
+  if ((!is_degrees && !text.starts_with("rad(")) || !text.ends_with(')')) return std::nullopt;
+  const auto number = parse_yaml_number(text.substr(4, text.size() - 5));
+  return number && is_degrees ? *number * std::numbers::pi / 180 : number;
 }
 
 /// Uses the events of the parser: yaml-cpp's tree keeps repeated keys, and its reader of several
@@ -152,6 +179,10 @@ class YamlListener : public YAML::EventHandler {
   /// Refuses all but no tag and the core tag `kind`.
   void refuse_tag(int line, const std::string& tag, std::string_view kind) const {
     if (tag.empty() || tag == "?" || tag == "!" || tag == std::string(kCore).append(kind)) return;
+    if (tag == "!degrees" || tag == "!radians") {
+      tree_.refuse(line, fmt::format("expected one number after {}, got a {}", tag,
+                                     kind == "seq" ? "list" : kind));
+    }
     tree_.refuse(line, fmt::format("unknown tag {}; expected !degrees or !radians before a number, "
                                    "or no tag",
                                    tag));
@@ -168,6 +199,7 @@ class YamlListener : public YAML::EventHandler {
       return tag == "!radians" ? *number : *number * std::numbers::pi / 180;
     }
     if (std::ranges::find(kScalars, tag) == kScalars.end()) refuse_tag(line, tag, "str");
+    if (const auto angle = parse_rosparam_angle(text)) return *angle;
     return InputValue::Text{text, false};
   }
   static constexpr std::array<std::string_view, 4> kScalars = {
@@ -179,6 +211,7 @@ class YamlListener : public YAML::EventHandler {
     anchors_.push_back(anchor);
   }
   void close() {
+    tree_.merge();
     const InputValue& value = tree_.close();
     if (anchors_.back() != 0) anchored_[anchors_.back()] = value;
     anchors_.pop_back();

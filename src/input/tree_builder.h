@@ -32,6 +32,9 @@ class TreeBuilder {
 
   /// Begins a value; all events until its close() are inside.
   void open(int line, Content content);
+  /// Replaces the key << of the innermost value, a map, by the entries of the map or the list of
+  /// maps that it has (yaml.org/type/merge.html). Own entries and those of earlier maps win.
+  void merge();
   /// Ends the innermost value. The reference is valid until the next call.
   const InputValue& close();
   /// Adds `values` to the count that is limited.

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -374,6 +375,34 @@ TEST_SUITE("unit") {
     CHECK(std::get<InputValue::Text>(map[3].value.content).text == "3");
     CHECK(yaml_failure("&a [*a]") ==
           "f.yaml:1: expected an alias outside of the value that it names");
+  }
+
+  TEST_CASE("a merge key adds the entries of maps, own entries win") {
+    const std::string text =
+        "a: &a {x: 1, y: 2}\nb: &b {x: 3, z: 4}\nc: {<<: *a, y: 5}\nd: {<<: [*a, *b]}\n"
+        "e: &e {<<: *a}\nf: {<<: *e}\n";
+    const InputValue value = internal::parse_yaml(text, "f");
+    const std::string source = "f";
+    const internal::Input input(value, source);
+    CHECK(input.at("c").entries().size() == 2);
+    CHECK(input.at("c").at("x").number() == 1);
+    CHECK(input.at("c").at("y").number() == 5);
+    CHECK(input.at("d").entries().size() == 3);
+    CHECK(input.at("d").at("x").number() == 1);
+    CHECK(input.at("d").at("z").number() == 4);
+    CHECK(input.at("f").at("y").number() == 2);
+    CHECK(yaml_failure("a: &a 1\nb: {<<: *a}") ==
+          "f.yaml:2: key <<: expected a map or a list of maps");
+  }
+
+  TEST_CASE("a tag of an angle is one of a number, not of a list") {
+    const InputValue angle = internal::parse_yaml("a: deg(180)\nb: rad(2)\nc: deg(x)", "f");
+    const auto& map = std::get<InputValue::Map>(angle.content);
+    CHECK(std::get<double>(map[0].value.content) == doctest::Approx(std::numbers::pi));
+    CHECK(std::get<double>(map[1].value.content) == 2);
+    CHECK(std::get<InputValue::Text>(map[2].value.content).text == "deg(x)");
+    CHECK(yaml_failure("a: !degrees [30]") ==
+          "f.yaml:1: expected one number after !degrees, got a list");
   }
 
   TEST_CASE("stray brackets after or before the document are refused") {
