@@ -51,6 +51,7 @@ std::optional<double> read_limit(const Input& joint, const std::string& quantity
   const std::string key = "max_" + quantity;
   const auto most = is_said ? std::optional(joint.at(key)) : joint.find(key);
   if (!most) return std::nullopt;
+  if (most->is_number() && std::isinf(most->number()) && most->number() > 0) return kUnlimited;
   const bool is_below_zero = quantity == "deceleration" && most->finite_number() < 0;
   return is_below_zero ? -most->finite_number() : most->positive_number();
 }
@@ -66,6 +67,8 @@ class LimitsFile {
 
  private:
   void read_joint(const Input& joint, JointRates& rates);
+  void ignore_positions(const Input& joint);
+  void ignore_torque(const Input& joint);
   void ignore_other_keys(const Input& map, const std::vector<std::string_view>& known);
   void ignore(const Input& input, const std::string& name, ErrorCode code,
               const std::string& fault);
@@ -89,32 +92,42 @@ void LimitsFile::ignore_other_keys(const Input& map, const std::vector<std::stri
 }
 
 /// Motions that are too strong for the motors must not look as if they were checked.
-void refuse_torque(const Input& joint) {
+void LimitsFile::ignore_torque(const Input& joint) {
   for (const char* quantity : {"effort", "torque"}) {
     const auto torque = joint.find(fmt::format("max_{}", quantity));
     const auto has = joint.find(fmt::format("has_{}_limits", quantity));
     const bool is_limited = has ? has->boolean() : torque.has_value();
     if (!is_limited) continue;
-    (has ? *has : *torque)
-        .fail(ErrorCode::unsupported,
-              "limits of torque and force are not supported: lower max_acceleration to what the "
-              "motors can do, and set has_{}_limits to false",
-              quantity);
+    const Input& limit = torque ? *torque : *has;
+    ignore(limit, limit.key() + " (limits of torque are not kept)", ErrorCode::unsupported,
+           fmt::format("limits of torque and force are not supported: lower max_acceleration to "
+                       "what the motors can do, and set has_{}_limits to false",
+                       quantity));
+  }
+}
+
+/// As MoveIt, takes bounds as limits even where has_position_limits is missing.
+void LimitsFile::ignore_positions(const Input& joint) {
+  const auto has = joint.find("has_position_limits");
+  if (has && !has->boolean()) return;
+  for (const char* key : {"has_position_limits", "min_position", "max_position"}) {
+    const auto position = joint.find(key);
+    if (!position) continue;
+    return ignore(*position, position->key() + " (the URDF limits positions)",
+                  ErrorCode::unsupported,
+                  "limits of positions, which are the URDF's, are not supported here; narrow the "
+                  "<limit> of the joint");
   }
 }
 
 void LimitsFile::read_joint(const Input& joint, JointRates& rates) {
-  refuse_torque(joint);
+  ignore_torque(joint);
   ignore_other_keys(
       joint, {"has_velocity_limits", "max_velocity", "has_acceleration_limits", "max_acceleration",
               "has_deceleration_limits", "max_deceleration", "has_jerk_limits", "max_jerk",
               "has_effort_limits", "max_effort", "has_torque_limits", "max_torque",
               "has_position_limits", "min_position", "max_position"});
-  const auto position = joint.find("has_position_limits");
-  if (position && position->boolean()) {
-    ignore(*position, position->key() + " (the URDF limits positions)", ErrorCode::unsupported,
-           "limits of positions, which are the URDF's, are not supported here");
-  }
+  ignore_positions(joint);
   if (const auto velocity = read_limit(joint, "velocity")) rates.velocity = *velocity;
   const auto acceleration = read_limit(joint, "acceleration");
   const auto deceleration = read_limit(joint, "deceleration");

@@ -116,11 +116,7 @@ joint_limits:
              {"a: 1", "the key joint_limits"},
              {"default_velocity_scaling_factor: 1", "the key joint_limits"},
              {"joint_limits: {a: {has_jerk_limits: true}}", "the key max_jerk"},
-             {"joint_limits: {a: {max_jerk: 0}}", "expected a number above 0, got 0"},
-             {"joint_limits: {a: {max_effort: 9}}",
-              "key joint_limits.a.max_effort: limits of torque", ErrorCode::unsupported},
-             {"joint_limits: {a: {has_torque_limits: true, max_torque: 9}}",
-              "key joint_limits.a.has_torque_limits: limits of torque", ErrorCode::unsupported}}) {
+             {"joint_limits: {a: {max_jerk: 0}}", "expected a number above 0, got 0"}}) {
       const Error error = refusal(hand(), {}, c.yaml);
       CHECK_MESSAGE(contains(error.message, c.part), error.message);
       CHECK(contains(error.message, "limits.yaml"));
@@ -163,6 +159,22 @@ robot_description_planning:
     CHECK(contains(read(yaml, true).error().message, "a.has_jerk: unknown key"));
     CHECK(contains(read("joint_limits: {elbow: {max_velocity: 1}}", true).error().message,
                    "robot 'hand' has no such joint"));
+    for (const std::string& ignored :
+         std::vector<std::string>{"min_position (the URDF limits positions)",
+                                  "max_effort (limits of torque are not kept)",
+                                  "max_torque (limits of torque are not kept)"}) {
+      const std::string name = ignored.substr(0, ignored.find(' '));
+      const std::string one =
+          "joint_limits: {a: {has_torque_limits: true, max_velocity: 1.5, " + name + ": 9}}";
+      CAPTURE(one);
+      const auto kept = read(one);
+      REQUIRE(kept.has_value());
+      CHECK(kept->velocity[0] == 1.5);
+      REQUIRE(kept->warnings.size() == 1);
+      CHECK(contains(kept->warnings[0], "joint_limits.a." + ignored));
+      CHECK(read(one, true).error().code == ErrorCode::unsupported);
+    }
+    CHECK(read("joint_limits: {a: {max_velocity: .inf}}")->velocity[0] == 1e6);
     CHECK(read("joint_limits: {a: {has_position_limits: true}}", true).error().code ==
           ErrorCode::unsupported);
   }
