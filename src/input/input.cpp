@@ -75,7 +75,11 @@ void Input::fail(ErrorCode code, const std::string& what) const {
 }
 
 void Input::fail_expecting(const std::string& expected) const {
-  fail(ErrorCode::parse, "expected {}, got {}", expected, std::visit(Describe{}, value_->content));
+  const auto* text = std::get_if<InputValue::Text>(&value_->content);
+  // `ros2 topic echo` ends lists after 128 values like this.
+  const bool is_cut = text != nullptr && text->text == "...";
+  fail(ErrorCode::parse, "expected {}, got {}{}", expected, std::visit(Describe{}, value_->content),
+       is_cut ? ": the list is cut; print it with ros2 topic echo --full-length" : "");
 }
 
 Input Input::child(const InputValue& value, std::string_view key) const {

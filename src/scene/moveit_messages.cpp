@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
+#include "mesh/line_reader.h"
 #include "scene/compound_files.h"
 #include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
@@ -221,14 +223,31 @@ void add_shapes(const Input& object, std::string_view key, std::string_view pose
   }
 }
 
+constexpr std::array<std::string_view, 4> kOperations = {"ADD", "REMOVE", "APPEND", "MOVE"};
+
+/// The index among kOperations. ROS 2 prints this byte as text: as itself, or escaped.
+std::optional<std::size_t> read_operation(const Input& operation) {
+  if (operation.is_nothing()) return 0;
+  const std::string text = operation.is_text() ? operation.text() : "";
+  for (std::size_t i = 0; i < kOperations.size(); ++i) {
+    const std::string byte(1, static_cast<char>(i));
+    if (text == kOperations[i] || text == lower_case(kOperations[i]) || text == byte ||
+        text == fmt::format("\\{}", i) || text == fmt::format("\\x0{}", i) ||
+        operation.whole_number() == i) {
+      return i;
+    }
+  }
+  return operation.is_text() && text.empty() ? std::optional<std::size_t>(0) : std::nullopt;
+}
+
 void refuse_operation(const Input& object, const std::string& id) {
   const auto operation = object.find("operation");
   if (!operation) return;
-  const std::string name = operation->is_text() ? operation->text() : "";
-  if (name != "0" && name != "add" && name != "ADD") {
-    operation->fail(ErrorCode::unsupported, "object \"{}\": expected the operation add, got \"{}\"",
-                    id, name);
-  }
+  const auto read = read_operation(*operation);
+  if (!read) operation->fail_expecting("the operation add of object \"{}\"", id);
+  if (*read == 0) return;
+  operation->fail(ErrorCode::unsupported, "object \"{}\": expected the operation add, got \"{}\"",
+                  id, lower_case(kOperations[*read]));
 }
 
 /// `may_be_empty`: an attached object may refer to the world's object by its name.
@@ -238,6 +257,7 @@ MoveitObject read_object(const Input& object, bool may_be_empty = false) {
                      "operation"});
   const std::string id = object.at("id").text();
   if (id.empty()) object.at("id").fail_expecting("a name");
+  if (!decode_utf8(id)) object.at("id").fail_expecting("a name that is UTF-8 text without NUL");
   refuse_operation(object, id);
   const auto pose = object.find("pose");
   const Transform X_FO = pose ? read_moveit_pose(*pose) : Transform{};
@@ -313,6 +333,7 @@ MoveitState overlaid(MoveitState state, const MoveitState& difference) {
 }
 
 std::vector<MoveitObject> read_moveit_objects(const Input& world) {
+  if (world.find("id")) return {read_object(world)};
   world.allow_keys({"collision_objects", "octomap"});
   std::vector<MoveitObject> objects;
   std::set<std::string> names;

@@ -94,12 +94,23 @@ void refuse_other_values(const Input& scene, std::string_view list, std::string_
 
 }  // namespace
 
+namespace {
+
+/// True for a moveit_msgs/PlanningSceneWorld or CollisionObject.
+bool is_moveit_world(const Input& input) {
+  return input.find("collision_objects") || (input.find("id") && input.find("operation"));
+}
+
+}  // namespace
+
 bool is_moveit_scene(const Input& input) {
   return input.is_map() && (input.find("world") || input.find("allowed_collision_matrix") ||
-                            input.find("robot_state") || input.find("fixed_frame_transforms"));
+                            input.find("robot_state") || input.find("fixed_frame_transforms") ||
+                            is_moveit_world(input));
 }
 
 MoveitScene read_moveit_scene(const Input& input, const std::string& default_name) {
+  if (is_moveit_world(input)) return {default_name, "", read_moveit_objects(input), {}, {}};
   input.allow_keys({"name", "robot_state", "robot_model_name", "fixed_frame_transforms",
                     "allowed_collision_matrix", "link_padding", "link_scale", "object_colors",
                     "world", "is_diff"});

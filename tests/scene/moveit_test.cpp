@@ -1,9 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/scene.h"
+
 #include "scene/moveit_scene.h"
 #include "scene/read_yaml.h"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 namespace mneme::test {
 namespace {
@@ -132,6 +135,8 @@ std::string object_failure(const std::string& keys) {
   return failure_of("collision_objects:\n  - {id: x, " + keys + "}", read_moveit_objects);
 }
 
+const std::string kBall =
+    "primitives: [{type: sphere, dimensions: [1]}], primitive_poses: [{position: [0, 0, 0]}]";
 const std::string kPose = "primitive_poses: [{position: [0, 0, 0]}]";
 
 TEST_SUITE("unit") {
@@ -182,6 +187,33 @@ collision_objects:
     CHECK(object_failure("operation: remove") ==
           "f:2: key collision_objects[0].operation: object \"x\": expected the operation add, got "
           "\"remove\"");
+    CHECK(object_failure("operation: \"\\x02\"").ends_with("the operation add, got \"append\""));
+    CHECK(object_failure("operation: 7").find("expected the operation add of object \"x\"") !=
+          std::string::npos);
+    CHECK(failure_of("collision_objects: [{id: \"\xff\"}]", read_moveit_objects).find("UTF-8") !=
+          std::string::npos);
+  }
+
+  TEST_CASE("each spelling of the byte ADD adds an object, also one without a scene around it") {
+    for (const char* operation :
+         {"0", "'0'", "add", "ADD", "\"\\0\"", "\"\\x00\"", "'\\0'", "'\\x00'", "''", "\"\""}) {
+      CAPTURE(operation);
+      const std::string object =
+          fmt::format("{{id: x, header: {{frame_id: base}}, operation: {}, {}}}", operation, kBall);
+      const auto framed = parse_scene(object, "f.yaml");
+      REQUIRE_MESSAGE(framed.has_value(), (framed ? "" : framed.error().message));
+      CHECK(framed->obstacles.at(0).name == "x");
+      const auto world = parse_scene("collision_objects: [" + object + "]", "f.yaml");
+      REQUIRE(world.has_value());
+      CHECK(world->obstacles.size() == 1);
+    }
+  }
+
+  TEST_CASE("a list that was cut when it was printed is refused with the way out") {
+    const std::string fault = object_failure(
+        "meshes: [{triangles: [{vertex_indices: [0, 1, 2]}, '...'], vertices: [[0, 0, 0], [1, 0, "
+        "0], [0, 1, 0]]}], mesh_poses: [{position: [0, 0, 5]}]");
+    CHECK_MESSAGE(fault.find("--full-length") != std::string::npos, fault);
   }
 
   TEST_CASE("meshes, planes and an octomap of MoveIt are read") {
