@@ -17,9 +17,14 @@
 #include <exception>
 #include <memory>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <poll.h>
+#include <pthread.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
 
 namespace mneme::internal {
 namespace {
@@ -34,6 +39,11 @@ constexpr std::chrono::seconds kMostDrain{1};
 constexpr std::size_t kReadBytes = 16384;
 /// Threads for requests that neither plan nor wait in the queue.
 constexpr int kSpareThreads = 4;
+/// CPU seconds after which a request goes on at low priority, and bytes of a body that take as long
+/// to read.
+constexpr double kLongWork_s = 0.005;
+constexpr std::size_t kLongBody = 64 << 10;
+constexpr int kLongWorkNice = 10;
 
 constexpr std::string_view kHeadEnd = "\r\n\r\n";
 /// For answers that are data, and for pages, whose styles and scripts are inline.
@@ -81,7 +91,29 @@ bool is_of_client(const error_code& error) {
          error != http::error::end_of_stream && error != http::error::partial_message;
 }
 
+thread_local bool has_low_priority = false;
+
 }  // namespace
+
+/// The CPU time of a thread, readable from other threads while it runs.
+class ThreadClock {
+ public:
+  /// The clock of the calling thread.
+  ThreadClock() : thread_(gettid()) { pthread_getcpuclockid(pthread_self(), &clock_); }
+  [[nodiscard]] double now_s() const {
+    timespec time{};
+    clock_gettime(clock_, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  }
+  void lower_priority() const {
+    const auto id = static_cast<id_t>(thread_);
+    setpriority(PRIO_PROCESS, id, getpriority(PRIO_PROCESS, id) + kLongWorkNice);
+  }
+
+ private:
+  pid_t thread_;
+  clockid_t clock_ = CLOCK_REALTIME;
+};
 
 /// A client connection. Requests are answered one after the other, on a strand.
 class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
@@ -118,6 +150,13 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   }
   [[nodiscard]] int socket() { return stream_.socket().native_handle(); }
   void cancel() { is_cancelled_ = true; }
+  /// Lowers the priority of a request that has computed for long. Call while it is answered.
+  void yield_to_short_requests() {
+    const bool is_long = parser_->get().body().size() >= kLongBody;
+    if (has_yielded_ || (!is_long && clock_.now_s() - begin_s_ < kLongWork_s)) return;
+    has_yielded_ = true;
+    clock_.lower_priority();
+  }
 
  private:
   using Parser = http::request_parser<http::string_body>;
@@ -210,13 +249,18 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   void begin_answering() {
     const std::lock_guard lock(server_.mutex_);
     is_cancelled_ = server_.is_cancelling_;
+    clock_ = {};
+    begin_s_ = clock_.now_s();
+    has_yielded_ = has_low_priority;
     server_.answering_.insert(this);
+    yield_to_short_requests();
     if (!server_.is_watching_) server_.watch();
   }
 
   void end_answering() {
     const std::lock_guard lock(server_.mutex_);
     server_.answering_.erase(this);
+    has_low_priority = has_yielded_;
   }
 
   /// Tells a connected client why its request cannot be read.
@@ -279,6 +323,9 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   std::optional<http::response_serializer<http::string_body>> serializer_;
   bool is_idle_ = false;
   std::atomic<bool> is_cancelled_ = false;
+  ThreadClock clock_;  ///< of the thread that answers
+  double begin_s_ = 0;
+  bool has_yielded_ = false;
 };
 
 HttpServer::HttpServer(HttpHandlers handlers, const HttpLimits& limits)
@@ -294,17 +341,44 @@ Result<void> HttpServer::start(const std::string& where, bool may_be_remote) {
   listener_ = std::move(listener);
   asio::post(listener_->acceptor.get_executor(), [this] { accept(); });
   const int count = std::min(limits_.busy_requests, limits_.connections) + kSpareThreads;
-  for (int i = 0; i < count; ++i) threads_.emplace_back([this] { run(); });
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    threads_.emplace_back([this, i] { run(i); });
+  }
+  replacer_ = std::thread([this] { replace_threads(); });
   return {};
 }
 
 /// An exception of a handler, such as std::bad_alloc, ends only its connection.
-void HttpServer::run() {
-  while (!io_.stopped()) {
+void HttpServer::run(std::size_t index) {
+  while (!io_.stopped() && !has_low_priority) {
     try {
-      io_.run();
+      io_.run_one();
     } catch (const std::exception&) {
       continue;
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  slow_threads_.push_back(index);
+  has_slow_threads_.notify_one();
+}
+
+void HttpServer::replace_threads() {
+  std::unique_lock lock(mutex_);
+  while (!is_joining_) {
+    has_slow_threads_.wait(lock, [&] { return is_joining_ || !slow_threads_.empty(); });
+    if (is_joining_) return;
+    const std::size_t index = slow_threads_.back();
+    if (threads_[index].joinable()) {
+      std::thread ended = std::move(threads_[index]);
+      lock.unlock();
+      ended.join();
+      lock.lock();
+    }
+    try {
+      threads_[index] = std::thread([this, index] { run(index); });
+      std::erase(slow_threads_, index);
+    } catch (const std::system_error&) {
+      has_slow_threads_.wait_for(lock, kAcceptPause);
     }
   }
 }
@@ -354,6 +428,7 @@ void HttpServer::cancel_disconnected() {
   auto socket = sockets.begin();
   for (Connection* connection : answering_) {
     if ((socket++)->revents != 0) connection->cancel();
+    connection->yield_to_short_requests();
   }
   watch();
 }
@@ -386,7 +461,15 @@ void HttpServer::wait(double patience_s) const {
 
 void HttpServer::join() {
   io_.stop();
-  for (std::thread& thread : threads_) thread.join();
+  {
+    const std::lock_guard lock(mutex_);
+    is_joining_ = true;
+  }
+  has_slow_threads_.notify_one();
+  if (replacer_.joinable()) replacer_.join();
+  for (std::thread& thread : threads_) {
+    if (thread.joinable()) thread.join();
+  }
   threads_.clear();
   if (listener_) close_listener();
   const std::lock_guard lock(mutex_);

@@ -12,6 +12,8 @@
 #include <boost/beast/http/string_body.hpp>
 
 #include <atomic>
+#include <condition_variable>
+#include <cstddef>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -46,7 +48,8 @@ struct HttpHandlers {
   std::function<void(int status)> count_refused;
 };
 
-/// Serves all connections by a few threads. Each request is answered on one of them.
+/// Serves all connections by a few threads. Each request is answered on one of them. One that has
+/// computed for a while goes on at low priority, so that short ones need not share the cores.
 class HttpServer {
  public:
   HttpServer(HttpHandlers handlers, const HttpLimits& limits);
@@ -77,7 +80,9 @@ class HttpServer {
   void watch();
   void cancel_disconnected();
   void close_listener();
-  void run();
+  void run(std::size_t index);
+  /// Replaces threads of low priority, which only privileged processes can raise again.
+  void replace_threads();
 
   HttpHandlers handlers_;
   HttpLimits limits_;
@@ -92,6 +97,10 @@ class HttpServer {
   asio::steady_timer accept_timer_;
   std::optional<Listener> listener_;
   std::vector<std::thread> threads_;
+  std::vector<std::size_t> slow_threads_;  ///< indices of ended threads
+  bool is_joining_ = false;
+  std::condition_variable has_slow_threads_;
+  std::thread replacer_;
 };
 
 }  // namespace mneme::internal
