@@ -2,8 +2,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/planning.h"
 
+#include "base/fail.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace mneme {
 namespace {
@@ -54,18 +61,15 @@ void add_planners(std::vector<PlannerEntry> entries) {
 
 Result<const PlannerEntry*> find_planner(std::string_view name) {
   if (const PlannerEntry* entry = entry_of(name)) return entry;
-  std::string known;
-  for (const PlannerEntry& planner : table()) {
-    known += (known.empty() ? "" : ", ") + planner.name;
+  const std::vector<std::string> names = planner_names();
+  const bool has_ompl =
+      std::ranges::any_of(names, [](const std::string& each) { return each.starts_with("ompl:"); });
+  if (name.starts_with("ompl:") && !has_ompl) {
+    return fail(ErrorCode::unsupported, "{}: this mneme was built without OMPL; expected one of {}",
+                name, fmt::join(names, ", "));
   }
-  const bool is_foreign = name.starts_with("ompl:") && known.find("ompl:") == std::string::npos;
-  if (is_foreign) {
-    return fail(
-        ErrorCode::unsupported,
-        std::string(name) + ": this mneme was built without OMPL; expected one of " + known);
-  }
-  return fail(ErrorCode::invalid, "unknown planner '" + std::string(name) + "': expected one of " +
-                                      known + did_you_mean(name, planner_names()));
+  return fail(ErrorCode::invalid, "unknown planner '{}': expected one of {}{}", name,
+              fmt::join(names, ", "), did_you_mean(name, names));
 }
 
 PlanResult plan_with(PlanResult (*planner)(const PlanTask&), const CollisionChecker& checker,
