@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/pipeline.h"
 
+#include "base/fail.h"
 #include "pipeline/memory_sampler.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <utility>
@@ -61,11 +65,9 @@ void add_samplers(std::span<const SamplerEntry> entries) {
 
 Result<const SamplerEntry*> find_sampler(std::string_view name) {
   if (const SamplerEntry* entry = entry_of(name)) return entry;
-  std::string known;
   const std::vector<std::string> names = sampler_names();
-  for (const std::string& entry : names) known += (known.empty() ? "" : ", ") + entry;
-  return fail(ErrorCode::invalid, "unknown sampler '" + std::string(name) + "': expected one of " +
-                                      known + did_you_mean(name, names));
+  return fail(ErrorCode::invalid, "unknown sampler '{}': expected one of {}{}", name,
+              fmt::join(names, ", "), did_you_mean(name, names));
 }
 
 }  // namespace mneme
