@@ -180,8 +180,10 @@ std::vector<std::uint8_t> FloatingBody::find_shallower(const std::vector<Transfo
 
 std::string FloatingBody::describe_contact(const Transform& pose) const {
   const std::array<float, 6> values = floating_values(pose);
-  const std::vector<Contact> contacts =
-      checker_.contacts(Configuration(values.begin(), values.end()));
+  return describe_deepest(checker_.contacts(Configuration(values.begin(), values.end())));
+}
+
+std::string describe_deepest(std::span<const Contact> contacts) {
   if (contacts.empty()) return "";
   const Contact& deepest = *std::ranges::min_element(contacts, {}, &Contact::distance);
   return fmt::format("'{}' with '{}'", deepest.link, deepest.other);

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -60,5 +61,8 @@ class FloatingBody {
   bool has_surfaces_;
   double excess_;  ///< metres that spheres stick out of surfaces; 0 unless BodySettings::is_exact
 };
+
+/// Returns the deepest contact: "'panda_hand' with 'shelf'"; empty if there is none.
+[[nodiscard]] std::string describe_deepest(std::span<const Contact> contacts);
 
 }  // namespace mneme::internal

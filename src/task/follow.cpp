@@ -9,8 +9,7 @@
 #include "base/threads.h"
 #include "pipeline/end_exit.h"
 #include "planning/end_contacts.h"
-
-#include <fmt/format.h>
+#include "task/floating_body.h"
 
 #include <algorithm>
 #include <array>
@@ -48,9 +47,7 @@ Result<CheckedWorldPtr> check_world(World world, const TaskRun& run) {
 
 std::string describe_contact(const CollisionChecker& checker, const Configuration& q) {
   const std::vector<Contact> contacts = checker.contacts(checker.robot().normalized(q));
-  if (contacts.empty()) return "something within 0.1 mm";
-  const Contact& deepest = *std::ranges::min_element(contacts, {}, &Contact::distance);
-  return fmt::format("'{}' with '{}'", deepest.link, deepest.other);
+  return contacts.empty() ? "something within 0.1 mm" : describe_deepest(contacts);
 }
 
 namespace {
