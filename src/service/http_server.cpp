@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <exception>
 #include <memory>
 #include <string_view>
@@ -161,6 +162,23 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
  private:
   using Parser = http::request_parser<http::string_body>;
 
+  /// Checks the line of a chunk, and trailers, as find_head_flaw() checks a head. Beast calls it
+  /// for the last chunk, of size 0, when all trailers have come.
+  struct CheckChunkLines {
+    const beast::flat_buffer& buffer;
+
+    void operator()(std::uint64_t size, beast::string_view extensions, error_code& error) {
+      std::string_view lines(extensions.data(), extensions.size());
+      if (size == 0) {
+        const auto bytes = buffer.cdata();
+        const char* const end = static_cast<const char*>(bytes.data()) + bytes.size();
+        const std::string_view rest(lines.data(), static_cast<std::size_t>(end - lines.data()));
+        lines = rest.substr(0, rest.find(kHeadEnd) + kHeadEnd.size());
+      }
+      if (!find_head_flaw(lines).empty()) error = http::error::bad_chunk_extension;
+    }
+  };
+
   /// Returns a handler that calls `member` and keeps the connection alive.
   template <class... Ignored>
   auto then(void (Connection::*member)(error_code)) {
@@ -173,6 +191,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     parser_.emplace();
     parser_->header_limit(server_.limits_.head_bytes);
     parser_->body_limit(server_.limits_.body_bytes);
+    parser_->on_chunk_header(check_chunk_lines_);
     if (buffer_.size() > 0) return read_head();
     if (server_.is_stopping_) return;
     is_idle_ = true;
@@ -318,6 +337,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   HttpServer& server_;
   beast::basic_stream<asio::generic::stream_protocol, Strand> stream_;
   beast::flat_buffer buffer_;
+  CheckChunkLines check_chunk_lines_{buffer_};
   std::optional<Parser> parser_;
   http::response<http::string_body> response_;
   std::optional<http::response_serializer<http::string_body>> serializer_;

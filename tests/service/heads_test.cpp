@@ -77,7 +77,20 @@ TEST_SUITE("flow") {
       CHECK(count_answers(heard) == 1);
       CHECK(heard.starts_with("HTTP/1.1 4"));
     }
+    for (const std::string& rest : {std::string("2;a=\"x\ny\"\r\n{}\r\n0\r\n\r\n"),
+                                    "2;a=\"x" + std::string(1, '\0') + "y\"\r\n{}\r\n0\r\n\r\n",
+                                    std::string("2\r\n{}\r\n0;a=\"x\ny\"\r\n\r\n"),
+                                    std::string("2\r\n{}\r\n0\r\nA: b\r\n c\r\n\r\n"),
+                                    std::string("2\r\n{}\r\n0\r\nA: b\r\nB: c\r\n\td\r\n\r\n")}) {
+      const std::string heard = heard_after(running, put + rest + kHidden);
+      INFO(rest, heard);
+      CHECK(count_answers(heard) == 1);
+      CHECK(heard.starts_with("HTTP/1.1 400"));
+    }
     // What is sound goes on.
+    const std::string sound =
+        heard_after(running, put + "2;a=\"x y\"\r\n{}\r\n0\r\nA: b\r\n\r\n" + kHidden);
+    CHECK_MESSAGE(count_answers(sound) == 2, sound);
     const std::string heard = heard_after(
         running, kGet +
                      "Content-Length: 0\r\n\r\nDELETE /v1/scenes/a HTTP/1.1\r\nHost: localhost\r\n"
