@@ -4,7 +4,6 @@
 #include "store/lost_rows.h"
 
 #include <sys/stat.h>
-
 #include <map>
 
 namespace mneme::test {
