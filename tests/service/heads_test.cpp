@@ -77,6 +77,8 @@ TEST_SUITE("flow") {
       CHECK(count_answers(heard) == 1);
       CHECK(heard.starts_with("HTTP/1.1 4"));
     }
+    const std::string put = "PUT /v1/scenes/v HTTP/1.1\r\nHost: localhost\r\n" + chunked +
+                            "Content-Type: application/json\r\n\r\n";
     for (const std::string& rest : {std::string("2;a=\"x\ny\"\r\n{}\r\n0\r\n\r\n"),
                                     "2;a=\"x" + std::string(1, '\0') + "y\"\r\n{}\r\n0\r\n\r\n",
                                     std::string("2\r\n{}\r\n0;a=\"x\ny\"\r\n\r\n"),
