@@ -93,6 +93,29 @@ TEST_SUITE("unit") {
     CHECK(measure_path(problem.robot, problem.scene, {}).length == 0);
   }
 
+  TEST_CASE("the least clearance is found on either side of a waypoint and at every near passage") {
+    Problem problem = test::gap_problem();
+    // The arm is straight; its tip passes the circles' centres at these angles.
+    const double radius = 0.1;
+    const auto circle_at = [&](double angle, double from_base) {
+      return std::array{from_base * std::cos(angle), from_base * std::sin(angle), radius};
+    };
+    const double reach = 3;
+    problem.scene =
+        make_circle_scene("two", {circle_at(0.305, reach + 0.12), circle_at(0.813, reach + 0.117)});
+    const double nearest = 0.117 - radius - 0.001;
+    const auto least_of = [&](const Path& path) {
+      return measure_path(problem.robot, problem.scene, path).clearance->distance;
+    };
+    // Waypoints just before and just behind the nearest place, and none near it.
+    for (const double waypoint : {0.808, 0.818, 0.5}) {
+      CAPTURE(waypoint);
+      const Path path = {{0, 0, 0}, {waypoint, 0, 0}, {1.5, 0, 0}};
+      CHECK(least_of(path) == doctest::Approx(nearest).epsilon(1e-3));
+      CHECK(least_of({path[2], path[1], path[0]}) == doctest::Approx(nearest).epsilon(1e-3));
+    }
+  }
+
   TEST_CASE("JSON of a plan has the measures of its motion, if there is one") {
     const Problem problem = test::gap_problem();
     const MotionMeasures motion{1.5, 8, {1, 0.5}, {2, 1}, {4, 2}, {}, {}, {}};
