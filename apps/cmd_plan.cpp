@@ -249,7 +249,10 @@ void print_result(const LoadedPlan& loaded, const SolveResult& result,
   fmt::print("afterwards  simplification {:.3f} ms, verification {:.3f} ms\n",
              1e3 * plan.simplification_time_s, 1e3 * plan.verification_time_s);
   if (result.improvement_time_s > 0) {
-    fmt::print("improved    {} times in {:.3f} ms\n", result.improvements.size() - 1,
+    // Without --improve, paths of trajectories are improved a little, and nothing is counted.
+    const std::size_t paths = result.improvements.size();
+    fmt::print("improved    {}in {:.3f} ms\n",
+               paths > 0 ? counted(paths - 1, "time ", "times ") : "",
                1e3 * result.improvement_time_s);
   }
   fmt::print("in all      {:.3f} ms, after {:.3f} ms of loading\n", 1e3 * result.total_time_s,

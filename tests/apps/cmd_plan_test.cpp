@@ -93,6 +93,7 @@ TEST_SUITE("flow") {
           doctest::Approx(-0.05));
     const ProgramRun told = run_program({"plan", files.problem(), "--trajectory", files / "m.csv"});
     CHECK(has_text(told.out, "\nmotion      "));
+    CHECK(has_text(told.out, "\nimproved    in "));
     const ProgramRun none = run_program(
         {"plan", files.problem(), "--max-iterations", "1", "--trajectory", files / "none.csv"});
     CHECK(none.exit_code == 3);
