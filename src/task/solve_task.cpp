@@ -93,6 +93,7 @@ class TaskSearch {
   [[nodiscard]] std::string describe_choice(const Group& group, int stage) const;
   [[nodiscard]] std::string describe_failure() const;
   [[nodiscard]] int count_of(int stage) const;
+  [[nodiscard]] std::string describe_drops(const Group& group) const;
   [[nodiscard]] const CheckedWorldPtr& world_before(std::size_t level) const;
   [[nodiscard]] const Configuration& end_before(std::size_t level) const;
 
@@ -111,6 +112,7 @@ class TaskSearch {
   std::size_t deepest_ = 0;                      ///< deepest group that was tried
   int plans_ = 0;
 };
+  std::optional<std::size_t> failed_move_;       ///< deepest group whose move failed
 
 const CheckedWorldPtr& TaskSearch::world_before(std::size_t level) const {
   return level == 0 ? first_world_ : levels_[level - 1].candidate->after;
@@ -270,6 +272,7 @@ Result<bool> TaskSearch::plan_move(std::size_t level) {
   if (!solved.plan.is_solved()) {
     drops_.add(*groups_[level].move, {DropReason::path, solved.plan.message},
                levels_[level].candidate->alternative);
+    failed_move_ = std::max(failed_move_.value_or(0), level);
     // More iterations do not mend ends.
     const bool is_refused =
         move_status_ == PlanStatus::invalid_start || move_status_ == PlanStatus::invalid_goal;
@@ -355,9 +358,16 @@ std::string TaskSearch::describe_choice(const Group& group, int stage) const {
                      count, stage_name(run_.task, *group.anchor));
 }
 
-/// The deepest stage at which something was dropped, with its reasons.
+/// The deepest move whose path failed, or the deepest group at which something was dropped: paths
+/// are planned last, so that a move may fail before groups that have candidates.
 std::string TaskSearch::describe_failure() const {
-  const Group& group = groups_[deepest_];
+  std::string text = failed_move_ ? describe_drops(groups_[*failed_move_]) : "";
+  for (std::size_t i = deepest_ + 1; text.empty() && i-- > 0;) text = describe_drops(groups_[i]);
+  return text;
+}
+
+/// The stages of a group at which something was dropped, with the reasons.
+std::string TaskSearch::describe_drops(const Group& group) const {
   std::vector<int> stages = group.local;
   if (group.move) stages.insert(stages.begin(), *group.move);
   std::string text;

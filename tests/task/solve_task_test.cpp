@@ -199,6 +199,42 @@ TEST_SUITE("flow") {
                   result.message);
   }
 
+  TEST_CASE("a task refused by a move before its last group says why") {
+    const std::string bent = "[0.8, -0.785, 0, -2.356, 0, 1.571, 0.785]";
+    const TaskResult result = solved(make_task(
+        kCell +
+        "stages: [{name: turn, move: [0, -0.785, 0, -2.356, 0, 2.8, 0.785]}, {name: carry, "
+        "move: " +
+        bent +
+        ", constraints: [{link: panda_hand, axis: [0, 0, -1], angle: 0.2}]}, {name: home, "
+        "move: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]}]\n"));
+    CHECK_FALSE(result.is_solved());
+    CHECK_MESSAGE(
+        result.message.find("stage 'carry': no path (start: panda_hand is tilted by") == 0,
+        result.message);
+  }
+
+  TEST_CASE("a start that is invalid is told as such, whatever the first stage is") {
+    const auto refused = [](const std::string& start, const std::string& first) {
+      const TaskResult result = solved(make_task(
+          replaced(kCell, "start: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]", "start: " + start) +
+          "stages: [" + first + "{move: [0.1, -0.785, 0, -2.356, 0, 1.571, 0.785]}]\n"));
+      CHECK_MESSAGE(result.status == PlanStatus::invalid_start, result.message);
+      CHECK(result.stages.empty());
+      return result.message;
+    };
+    const std::string in_table = "[0, 0.9, 0, -1.9, 0, 2.8, 0.785]";
+    for (const std::string first : {"", "{gripper: {panda_finger_joint1: 0}}, ",
+                                    "{line: {direction: [0, 0, 1], distance: 0.01}}, "}) {
+      CAPTURE(first);
+      const std::string message = refused(in_table, first);
+      CHECK_MESSAGE(message.find("1': start is in contact: ") != std::string::npos, message);
+      CHECK_MESSAGE(message.find("'table'") != std::string::npos, message);
+    }
+    CHECK(refused("[0, -0.785, 0, -2.356, 0, 1.571, 9]", "").find("start: joint") == 0);
+    CHECK(refused("[0, -0.785]", "").find("start: there are 2 values") == 0);
+  }
+
   TEST_CASE("an object may rest above its support, or a few millimetres in it with a note") {
     const auto lowered = [](double z) {
       return solved(
