@@ -54,6 +54,13 @@ class TaskCheck {
       return fail(ErrorCode::invalid, "its speed is {}, expected more than 0 and at most 1",
                   stage.speed);
     }
+    if (stage.kind != StageKind::move && !stage.constraints.empty()) {
+      return fail(
+          ErrorCode::unsupported,
+          "constraints hold in moves only, not in a stage of kind {}; remove them, or use a "
+          "move",
+          to_string(stage.kind));
+    }
     switch (stage.kind) {
       case StageKind::move:
         return check_move(stage);

@@ -31,6 +31,17 @@ TEST_SUITE("unit") {
     fails("{move: {link: panda_hand, to: {object: cup}}}",
           "expected a held object, got 'cup'; an attach stage must come first");
     fails("{gripper: {panda_finger_joint9: 0.01}}", "panda_finger_joint9");
+    fails(
+        "{name: down, line: {direction: [0, 0, 1], distance: 0.1}, constraints: [{link: "
+        "panda_hand, "
+        "axis: [0, 0, -1], angle: 0.2}]}",
+        "stage 'down': constraints hold in moves only, not in a stage of kind line; remove them");
+    fails("{attach: cup, constraints: [{link: panda_hand, axis: [0, 0, -1], angle: 0.2}]}",
+          "constraints hold in moves only, not in a stage of kind attach");
+    fails("{allow: [{pair: [panda_hand, table], at_ends: 0.01}]}",
+          "a stage allows contact until the end of the task: expected a list of two names, as in "
+          "[hand, table]; contact at ends belongs to the key 'allow' of the task");
+    fails("{allow: [{pair: [panda_hand, table]}]}", "expected a list of two names");
     fails("{allow: [[table, cup]]}", "expected a pair of an obstacle and a link or held object");
     fails("{move: [0, 0, 0]}", "there are 3 values, but robot 'panda' has 7 joints");
     fails("{speed: 2, move: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]}", "its speed is 2");
