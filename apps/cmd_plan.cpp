@@ -324,10 +324,6 @@ Result<ExitCode> run_stages(const PlanOptions& options) {
   task.trajectory = options.trajectory;
   task.is_json = options.is_json;
   task.settings.solve = options.settings;
-  task.settings.improve = std::exchange(task.settings.solve.plan.improve, 0);
-  if (const auto rounds = std::exchange(task.settings.solve.plan.improve_rounds, std::nullopt)) {
-    task.settings.improve_plans = static_cast<int>(std::min<std::uint64_t>(*rounds, 1000000));
-  }
   return run_task(task);
 }
 

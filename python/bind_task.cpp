@@ -129,7 +129,8 @@ void bind_plan(py::module_& module) {
   py::class_<PlannedTask>(module, "TaskPlan", "The plan of a task.")
       .def_property_readonly(
           "status", [](const PlannedTask& self) { return to_text(to_string(self.result.status)); },
-          "'solved', 'timeout', 'iteration_limit', 'cancelled' or 'invalid_goal'.")
+          "'solved', 'timeout', 'iteration_limit', 'cancelled', 'invalid_start' or "
+          "'invalid_goal'.")
       .def_property_readonly("is_solved",
                              [](const PlannedTask& self) { return self.result.is_solved(); })
       .def_property_readonly(

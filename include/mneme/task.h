@@ -88,6 +88,8 @@ struct Task {
   std::vector<std::string> files = {};
 };
 
+/// `solve.plan` is for each move; its `improve` and `improve_rounds` stand for those of the task
+/// that are not set.
 struct TaskSettings {
   int branches = 4;
   int siblings = 8;

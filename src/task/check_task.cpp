@@ -36,9 +36,6 @@ class TaskCheck {
     if (task_.stages.empty()) {
       return fail(ErrorCode::invalid, "task '{}' has no stages; expected at least one", task_.name);
     }
-    if (const auto violation = task_.robot.describe_violation(task_.start, "start")) {
-      return fail(ErrorCode::invalid, *violation);
-    }
     for (std::size_t i = 0; i < task_.stages.size(); ++i) {
       const Result<void> checked = check_stage(task_.stages[i]);
       if (checked) continue;

@@ -224,10 +224,10 @@ Problem TaskSearch::problem_of(std::size_t level, const Configuration& goal) con
                   end_before(level),
                   {goal},
                   {}};
-  problem.constraints = task.constraints;
   if (groups_[level].move) {
     const Stage& stage = task.stages[as_index(*groups_[level].move)];
     problem.constraints.insert(problem.constraints.end(), stage.constraints.begin(),
+    problem.constraints = task.constraints;
                                stage.constraints.end());
   }
   return problem;
@@ -485,9 +485,12 @@ void TaskSearch::remember(TaskResult& result) const {
   }
 }
 
-/// Refuses a start from which no move may begin: before any search, as solve() does.
+/// Refuses a start from which no motion may begin: before any search, as solve() does.
 Result<bool> TaskSearch::refuse_start(TaskResult& result) {
-  if (!groups_.front().move) return false;
+  const StageKind first = run_.task.stages.front().kind;
+  const bool moves =
+      first != StageKind::attach && first != StageKind::detach && first != StageKind::allow;
+  if (!moves) return false;
   const Problem stay = problem_of(0, run_.task.start);
   ++run_.states;
   if (stay.constraints.empty() && is_clear(first_world_->checker, stay.start)) return false;
@@ -496,8 +499,7 @@ Result<bool> TaskSearch::refuse_start(TaskResult& result) {
   const SolveResult solved = MNEME_TRY(mneme::solve(stay, database_, settings));
   if (solved.plan.status != PlanStatus::invalid_start) return false;
   result.status = solved.plan.status;
-  result.message = fmt::format("stage '{}': {}", stage_name(run_.task, *groups_.front().move),
-                               solved.plan.message);
+  result.message = fmt::format("stage '{}': {}", stage_name(run_.task, 0), solved.plan.message);
   return true;
 }
 
@@ -540,11 +542,29 @@ Result<TaskResult> TaskSearch::solve() {
 
 }  // namespace
 
-Result<TaskResult> solve_task(const Task& task, Database* database, const TaskSettings& settings) {
-  MNEME_TRY(internal::check_ranges(settings));
-  MNEME_TRY(check_settings(settings.solve));
+Result<TaskResult> solve_task(const Task& task, Database* database, const TaskSettings& given) {
+  MNEME_TRY(internal::check_ranges(given));
+  MNEME_TRY(check_settings(given.solve));
   MNEME_TRY(check_task(task));
   return TaskSearch(task, database, settings, MNEME_TRY(internal::make_groups(task))).solve();
 }
 
 }  // namespace mneme
+  const TaskSettings settings = completed(given);
+  if (const auto violation = task.robot.describe_violation(task.start, "start")) {
+/// Improvement of the moves means improvement of the task, where the task's settings say nothing.
+TaskSettings completed(TaskSettings settings) {
+  const PlanSettings& plan = settings.solve.plan;
+  if (settings.improve == 0) settings.improve = plan.improve;
+  if (!settings.improve_plans && plan.improve_rounds) {
+    constexpr std::uint64_t kMost = std::numeric_limits<int>::max();
+    settings.improve_plans = static_cast<int>(std::min(*plan.improve_rounds, kMost));
+  }
+  return settings;
+}
+
+    TaskResult refused;
+    refused.status = PlanStatus::invalid_start;
+    refused.message = *violation;
+    return refused;
+  }

@@ -54,6 +54,10 @@ TEST_SUITE("flow") {
     REQUIRE(plain.body["stages"].size() == 4);
     CHECK(plain.body["stages"][1]["alternatives"] == 20);
     CHECK_FALSE(plain.body.contains("trajectory"));
+    CHECK(plain.body["plans"] == 1);
+    Json better = body;
+    better["settings"].update({{"timeout", 30}, {"improve", 30}, {"improve-rounds", 2}});
+    CHECK(post(client, "/v1/tasks", better).body["plans"] == 2);
     body["trajectory"] = {{"dt", 0.05}};
     const Reply timed = post(client, "/v1/tasks", body);
     REQUIRE(timed.status == 200);
@@ -62,7 +66,7 @@ TEST_SUITE("flow") {
     CHECK(trajectory["duration_s"] == timed.body["duration_s"]);
     CHECK(trajectory["stages"][2]["name"] == "grasp");
     CHECK(trajectory["stages"][3]["begin_s"] == timed.body["stages"][3]["begin_s"]);
-    CHECK(client.Get("/metrics")->body.find("mneme_plans_total{status=\"solved\"} 2\n") !=
+    CHECK(client.Get("/metrics")->body.find("mneme_plans_total{status=\"solved\"} 3\n") !=
           std::string::npos);
   }
 

@@ -72,6 +72,21 @@ TEST_SUITE("flow") {
     CHECK(solved(task, nullptr, settings).status == PlanStatus::cancelled);
   }
 
+  TEST_CASE("improvement of the moves means that of the task") {
+    const Task task = make_task(kCell + kPickAndPlace);
+    TaskSettings own, moves;
+    own.solve.plan.timeout_s = moves.solve.plan.timeout_s = 1000;
+    own.improve = moves.solve.plan.improve = 1000;
+    own.improve_plans = 3;
+    moves.solve.plan.improve_rounds = 3;
+    const TaskResult expected = solved(task, nullptr, own), result = solved(task, nullptr, moves);
+    CHECK(result.plans == expected.plans);
+    CHECK(result.plans > 1);
+    CHECK(result.path_time_s == expected.path_time_s);
+    moves.solve.plan.improve = 0;
+    CHECK_FALSE(solve_task(task, nullptr, moves).has_value());
+  }
+
   TEST_CASE("improvement returns a plan that takes no longer than the first") {
     const Task task = make_task(kCell + kPickAndPlace);
     TaskSettings settings;
@@ -184,21 +199,6 @@ TEST_SUITE("flow") {
     CHECK(result.states_checked < 5000);
   }
 
-  TEST_CASE("drops count the alternatives that the task has, not their configurations") {
-    // No grasp can be lifted: a lid is 6 cm above the cup.
-    const std::string lid =
-        "    - {name: lid, type: box, position: [0.5, -0.1, 0.37], size: [0.1, 0.1, 0.02]}\n";
-    const TaskResult result = solved(make_task(kCell + lid + kPickAndPlace));
-    REQUIRE(result.status == PlanStatus::invalid_goal);
-    for (const StageResult& stage : result.stages) {
-      INFO(stage.name);
-      for (const Dropped& dropped : stage.dropped) CHECK(dropped.count <= 30);
-    }
-    CHECK_MESSAGE(result.message.find("stage 'lift' after 30 alternatives of 'approach'") !=
-                      std::string::npos,
-                  result.message);
-  }
-
   TEST_CASE("a task refused by a move before its last group says why") {
     const std::string bent = "[0.8, -0.785, 0, -2.356, 0, 1.571, 0.785]";
     const TaskResult result = solved(make_task(
@@ -233,6 +233,21 @@ TEST_SUITE("flow") {
     }
     CHECK(refused("[0, -0.785, 0, -2.356, 0, 1.571, 9]", "").find("start: joint") == 0);
     CHECK(refused("[0, -0.785]", "").find("start: there are 2 values") == 0);
+  }
+
+  TEST_CASE("drops count the alternatives that the task has, not their configurations") {
+    // No grasp can be lifted: a lid is 6 cm above the cup.
+    const std::string lid =
+        "    - {name: lid, type: box, position: [0.5, -0.1, 0.37], size: [0.1, 0.1, 0.02]}\n";
+    const TaskResult result = solved(make_task(kCell + lid + kPickAndPlace));
+    REQUIRE(result.status == PlanStatus::invalid_goal);
+    for (const StageResult& stage : result.stages) {
+      INFO(stage.name);
+      for (const Dropped& dropped : stage.dropped) CHECK(dropped.count <= 30);
+    }
+    CHECK_MESSAGE(result.message.find("stage 'lift' after 30 alternatives of 'approach'") !=
+                      std::string::npos,
+                  result.message);
   }
 
   TEST_CASE("an object may rest above its support, or a few millimetres in it with a note") {
