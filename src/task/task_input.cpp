@@ -14,6 +14,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <span>
 #include <utility>
 
 namespace mneme {
@@ -27,7 +28,8 @@ Transform read_pose(const Input& input) {
   Transform pose;
   if (const auto position = input.find("position")) pose.translation = read_point(*position);
   if (const auto quaternion = input.find("quat_xyzw")) {
-    pose.rotation = read_rotation(*quaternion, false);
+    const std::vector<double> xyzw = quaternion->finite_numbers(4, "a quaternion x, y, z, w");
+    pose.rotation = quaternion->take(rotation_from_unit_quaternion(std::span(xyzw).first<4>()));
   }
   return pose;
 }
@@ -116,13 +118,20 @@ class StageReader {
         carriers_.erase(stage.object);
         return;
       case StageKind::allow:
-        for (const Input& pair : input.items()) stage.pairs.push_back(read_name_pair(pair));
+        for (const Input& pair : input.items()) stage.pairs.push_back(read_pair(pair));
         return;
       case StageKind::gripper:
         for (const auto& [name, value] : input.entries())
           stage.values[name] = value.finite_number();
         return;
     }
+  }
+
+  static std::pair<std::string, std::string> read_pair(const Input& input) {
+    if (!input.is_map()) return read_name_pair(input);
+    input.fail(ErrorCode::unsupported,
+               "a stage allows contact until the end of the task: expected a list of two names, as "
+               "in [hand, table]; contact at ends belongs to the key 'allow' of the task");
   }
 
   void read_stage_constraints(const Input& input, Stage& stage) {
@@ -148,7 +157,9 @@ class StageReader {
     }
     if (input.is_map() && input.find("any")) {
       input.allow_keys({"any"});
-      for (const Input& goal : input.items("any")) read_one_goal(goal, stage);
+      const std::vector<Input> goals = input.items("any");
+      if (goals.empty()) input.at("any").fail_expecting("at least one goal, or move: next");
+      for (const Input& goal : goals) read_one_goal(goal, stage);
       return;
     }
     read_one_goal(input, stage);

@@ -46,6 +46,10 @@ TEST_SUITE("unit") {
     fails("{move: [0, 0, 0]}", "there are 3 values, but robot 'panda' has 7 joints");
     fails("{speed: 2, move: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]}", "its speed is 2");
     fails("{move: next, line: {}}", "expected one kind of stage, got move and line");
+    fails("{move: {any: []}}, {line: {direction: [0, 0, 1], distance: 0.1, to: {frame: cup}}}",
+          "key stages[0].move.any: expected at least one goal, or move: next");
+    fails("{move: {link: panda_hand, to: {frame: cup, quat_xyzw: [0, 2, 0, 0]}}}",
+          "expected a quaternion of length 1, got one of length 2");
     fails("{name: nothing}", "expected one of the keys move, line, attach");
     fails(
         "{name: a, move: next}, {name: b, attach: cup}, {line: {direction: [0, 0, 1], distance: "
