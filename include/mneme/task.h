@@ -170,7 +170,8 @@ struct TaskResult {
   double first_plan_time_s = 0;  ///< until the first plan
   double total_time_s = 0;
   std::uint64_t states_checked = 0;
-  int plans = 0;               ///< complete plans that were found
+  std::uint64_t iterations = 0, nodes = 0, motions_checked = 0;  ///< of all moves
+  int plans = 0;                                                 ///< complete plans that were found
   int remembered_rows = 0;     ///< rows of memory that ranked the alternatives
   bool is_remembered = false;  ///< the choices are queued: Database::flush() waits for them
   std::vector<std::string> notes;

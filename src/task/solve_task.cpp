@@ -73,6 +73,7 @@ class TaskSearch {
   bool advance();
   Result<bool> plan_moves();
   Result<bool> plan_move(std::size_t level);
+  void count(const PlanResult& move);
   Problem problem_of(std::size_t level, const Configuration& goal) const;
   Result<bool> refuse_start(TaskResult& result);
   /// Paths that may fail from one configuration in this round.
@@ -92,8 +93,8 @@ class TaskSearch {
   void add_stages(TaskResult& result) const;
   [[nodiscard]] std::string describe_choice(const Group& group, int stage) const;
   [[nodiscard]] std::string describe_failure() const;
-  [[nodiscard]] int count_of(int stage) const;
   [[nodiscard]] std::string describe_drops(const Group& group) const;
+  [[nodiscard]] int count_of(int stage) const;
   [[nodiscard]] const CheckedWorldPtr& world_before(std::size_t level) const;
   [[nodiscard]] const Configuration& end_before(std::size_t level) const;
 
@@ -105,14 +106,15 @@ class TaskSearch {
   CheckedWorldPtr first_world_;
   std::vector<Level> levels_;
   std::optional<TaskPlan> best_;
-  std::uint64_t iterations_ = 0, move_states_ = 0;
+  std::uint64_t iterations_ = 0;
+  PlanResult moves_;                             ///< counts of all moves that were planned
   PlanStatus move_status_ = PlanStatus::solved;  ///< of the last move
   bool is_improving_ = false;                    ///< moves are planned to be short
   bool has_failed_paths_ = false;                ///< for lack of iterations
   std::size_t deepest_ = 0;                      ///< deepest group that was tried
+  std::optional<std::size_t> failed_move_;       ///< deepest group whose move failed
   int plans_ = 0;
 };
-  std::optional<std::size_t> failed_move_;       ///< deepest group whose move failed
 
 const CheckedWorldPtr& TaskSearch::world_before(std::size_t level) const {
   return level == 0 ? first_world_ : levels_[level - 1].candidate->after;
@@ -225,9 +227,9 @@ Problem TaskSearch::problem_of(std::size_t level, const Configuration& goal) con
                   {goal},
                   {}};
   if (groups_[level].move) {
+    problem.constraints = task.constraints;
     const Stage& stage = task.stages[as_index(*groups_[level].move)];
     problem.constraints.insert(problem.constraints.end(), stage.constraints.begin(),
-    problem.constraints = task.constraints;
                                stage.constraints.end());
   }
   return problem;
@@ -267,12 +269,12 @@ Result<bool> TaskSearch::plan_move(std::size_t level) {
   }
   auto problem = std::make_shared<Problem>(problem_of(level, levels_[level].candidate->begin));
   SolveResult solved = MNEME_TRY(mneme::solve(*problem, database_, move_settings()));
-  move_states_ += solved.plan.states_checked;
+  count(solved.plan);
   move_status_ = solved.plan.status;
   if (!solved.plan.is_solved()) {
+    failed_move_ = std::max(failed_move_.value_or(0), level);
     drops_.add(*groups_[level].move, {DropReason::path, solved.plan.message},
                levels_[level].candidate->alternative);
-    failed_move_ = std::max(failed_move_.value_or(0), level);
     // More iterations do not mend ends.
     const bool is_refused =
         move_status_ == PlanStatus::invalid_start || move_status_ == PlanStatus::invalid_goal;
@@ -287,6 +289,13 @@ Result<bool> TaskSearch::plan_move(std::size_t level) {
   take_path(solved, entry);
   levels_[level].entry = std::move(entry);
   return true;
+}
+
+void TaskSearch::count(const PlanResult& move) {
+  moves_.iterations += move.iterations;
+  moves_.nodes += move.nodes;
+  moves_.states_checked += move.states_checked;
+  moves_.motions_checked += move.motions_checked;
 }
 
 void TaskSearch::keep_plan() {
@@ -316,7 +325,7 @@ void TaskSearch::polish_best() {
     if (!entry.problem) continue;
     const auto solved = mneme::solve(*entry.problem, database_, move_settings());
     if (!solved) return;
-    move_states_ += solved->plan.states_checked;
+    count(solved->plan);
     if (!solved->plan.is_solved()) continue;
     const double gain =
         path_time(run_.task.robot, entry.path) - path_time(run_.task.robot, solved->plan.path);
@@ -535,23 +544,14 @@ Result<TaskResult> TaskSearch::solve() {
     refuse(end, result);
   }
   result.plans = plans_;
-  result.states_checked = run_.states + move_states_;
+  result.states_checked = run_.states + moves_.states_checked;
+  result.iterations = moves_.iterations;
+  result.nodes = moves_.nodes;
+  result.motions_checked = moves_.motions_checked;
   result.total_time_s = run_.stopwatch.elapsed_s();
   return result;
 }
 
-}  // namespace
-
-Result<TaskResult> solve_task(const Task& task, Database* database, const TaskSettings& given) {
-  MNEME_TRY(internal::check_ranges(given));
-  MNEME_TRY(check_settings(given.solve));
-  MNEME_TRY(check_task(task));
-  return TaskSearch(task, database, settings, MNEME_TRY(internal::make_groups(task))).solve();
-}
-
-}  // namespace mneme
-  const TaskSettings settings = completed(given);
-  if (const auto violation = task.robot.describe_violation(task.start, "start")) {
 /// Improvement of the moves means improvement of the task, where the task's settings say nothing.
 TaskSettings completed(TaskSettings settings) {
   const PlanSettings& plan = settings.solve.plan;
@@ -563,8 +563,20 @@ TaskSettings completed(TaskSettings settings) {
   return settings;
 }
 
+}  // namespace
+
+Result<TaskResult> solve_task(const Task& task, Database* database, const TaskSettings& given) {
+  MNEME_TRY(internal::check_ranges(given));
+  MNEME_TRY(check_settings(given.solve));
+  MNEME_TRY(check_task(task));
+  const TaskSettings settings = completed(given);
+  if (const auto violation = task.robot.describe_violation(task.start, "start")) {
     TaskResult refused;
     refused.status = PlanStatus::invalid_start;
     refused.message = *violation;
     return refused;
   }
+  return TaskSearch(task, database, settings, MNEME_TRY(internal::make_groups(task))).solve();
+}
+
+}  // namespace mneme
