@@ -31,8 +31,8 @@ struct ShownObject {
 class TaskTracer {
  public:
   TaskTracer(const TaskResult& plan, const TaskMotion& motion, const RateLimits& limits,
-             const TraceSettings& settings)
-      : plan_(plan), motion_(motion), limits_(limits), settings_(settings) {}
+             const SolveSettings& planned, const TraceSettings& settings)
+      : plan_(plan), motion_(motion), limits_(limits), planned_(planned), settings_(settings) {}
 
   Result<PlanTrace> trace() {
     std::vector<PlanTrace> stages;
@@ -66,9 +66,15 @@ class TaskTracer {
     solved.plan.status = PlanStatus::solved;
     solved.plan.path = stage.gripper ? stage.gripper->path : stage.path;
     solved.plan.states_checked = plan_.states_checked;
+    solved.plan.motions_checked = plan_.motions_checked;
+    solved.plan.iterations = plan_.iterations;
+    solved.plan.nodes = plan_.nodes;
     solved.total_time_s = plan_.total_time_s;
     solved.planning_time_s = plan_.first_plan_time_s;
-    solved.planner = "task";
+    solved.planner = "task, " + planned_.planner;
+    solved.sampler = planned_.sampler;
+    solved.seed = planned_.plan.seed;
+    solved.isa = planned_.isa == Isa::automatic ? default_isa() : planned_.isa;
     solved.goals = {solved.plan.path.back()};
     TraceSettings settings = settings_;
     settings.waypoints = std::max(2, settings.waypoints / static_cast<int>(plan_.stages.size()));
@@ -166,6 +172,7 @@ class TaskTracer {
   const TaskResult& plan_;
   const TaskMotion& motion_;
   const RateLimits& limits_;
+  const SolveSettings& planned_;
   const TraceSettings& settings_;
   std::map<std::string, ShownObject> objects_;
   PlanTrace whole_;
@@ -174,8 +181,9 @@ class TaskTracer {
 }  // namespace
 
 Result<PlanTrace> trace_task(const TaskResult& plan, const TaskMotion& motion,
-                             const RateLimits& limits, const TraceSettings& settings) {
-  return TaskTracer(plan, motion, limits, settings).trace();
+                             const RateLimits& limits, const SolveSettings& planned,
+                             const TraceSettings& settings) {
+  return TaskTracer(plan, motion, limits, planned, settings).trace();
 }
 
 }  // namespace mneme::app

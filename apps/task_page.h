@@ -11,7 +11,9 @@ namespace mneme::app {
 
 /// Returns the trace of a task's plan, for to_page(). Precondition: the plan is solved. Errors:
 /// those of make_trace().
+/// `planned`: the settings that the task was planned with.
 [[nodiscard]] Result<PlanTrace> trace_task(const TaskResult& plan, const TaskMotion& motion,
-                                           const RateLimits& limits, const TraceSettings& settings);
+                                           const RateLimits& limits, const SolveSettings& planned,
+                                           const TraceSettings& settings);
 
 }  // namespace mneme::app

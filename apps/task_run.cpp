@@ -92,7 +92,8 @@ Result<void> write_files(const TaskRunOptions& options, const Task& task, const 
   TraceSettings shown;
   shown.waypoints = 2 * shown.waypoints;
   shown.package_paths = options.robot.package_paths;
-  const PlanTrace trace = MNEME_TRY(trace_task(result, motion, limits, shown));
+  const PlanTrace trace =
+      MNEME_TRY(trace_task(result, motion, limits, options.settings.solve, shown));
   return to_page(to_json(trace), options.view).and_then([&](const std::string& page) {
     return write_file(options.view, page);
   });

@@ -29,8 +29,8 @@ TEST_SUITE("flow") {
       const std::string task = source_file(std::string("examples/") + example + "/task.yaml");
       const TemporaryDirectory directory;
       const std::string page = directory / "page.html", motion = directory / "motion.json";
-      const ProgramRun run =
-          run_program({"plan", task, "--json", "--view", page, "--trajectory", motion});
+      const ProgramRun run = run_program(
+          {"plan", task, "--json", "--view", page, "--trajectory", motion, "--seed", "7"});
       REQUIRE_MESSAGE(run.exit_code == 0, run.err);
       const Json plan = Json::parse(run.out);
       CHECK(plan["status"] == "solved");
@@ -47,6 +47,12 @@ TEST_SUITE("flow") {
       CHECK(timed["duration_s"] > plan["path_time_s"]);
       // The object is a link of the page's trace, and no obstacle.
       const std::string html = read_file(page);
+      CHECK(html.find("\"planner\":\"task, rrt_connect\"") != std::string::npos);
+      CHECK(html.find("\"sampler\":\"uniform\",\"seed\":7,") != std::string::npos);
+      CHECK(html.find("\"isa\":\"" + std::string(to_string(default_isa())) + "\"") !=
+            std::string::npos);
+      CHECK(html.find("\"motions_checked\":0,") == std::string::npos);
+      CHECK(html.find("\"nodes\":0") == std::string::npos);
       const std::string object = example == std::string("pick_and_place") ? "mug" : "blank";
       CHECK(html.find("\"carrier\":\"panda_hand\"") != std::string::npos);
       CHECK(html.find("{\"name\":\"" + object + "\",\"shapes\"") == std::string::npos);
@@ -88,6 +94,10 @@ TEST_SUITE("flow") {
     const ProgramRun moving = run_program({"plan", task, "--start-velocity", "0,0,0,0,0,0,0.1"});
     CHECK(moving.exit_code != 0);
     CHECK(moving.err.find("--start-velocity: a task starts at rest") != std::string::npos);
+    const ProgramRun learnt = run_program({"bench", "run", task, "--seeds", "1"});
+    CHECK(learnt.exit_code != 0);
+    CHECK(learnt.err.find("key stages: this is a task; expected a problem with a goal. `mneme "
+                          "plan`") != std::string::npos);
     const TemporaryDirectory directory;
     write_file(directory / "task.yaml",
                without(read_file(task), "  - {name: grasp", "  - {name: lift"));
