@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/requests.h"
 
+#include "base/text.h"
 #include "geometry/solids.h"
 #include "pipeline/settings_input.h"
 #include "problem/problem_input.h"
@@ -12,6 +13,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <utility>
 
 namespace mneme::internal {
@@ -237,28 +240,60 @@ std::optional<TrajectorySettings> read_timing(const Input& request) {
   return timing;
 }
 
-/// Returns the value of `key` in the query of a URL; empty if it is missing.
-std::string find_in_query(std::string_view query, std::string_view key) {
+/// Decodes %XX and + of the query of a URL. A % before anything else stands for itself.
+std::string decode_query(std::string_view text) {
+  std::string decoded;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned char byte = 0;
+    const char* const digits = text.data() + i + 1;
+    const bool is_code = text[i] == '%' && i + 2 < text.size() &&
+                         std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
+    if (is_code) i += 2;
+    decoded += is_code ? static_cast<char>(byte) : text[i] == '+' ? ' ' : text[i];
+  }
+  return decoded;
+}
+
+/// Reads the value of a parameter as YAML would: true, false, a number or text.
+InputValue to_value(std::string text) {
+  if (text == "true" || text == "false") return {text == "true"};
+  if (const auto number = parse_number<double>(text); number && std::isfinite(*number)) {
+    return {*number};
+  }
+  return {InputValue::Text{std::move(text), true}};
+}
+
+/// Reads the parameters KEY=VALUE of the query of a URL, as a map.
+InputValue parse_query(std::string_view query, const std::string& source) {
+  InputValue::Map map;
   while (!query.empty()) {
     const std::string_view pair = query.substr(0, query.find('&'));
     query.remove_prefix(std::min(query.size(), pair.size() + 1));
-    const std::size_t equals = pair.find('=');
-    if (pair.substr(0, equals) != key) continue;
-    return std::string(equals == std::string_view::npos ? "" : pair.substr(equals + 1));
+    const std::size_t equals = std::min(pair.find('='), pair.size());
+    const std::string key = decode_query(pair.substr(0, equals));
+    InputValue value = to_value(decode_query(pair.substr(std::min(equals + 1, pair.size()))));
+    if (std::ranges::find(map, key, &InputEntry::key) != map.end()) {
+      Input(value, source, key).fail(ErrorCode::invalid, "expected the key once");
+    }
+    if (!pair.empty()) map.push_back({key, std::move(value)});
   }
-  return {};
+  return {std::move(map)};
 }
 
+/// Reads the parameters `trajectory` and `dt`, which stand for those of the body.
 void read_query(std::string_view query, std::optional<TrajectorySettings>& timing) {
-  const std::string wanted = find_in_query(query, "trajectory"), dt = find_in_query(query, "dt");
-  if (wanted == "true" && !timing) timing = TrajectorySettings();
-  if (wanted == "false") timing.reset();
-  if (!dt.empty() && timing) {
-    const std::string source = "query";
-    const InputValue value = parse_json(fmt::format("{{\"dt\": {}}}", dt), source);
-    const Input input(value, source);
-    visit_settings(*timing, SettingsReader(input));
+  const std::string source = "query of the URL";
+  const InputValue value = parse_query(query, source);
+  const Input input(value, source);
+  input.allow_keys({"trajectory", "dt"});
+  if (const auto wanted = input.find("trajectory")) {
+    if (!wanted->boolean()) timing.reset();
+    if (wanted->boolean() && !timing) timing.emplace();
   }
+  const auto dt = input.find("dt");
+  if (!dt) return;
+  if (!timing) dt->fail(ErrorCode::invalid, "no trajectory is wanted; add trajectory=true");
+  visit_settings(*timing, SettingsReader(input));
 }
 
 PlanRequest read_plan(const Input& input, std::string_view query, const RequestContext& context) {

@@ -65,7 +65,34 @@ TEST_SUITE("flow") {
     CHECK(post(*client, "/v1/plan", body).status == 400);
     body["trajectory"] = false;
     CHECK_FALSE(post(*client, "/v1/plan", body).body.contains("trajectory"));
-    CHECK(post(*client, "/v1/plan?trajectory=true&dt=x", body).status == 400);
+  }
+
+  TEST_CASE("parameters of a URL are decoded, and refused with name and expectation") {
+    const RunningService running;
+    const auto client = running.client();
+    const Json body = question();
+    const auto fails = [&](const std::string& query, const std::string& expected) {
+      CAPTURE(query);
+      const auto reply = post(*client, "/v1/plan?" + query, body);
+      CHECK(reply.status == 400);
+      const std::string text = reply.body.dump();
+      CHECK_MESSAGE(text.find(expected) != std::string::npos, text);
+    };
+    fails("trajectory=maybe", "query of the URL: key trajectory: expected true or false, got");
+    fails("trajectory=1", "key trajectory: expected true or false");
+    fails("trajectory", "key trajectory: expected true or false");
+    fails("foo=1", "foo");
+    fails("dt=0.1", "key dt: no trajectory is wanted; add trajectory=true");
+    fails("trajectory=false&dt=0.1", "add trajectory=true");
+    fails("trajectory=true&dt=abc", "key dt: expected a number, got");
+    fails("trajectory=true&dt=nan", "key dt: expected a number");
+    fails("trajectory=true&dt=0", "key dt: expected a number from");
+    fails("trajectory=true&dt=0.5,%22velocity-scale%22:0.1", "key dt: expected a number");
+    fails("trajectory=true&trajectory=false", "key trajectory: expected the key once");
+    const Json timed = post(*client, "/v1/plan?traj%65ctory=true&dt=0%2E05", body).body;
+    REQUIRE_MESSAGE(timed.contains("trajectory"), timed.dump());
+    CHECK(timed["trajectory"]["times"][1].get<double>() == doctest::Approx(0.05));
+    CHECK(post(*client, "/v1/plan?", body).status == 200);
   }
 
   TEST_CASE("a scene that was uploaded is planned in, edited and removed") {
