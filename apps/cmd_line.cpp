@@ -87,8 +87,10 @@ void print_text(const LineResult& result, double time_s) {
   fmt::print("line        {:.1f} % of {:.1f} cm, {}, {}\n", 100 * line.fraction(), 100 * length,
              counted(line.path.size(), "configuration", "configurations"),
              counted(static_cast<std::size_t>(result.branches), "branch", "branches"));
-  fmt::print("deviation   at most {:.4f} mm and {:.4f} degrees, proven\n",
-             1e3 * line.position_deviation, kDegrees * line.rotation_deviation);
+  if (!line.path.empty()) {
+    fmt::print("deviation   at most {:.4f} mm and {:.4f} degrees, proven\n",
+               1e3 * line.position_deviation, kDegrees * line.rotation_deviation);
+  }
   fmt::print("search      {:.3f} ms, {} steps, {} motions checked\n", 1e3 * time_s, result.steps,
              result.checks.motions);
   for (const Configuration& q : line.path) fmt::print("  {:.6f}\n", fmt::join(q, ","));
@@ -138,9 +140,13 @@ Result<ExitCode> run_line(const LineOptions& options) {
   }
   for (const std::string& note : result.notes) print_note(note);
   if (!result.is_whole()) {
+    if (options.trajectory.is_wanted()) {
+      print_note(
+          fmt::format("'{}' was not written: the line is not whole", options.trajectory.file));
+    }
     print_error(result.reason);
     if (result.is_cancelled) return ExitCode::interrupted;
-    return result.line.path.empty() ? ExitCode::invalid_ends : ExitCode::no_path;
+    return result.branches == 0 ? ExitCode::invalid_ends : ExitCode::no_path;
   }
   MNEME_TRY(write_timed(options, checker, result.line.path));
   return ExitCode::done;

@@ -52,6 +52,24 @@ TEST_SUITE("flow") {
     CHECK(run.exit_code == 3);
     CHECK(has_text(run.err, "branch ends after "));
     CHECK(has_text(run.out, "deviation   at most "));
+    const TemporaryDirectory directory;
+    const std::string file = directory / "line.csv";
+    const ProgramRun timed = run_program(line_of({"--by", "2,0,0", "--trajectory", file}));
+    CHECK(timed.exit_code == 3);
+    CHECK(has_text(timed.err, "'" + file + "' was not written: the line is not whole"));
+    CHECK_FALSE(std::filesystem::exists(file));
+  }
+
+  TEST_CASE("a line that cannot start is told from one that found no path") {
+    std::vector<std::string> words = line_of({"--by", "0,0,0.1"});
+    words[3] = "0,-0.785,0,-2.356,0,1.571,9";
+    const ProgramRun beyond = run_program(words);
+    CHECK(beyond.exit_code == 4);
+    CHECK(has_text(beyond.err, "start: joint 'panda_joint7' "));
+    CHECK_FALSE(has_text(beyond.out, "deviation"));
+    const ProgramRun late = run_program(line_of({"--by", "0,0,0.1", "--timeout", "0"}));
+    CHECK(late.exit_code == 3);
+    CHECK_FALSE(has_text(late.out, "deviation"));
   }
 }
 
