@@ -107,13 +107,13 @@ struct LineResult {
 /// Line::start is set, `from` gives the values of joints that do not move the link, and branches
 /// near `from` are tried first.
 ///
-/// Not an error: a line that is only possible in part. LineResult::reason says why.
+/// Not an error: a line that is only possible in part, or a `from` that is no configuration of the
+/// robot, with which no line begins. LineResult::reason says why.
 /// Where spheres alone touch at the start, these pairs are checked by exact geometry, as in
-/// solve(). Errors: a link or frame that the robot lacks; no single tip; numbers that are not
-/// finite; a line of no length or of more than 100 m; tolerances or settings out of range; `from`
-/// is no configuration of the robot; fewer than six joints that move the link, or five with a free
-/// axis; a checker with orientation constraints. The result depends on the arguments alone, except
-/// through the time limit.
+/// solve(). The result depends on the arguments alone, except through the time limit.
+/// Errors: a link or frame that the robot lacks; no single tip; numbers that are not finite; a line
+/// of no length or of more than 100 m; tolerances or settings out of range. Also fewer than six
+/// joints that move the link, or five with a free axis, and orientation constraints.
 [[nodiscard]] Result<LineResult> plan_line(const CollisionChecker& checker, const Line& line,
                                            std::span<const double> from,
                                            const LineSettings& settings = {});

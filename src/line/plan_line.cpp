@@ -53,6 +53,10 @@ class LinePlan {
 
   Result<LineResult> run() {
     MNEME_TRY(check());
+    if (const auto violation = robot_.describe_violation(from_, "start")) {
+      result_.reason = *violation;
+      return std::move(result_);
+    }
     MNEME_TRY(find_ends());
     const auto chain =
         MNEME_TRY(internal::LinkChain::make(robot_, robot_.links()[link_].name, line_.free_axis));
@@ -74,9 +78,6 @@ class LinePlan {
 
   Result<void> check() {
     MNEME_TRY(internal::check_ranges(settings_));
-    if (const auto violation = robot_.describe_violation(from_, "start")) {
-      return fail(ErrorCode::invalid, *violation);
-    }
     if (!checker_.constraints().empty()) {
       return fail(ErrorCode::unsupported,
                   "lines are planned without orientation constraints: the line itself keeps the "

@@ -337,11 +337,11 @@ TEST_SUITE("unit") {
     const Robot robot = shipped_robot("panda");
     const CollisionChecker checker = require_checker(robot);
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-    const auto check = [&](auto change, const std::string& expected, Configuration q = kReady) {
+    const auto check = [&](auto change, const std::string& expected) {
       Line line = line_by(kHand, Vec3(0, 0, 0.1));
       LineSettings settings;
       change(line, settings);
-      const auto result = plan_line(checker, line, q, settings);
+      const auto result = plan_line(checker, line, kReady, settings);
       REQUIRE_MESSAGE(!result.has_value(), expected);
       CHECK_MESSAGE(result.error().message.find(expected) != std::string::npos,
                     result.error().message);
@@ -381,9 +381,21 @@ TEST_SUITE("unit") {
     check([](Line& line, auto&) { line.position_tolerance = 0; }, "position tolerance is 0 m");
     check([](Line& line, auto&) { line.rotation_tolerance = kNan; }, "rotation tolerance is nan");
     check([](Line&, LineSettings& settings) { settings.line_steps = 0; }, "setting 'line-steps'");
-    check([](Line&, auto&) {}, "start", {0, -0.785, 0, 3, 0, 1.571, 0.785});
-    check([](Line&, auto&) {}, "start", {0, 0});
     check([](Line& line, auto&) { line.link = "panda_link3"; }, "need at least 6");
+  }
+
+  TEST_CASE("a start that is no configuration begins no line, and the reason says why") {
+    const CollisionChecker checker = require_checker(shipped_robot("panda"));
+    const auto reason_of = [&](const Configuration& start) {
+      const auto result = plan_line(checker, line_by(kHand, Vec3(0, 0, 0.1)), start);
+      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+      CHECK_FALSE(result->is_whole());
+      CHECK(result->branches == 0);
+      CHECK(result->line.path.empty());
+      return result->reason;
+    };
+    CHECK(reason_of({0, -0.785, 0, 3, 0, 1.571, 0.785}).starts_with("start: joint 'panda_joint4'"));
+    CHECK(reason_of({0, 0}).starts_with("start: there are 2 values"));
   }
 
   TEST_CASE("constraints are refused") {
