@@ -19,6 +19,7 @@ SolveResult refused(const SolveSettings& settings, std::string message) {
   result.planner = settings.planner;
   result.sampler = settings.sampler;
   result.seed = settings.plan.seed;
+  result.isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
   return result;
 }
 

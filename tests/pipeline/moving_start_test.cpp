@@ -73,6 +73,7 @@ TEST_SUITE("flow") {
 
     const auto fast = solve(arm_beside({}, {100, 0, 0}), nullptr, settings);
     CHECK(fast->plan.status == PlanStatus::invalid_start);
+    CHECK(fast->isa == default_isa());
     CHECK(fast->plan.message.find("faster than its limit") != std::string::npos);
     const auto wrong = solve(arm_beside({}, {0.1}), nullptr, settings);
     CHECK(wrong->plan.message.find("got 1 values, expected 3") != std::string::npos);
