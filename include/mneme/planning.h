@@ -177,10 +177,11 @@ struct PlanResult {
 [[nodiscard]] std::optional<PlanResult> refuse_query(const CollisionChecker& checker,
                                                      const PlanQuery& query,
                                                      bool are_ends_clear = false);
-/// Removes the goals in contact from `goals`, unless all are in contact. Returns a sentence for
-/// each removed goal.
-[[nodiscard]] std::vector<std::string> drop_goals_in_contact(const CollisionChecker& checker,
-                                                             std::vector<Configuration>& goals);
+/// Removes the goals from `goals` that refuse_query() refuses, unless it refuses all. Returns a
+/// sentence for each removed goal.
+[[nodiscard]] std::vector<std::string> drop_invalid_goals(const CollisionChecker& checker,
+                                                          std::vector<Configuration>& goals,
+                                                          bool are_ends_clear = false);
 
 /// A pair whose spheres touch at the start or a goal is checked by exact geometry if that is at
 /// least this far apart there, beyond the margin, metres.

@@ -162,7 +162,7 @@ Result<ResolvedQuery> resolve_goals(const Query& query) {
   if (has_poses && !resolved.ends.goals.empty()) {
     add_notes(resolved.further_goals->describe_unreached());
   }
-  if (!are_ends_clear) add_notes(drop_goals_in_contact(resolved.checker, resolved.ends.goals));
+  add_notes(drop_invalid_goals(resolved.checker, resolved.ends.goals, are_ends_clear));
   resolved.refusal = refuse_query(resolved.checker, resolved.ends, are_ends_clear);
   if (has_poses && resolved.refusal && resolved.ends.goals.empty() &&
       resolved.refusal->status == PlanStatus::invalid_goal) {

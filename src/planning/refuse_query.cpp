@@ -148,12 +148,13 @@ std::optional<std::string> find_tilt(const CollisionChecker& checker, const Conf
 
 /// The reason why `q` cannot be a start or goal, if any.
 std::optional<std::string> find_problem(const CollisionChecker& checker, const Configuration& q,
-                                        const std::string& what, bool is_clear) {
+                                        const std::string& what, bool is_clear,
+                                        bool has_advice = true) {
   if (auto violation = checker.robot().describe_violation(q, what)) return violation;
   if (const auto tilt = find_tilt(checker, q)) return what + *tilt;
   const auto contact = is_clear ? std::nullopt : find_contact(checker, q);
   if (!contact) return std::nullopt;
-  return what + contact->reason + contact->advice;
+  return what + contact->reason + (has_advice ? contact->advice : "");
 }
 
 std::string name_of_goal(std::size_t goal, std::size_t count) {
@@ -184,16 +185,16 @@ std::optional<PlanResult> refuse_query(const CollisionChecker& checker, const Pl
   return std::nullopt;
 }
 
-std::vector<std::string> drop_goals_in_contact(const CollisionChecker& checker,
-                                               std::vector<Configuration>& goals) {
+std::vector<std::string> drop_invalid_goals(const CollisionChecker& checker,
+                                            std::vector<Configuration>& goals,
+                                            bool are_ends_clear) {
   if (goals.size() == 1) return {};
   std::vector<std::string> notes;
   std::vector<Configuration> kept;
   for (std::size_t i = 0; i < goals.size(); ++i) {
-    const bool is_sound = !checker.robot().describe_violation(goals[i], "goal");
-    const auto contact = is_sound ? find_contact(checker, goals[i]) : std::nullopt;
-    if (contact) {
-      notes.push_back(name_of_goal(i, goals.size()) + contact->reason + "; this goal is ignored");
+    const std::string what = name_of_goal(i, goals.size());
+    if (auto problem = find_problem(checker, goals[i], what, are_ends_clear, false)) {
+      notes.push_back(*std::move(problem) + "; this goal is ignored");
     } else {
       kept.push_back(goals[i]);
     }

@@ -111,10 +111,10 @@ TEST_SUITE("unit") {
         "(the spheres stick out by up to 15 mm; the exact geometry is 2 mm away)"));
   }
 
-  TEST_CASE("goals in contact are ignored with a note, unless all are") {
+  TEST_CASE("invalid goals are ignored with a note, unless all are") {
     const CollisionChecker checker = checker_of({{5, 0, 1}});
     std::vector<Configuration> goals = {kStraight, kUp, kStraight};
-    const std::vector<std::string> notes = drop_goals_in_contact(checker, goals);
+    const std::vector<std::string> notes = drop_invalid_goals(checker, goals);
     CHECK(goals == std::vector<Configuration>{kUp});
     REQUIRE(notes.size() == 2);
     CHECK(notes[0].starts_with("goal 0 is in contact: link 'link_"));
@@ -122,11 +122,20 @@ TEST_SUITE("unit") {
     CHECK(notes[1].ends_with("; this goal is ignored"));
 
     std::vector<Configuration> all = {kStraight, kStraight};
-    CHECK(drop_goals_in_contact(checker, all).empty());
+    CHECK(drop_invalid_goals(checker, all).empty());
     CHECK(all.size() == 2);
     std::vector<Configuration> wrong = {kUp, Configuration(3, 0.0)};
-    CHECK(drop_goals_in_contact(checker, wrong).empty());
-    CHECK(wrong.size() == 2);
+    Configuration beyond = kUp;
+    beyond[0] = 99;
+    wrong.push_back(beyond);
+    const std::vector<std::string> faults = drop_invalid_goals(checker, wrong);
+    CHECK(wrong == std::vector<Configuration>{kUp});
+    REQUIRE(faults.size() == 2);
+    CHECK(faults[0].starts_with("goal 1: there are 3 values"));
+    CHECK(faults[1].starts_with("goal 2: joint '"));
+    std::vector<Configuration> both = {beyond, beyond};
+    CHECK(drop_invalid_goals(checker, both).empty());
+    CHECK(both.size() == 2);
   }
 
   TEST_CASE("what is only within the margin is not said to touch, and comes last") {
