@@ -317,6 +317,12 @@ TEST_SUITE("unit") {
     const Robot::Parts parts = two_arms({{"none", {}}, {"hand", {"j4"}, true}});
     CHECK(contains(refusal(parts), "no group of the SRDF (none, hand) is movable"));
     CHECK(contains(refusal(parts, group_named("none")), "group 'none' has no joint"));
+    Robot::Parts misspelt = two_arms({{"arm", {}}});
+    misspelt.warnings = {"arm.srdf:2: robot 'two_arms' has no link 'hnd'"};
+    CHECK(contains(refusal(misspelt),
+                   "joints to plan for; arm.srdf:2: robot 'two_arms' has no "
+                   "link 'hnd'"));
+    CHECK(contains(refusal(misspelt, group_named("arm")), "has no link 'hnd'"));
     CHECK(contains(refusal(parts, group_named("arm")),
                    "there is no group 'arm'; expected none, hand or the two links of a chain"));
     CHECK(contains(refusal(two_arms(), group_named("l0:l9")),
