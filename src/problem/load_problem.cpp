@@ -55,6 +55,12 @@ Problem read_problem_file(const std::string& path, const ProblemOptions& options
                "this is a planning scene without start and goal; expected its motion plan request");
   }
   refuse_scene(input);
+  if (const auto stages = input.find("stages")) {
+    stages->fail(
+        ErrorCode::invalid,
+        "this is a task; expected a problem with a goal. `mneme plan` and mneme.Task.load() "
+        "take tasks");
+  }
   input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
                     "start", "start_velocity", "goal", "goals", "allow", "attached", "constraints",
                     "self_filter", "region"});
