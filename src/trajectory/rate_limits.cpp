@@ -222,7 +222,9 @@ Result<void> check_rates(const Robot& robot, const std::vector<double>& rates,
     const double rate = rates[as_index(i)];
     // Written so that a NaN is refused.
     if (rate >= kLeastRate && rate <= most) continue;
-    return fail(ErrorCode::invalid, "joint '{}': its limit of {} is {}, expected {} to {}",
+    return fail(ErrorCode::invalid,
+                "joint '{}': its limit of {} is {}, expected {} to {}; correct the URDF, or give "
+                "limits in a file (--joint-limits, in Python limits)",
                 robot.group_joint(i).name, what, rate, kLeastRate, most);
   }
   return {};
