@@ -255,11 +255,15 @@ class CellBuilder {
 Result<void> check_start(const CollisionChecker& checker, const CellStart& start) {
   if (checker.is_valid(start.q)) return {};
   const std::vector<Contact> contacts = checker.contacts(start.q);
-  if (contacts.empty()) return fail(ErrorCode::invalid, "start {} is not valid", start.name);
-  return fail(ErrorCode::invalid,
-              "at start {}, {} is closer to {} than the margin of {} m; expected a start in the "
-              "open, or a smaller margin",
-              start.name, contacts.front().link, contacts.front().other, checker.margin());
+  if (contacts.empty()) return fail(ErrorCode::invalid, "start '{}' is not valid", start.name);
+  const Contact& nearest = *std::ranges::min_element(contacts, {}, &Contact::distance);
+  const std::string how = nearest.distance > 0
+                              ? fmt::format("is {:.3g} mm from", 1e3 * nearest.distance)
+                              : std::string("touches");
+  return fail(
+      ErrorCode::invalid,
+      "start '{}': '{}' {} '{}'; expected a start that is free with the margin of {:.3g} mm",
+      start.name, nearest.link, how, nearest.other, 1e3 * checker.margin());
 }
 
 /// Builds on what the starts of a cell have.

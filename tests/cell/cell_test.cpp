@@ -229,6 +229,23 @@ TEST_SUITE("flow") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("a start in contact is refused with what it touches") {
+    const TemporaryDirectory directory;
+    CellRegion region = require_region(directory, region_text());
+    const Robot& robot = region.problem.robot;
+    const auto hand = static_cast<std::size_t>(*robot.find_link("panda_hand"));
+    const Vec3 place = robot.link_poses(region.starts.front().q)[hand].translation;
+    region.problem.scene.obstacles.push_back({"brick", {Sphere{place, 0.02}}});
+    const auto refused = build_cell(region, {});
+    REQUIRE_FALSE(refused.has_value());
+    const std::string& message = refused.error().message;
+    CHECK_MESSAGE(message.starts_with("start '" + region.starts.front().name + "': 'panda_"),
+                  message);
+    CHECK_MESSAGE(message.find("touches 'brick'; expected a start that is free with the margin of "
+                               "0.5 mm") != std::string::npos,
+                  message);
+  }
+
   TEST_CASE("a cell reads back as it was, and a damaged one is refused") {
     const TemporaryDirectory directory;
     const CellRegion region = require_region(directory, region_text());
