@@ -359,7 +359,9 @@ Result<ExitCode> run_cell_show(const CellShowOptions& options) {
     return ExitCode::done;
   }
   print_built(cell, options.cell.path);
-  for (std::size_t i = 0; i < cell.region().starts.size(); ++i) {
+  const std::vector<CellStart>& starts = cell.region().starts;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    if (starts.size() > 1) fmt::print("start '{}':\n", printable(starts[i].name));
     print_unproven(cell.unproven(i), options.count);
     print_jumps(cell.region(), cell.continuity(i), options.jumps);
   }
