@@ -300,7 +300,9 @@ void read_key(const std::string& text, DbOptions& options) {
   options.key = parse_numbers("--key", text);
   if (options.key->size() != 6) {
     throw CLI::ValidationError(
-        "--key", fmt::format("has {} numbers; expected x,y,r of two circles", options.key->size()));
+        "--key", fmt::format("has {} numbers; expected x,y,r of two circles, which the kind pairs "
+                             "stores; --problem is for all kinds",
+                             options.key->size()));
   }
   for (std::size_t i = 0; i < options.key->size(); ++i) {
     const double number = (*options.key)[i];

@@ -319,7 +319,8 @@ Result<std::vector<Problem>> choose_tasks(const RepeatOptions& options) {
     }
   }
   if (std::ssize(tasks) == options.tasks) return tasks;
-  return fail(ErrorCode::invalid, fmt::format("--tasks: expected {} tasks with a path, got {}",
+  return fail(ErrorCode::invalid, fmt::format("--tasks: expected {} problems with a path, got {}; "
+                                              "name more problems, or fewer tasks",
                                               options.tasks, tasks.size()));
 }
 
