@@ -338,6 +338,14 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
     print_note(fmt::format("without --db there is no memory: the sampler '{}' is uniform",
                            settings.sampler));
   }
+  const bool asks_memory =
+      needs_memory(settings.sampler) || settings.replay > 0 || settings.remember_after.has_value();
+  if (loaded->database && !asks_memory) {
+    print_note(
+        fmt::format("--db has no effect: the sampler '{}' uses no memory; --replay 0.5 "
+                    "tries known tasks all the same",
+                    settings.sampler));
+  }
   PlanRecorder recorder;
   if (options.files.needs_recorder()) settings.plan.observer = &recorder;
   Database* database = loaded->database ? &*loaded->database : nullptr;
@@ -432,6 +440,11 @@ void add_output_flags(CLI::App& command, PlanOptions& options) {
                      "write a picture of the plan; of a robot in space, the moving path");
   command.add_option("--trace", options.files.trace,
                      "write what the page shows as JSON, for 'mneme view' and other programs");
+  for (const char* flag : {"--view", "--svg", "--trace"}) {
+    command.get_option(flag)->check([](const std::string& path) {
+      return std::string(path.empty() ? "expected the name of a file, got an empty one" : "");
+    });
+  }
   add_trajectory_flags(command, options.trajectory);
   add_json(command, options.is_json);
 }
@@ -452,7 +465,8 @@ void choose_sampler(const CLI::App& command, PlanOptions& options) {
     }
     return;
   }
-  options.settings.sampler = options.db.empty() ? "uniform" : "gl";
+  const bool has_memory = !options.db.empty() && options.settings.memory_mode != MemoryMode::off;
+  options.settings.sampler = has_memory ? "gl" : "uniform";
 }
 
 }  // namespace

@@ -269,6 +269,7 @@ TEST_SUITE("unit") {
         {{"plan", problem, "--sampler", "sobol"}, 2, {"unknown sampler 'sobol'", "halton"}},
         {{"plan", problem, "--sampler", "cvae"}, 2, {"cvae needs a database: --db FILE"}},
         {{"plan", problem, "--bogus", "1"}, 2, {"--bogus"}},
+        {{"plan", problem, "--view", ""}, 2, {"--view", "expected the name of a file"}},
         {{"plan", problem, "--range", "-0.4"}, 2, {"--range", "'-0.4'", "0.001 to 1000"}},
         {{"plan", problem, "--lambda", "1.5"}, 2, {"--lambda", "'1.5'", "0 to 1"}},
         {{"plan", problem, "--lambda", "nan"}, 2, {"--lambda", "'nan'"}},
@@ -443,6 +444,11 @@ TEST_SUITE("unit") {
         run_program({"plan", files.problem(), "--db", files.database(), "--sampler", "uniform"});
     REQUIRE_MESSAGE(without.exit_code == 0, without.err);
     CHECK_FALSE(has_text(without.out, "memory"));
+    CHECK(has_text(without.err, "--db has no effect: the sampler 'uniform' uses no memory"));
+    const ProgramRun off =
+        run_program({"plan", files.problem(), "--db", files.database(), "--memory", "off"});
+    REQUIRE_MESSAGE(off.exit_code == 0, off.err);
+    CHECK(has_text(off.out, "sampler uniform"));
   }
 
   TEST_CASE("a new memory of an arm in space remembers what was solved, and is found again") {
