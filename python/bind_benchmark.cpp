@@ -44,7 +44,7 @@ BenchPlan make_bench_plan(const std::vector<SharedProblem>& problems, const Memo
 /// Only solving runs in another thread, so that the caller's thread calls `on_row`.
 void bench(const std::vector<SharedProblem>& problems, const Memory* memory, const Runs& runs,
            const SolveSettings& settings, const py::function& on_row) {
-  if (memory == nullptr) check_without_memory(settings);
+  if (memory == nullptr) check_without_memory("bench", settings);
   BenchPlan plan = make_bench_plan(problems, memory, runs, settings);
   std::atomic<bool> cancel = false;
   plan.cancel = &cancel;
@@ -98,7 +98,8 @@ void bind_benchmark(py::module_& module) {
          int seeds, std::uint64_t seed, const py::function& on_row, const std::string& isa,
          const py::kwargs& arguments) {
         bench(problems, memory, {planners, samplers, seeds, seed},
-              read_solve_settings(planners.front(), samplers.front(), isa, arguments), on_row);
+              read_solve_settings("bench", planners.front(), samplers.front(), isa, arguments),
+              on_row);
       },
       py::arg("problems"), py::arg("database"), py::arg("planners"), py::arg("samplers"),
       py::arg("seeds"), py::arg("seed"), py::arg("on_row"), py::kw_only(),

@@ -140,6 +140,7 @@ TrajectorySettings take_timing(py::kwargs& arguments) {
 Plans plan_all(const std::vector<SharedProblem>& shared, const Memory* memory,
                const std::string& planner, const std::optional<std::string>& sampler,
                const std::string& isa, int jobs, const py::object& dt, py::kwargs arguments) {
+  if (jobs < 0) raise_invalid(fmt::format("plan_many: jobs={} is out of range: 0 or more", jobs));
   ManySettings settings;
   settings.jobs = jobs;
   if (!dt.is_none()) {
@@ -147,8 +148,8 @@ Plans plan_all(const std::vector<SharedProblem>& shared, const Memory* memory,
     settings.timing = take_timing(arguments);
   }
   settings.solve = read_solve_settings(
-      planner, sampler.value_or(memory == nullptr ? "uniform" : "gl"), isa, arguments);
-  if (memory == nullptr) check_without_memory(settings.solve);
+      "plan_many", planner, sampler.value_or(memory == nullptr ? "uniform" : "gl"), isa, arguments);
+  if (memory == nullptr) check_without_memory("plan_many", settings.solve);
   std::vector<Problem> problems;
   for (const SharedProblem& problem : shared) problems.push_back(problem.get());
   Plans plans;

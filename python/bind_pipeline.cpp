@@ -53,7 +53,7 @@ void read_timing(const py::dict& keywords, Plan& plan) {
   auto arguments = py::reinterpret_borrow<py::kwargs>(keywords.attr("copy")());
   py::object limits = py::none();
   if (arguments.contains("limits")) limits = arguments.attr("pop")("limits");
-  Keywords known("plan", arguments);
+  Keywords known("Plan.trajectory", arguments);
   known.apply(plan.timing);
   known.finish();
   plan.settings.plan.limits =
@@ -67,10 +67,10 @@ Plan plan(const SharedProblem& problem, const Memory* memory, const std::string&
   Plan made{problem,
             problem.get(),
             memory == nullptr ? nullptr : memory->get(),
-            read_solve_settings(planner, source, isa, arguments),
+            read_solve_settings("plan", planner, source, isa, arguments),
             is_recorded ? std::make_shared<PlanRecorder>() : nullptr,
             {}};
-  if (made.database == nullptr) check_without_memory(made.settings);
+  if (made.database == nullptr) check_without_memory("plan", made.settings);
   if (trajectory) read_timing(*trajectory, made);
   std::atomic<bool> cancel = false;
   made.settings.plan.cancel = &cancel;
@@ -140,7 +140,7 @@ TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& li
   TrajectorySettings timing = is_announced ? plan.timing : TrajectorySettings();
   py::kwargs all(arguments);
   if (!dt.is_none()) all["dt"] = dt;
-  Keywords keywords("trajectory", all);
+  Keywords keywords("Plan.trajectory", all);
   keywords.apply(timing);
   keywords.finish();
   if (!plan.result.plan.is_solved()) {

@@ -36,7 +36,11 @@ Task make_task(const Robot& robot, const Scene& scene, const py::object& start,
   Task task{name, robot, "", scene, to_vector(start, robot.joint_count(), "start"), {}};
   const py::module_ json = py::module_::import("json");
   // NumPy's arrays and numbers become lists and numbers.
-  const py::cpp_function plain([](const py::object& value) { return value.attr("tolist")(); });
+  const py::cpp_function plain([](const py::object& value) -> py::object {
+    if (py::hasattr(value, "tolist")) return value.attr("tolist")();
+    throw py::type_error(fmt::format("Task: stages: {} is no number, text, list, dict or array",
+                                     py::repr(value).cast<std::string>()));
+  });
   const auto text = json.attr("dumps")(stages, py::arg("default") = plain).cast<std::string>();
   task.stages = unwrap(parse_stages(text, "stages", robot));
   unwrap(check_task(task));
@@ -57,10 +61,11 @@ PlannedTask plan_task(const Task& task, const py::object& database, const py::kw
     if (!is_own) rest[argument.first] = argument.second;
   }
   const bool has_database = !database.is_none();
-  settings.solve =
-      read_solve_settings("rrt_connect", has_database ? "gl" : "uniform", "automatic", rest);
+  settings.solve = read_solve_settings("plan_task", "rrt_connect", has_database ? "gl" : "uniform",
+                                       "automatic", rest);
   std::shared_ptr<Database> memory;
   if (has_database) memory = database.cast<const Memory&>().get();
+  if (memory == nullptr) check_without_memory("plan_task", settings.solve);
   std::atomic<bool> cancel = false;
   settings.solve.plan.cancel = &cancel;
   TaskResult result =
@@ -112,7 +117,7 @@ TimedPlan trajectory_of(const PlannedTask& plan, const py::object& dt, const py:
   TrajectorySettings timing;
   py::kwargs all(arguments);
   if (!dt.is_none()) all["dt"] = dt;
-  Keywords keywords("trajectory", all);
+  Keywords keywords("TaskPlan.trajectory", all);
   keywords.apply(timing);
   keywords.finish();
   if (!plan.result.is_solved()) {

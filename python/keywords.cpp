@@ -96,13 +96,14 @@ void Keywords::fail_range(const std::string& keyword, const py::object& given,
                             py::repr(given).cast<std::string>(), range));
 }
 
-SolveSettings read_solve_settings(const std::string& planner, const std::string& sampler,
-                                  const std::string& isa, const py::kwargs& arguments) {
+SolveSettings read_solve_settings(const std::string& function, const std::string& planner,
+                                  const std::string& sampler, const std::string& isa,
+                                  const py::kwargs& arguments) {
   SolveSettings settings;
   settings.planner = planner;
   settings.sampler = sampler;
   settings.isa = unwrap(parse_isa(isa));
-  Keywords keywords("plan", arguments);
+  Keywords keywords(function, arguments);
   keywords.apply(settings);
   keywords.apply(settings.plan);
   keywords.apply_memory(settings.memory);

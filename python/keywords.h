@@ -89,8 +89,10 @@ class Keywords {
   std::vector<std::string> known_;
 };
 
-/// Reads the settings of plan(). Raises TypeError for an unknown keyword.
-[[nodiscard]] SolveSettings read_solve_settings(const std::string& planner,
+/// Reads the settings of plan(). `function`: the name of the call in messages. Raises TypeError for
+/// an unknown keyword.
+[[nodiscard]] SolveSettings read_solve_settings(const std::string& function,
+                                                const std::string& planner,
                                                 const std::string& sampler, const std::string& isa,
                                                 const py::kwargs& arguments);
 

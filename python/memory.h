@@ -38,15 +38,17 @@ class Memory {
   std::shared_ptr<Database> database_;
 };
 
-/// Raises mneme.Error for settings that need a database.
-inline void check_without_memory(const SolveSettings& settings) {
+/// Raises mneme.Error for settings that need a database. `function`: the name of the call in
+/// messages.
+inline void check_without_memory(const std::string& function, const SolveSettings& settings) {
   if (settings.learn_budget_s > 0) {
-    raise_invalid("plan: learn_budget needs a database for the learned rows");
+    raise_invalid(function + ": learn_budget needs a database for the learned rows");
   }
   if (settings.remember_after) {
-    raise_invalid("plan: remember_after needs a database for the remembered rows");
+    raise_invalid(function + ": remember_after needs a database for the remembered rows");
   }
-  if (settings.replay > 0) raise_invalid("plan: replay needs a database with paths to replay");
+  if (settings.replay > 0)
+    raise_invalid(function + ": replay needs a database with paths to replay");
 }
 
 }  // namespace mneme::python

@@ -173,7 +173,12 @@ class Client:
         if trajectory is not None:
             body["trajectory"] = _settings(trajectory)
         body.update(settings=_settings(settings), trace=trace, clearance=clearance, remember=remember)
-        limit_s = None if settings.get("timeout") is None else settings["timeout"] + (settings.get("improve") or 0) + _GRACE_S
+        limit_s = None
+        if settings.get("timeout") is not None:
+            for name in ("timeout", "improve"):
+                if not isinstance(settings.get(name), (int, float, np.generic, type(None))):
+                    raise TypeError(f"Client.plan: {name}={settings[name]!r} is not a number of seconds")
+            limit_s = settings["timeout"] + (settings.get("improve") or 0) + _GRACE_S
         return RemotePlan(self.ask("POST", "/v1/plan", body, timeout_s=limit_s), self)
 
     def inverse_kinematics(self, goals, *, near=None, scene=None, margin=0.0, **settings):

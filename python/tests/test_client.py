@@ -110,6 +110,11 @@ def test_what_is_wrong_is_said(client, problem):
     assert not hopeless.is_solved and hopeless.message and len(hopeless.path) == 0
 
 
+def test_times_are_numbers(client, problem):
+    with pytest.raises(TypeError, match="Client.plan: timeout='x' is not a number of seconds"):
+        client.plan(problem, timeout="x")
+
+
 def test_inverse_kinematics_is_that_of_this_process(client, problem):
     robot = problem.robot
     goal = mneme.PoseGoal("link_8", [9, 3, 0], position_tolerance=[0.1, 0.1, 0])

@@ -92,8 +92,10 @@ def test_a_trajectory_that_is_announced_decides_what_is_shortened(problem):
     announced = plan.trajectory()
     np.testing.assert_array_equal(announced.positions, plan.trajectory(**limits).positions)
     assert announced.times[1] == pytest.approx(0.05)
-    with pytest.raises(TypeError):
+    with pytest.raises(TypeError, match=r"^Plan.trajectory\(\) got an unexpected"):
         mneme.plan(problem, trajectory={"acceleration": 5})
+    with pytest.raises(TypeError, match=r"help\(mneme.Plan.trajectory\)"):
+        plan.trajectory(xyzzy=1)
 
 
 def test_a_moving_start_is_timed_from_its_velocity(problem):

@@ -66,3 +66,21 @@ def test_wrong_stages_are_refused():
     assert not plan.is_solved and "move there first" in plan.message
     with pytest.raises(mneme.Error, match="there is no plan"):
         plan.trajectory()
+
+
+def test_keywords_of_plan_hold_for_tasks():
+    task = mneme.Task.load(str(EXAMPLE))
+    plan = mneme.plan_task(task, timeout=1000, improve=1000, improve_rounds=3)
+    assert json.loads(plan.to_json())["plans"] > 1
+    for keyword in ({"remember_after": 0}, {"replay": 0.5}, {"learn_budget": 1}):
+        with pytest.raises(mneme.Error, match=f"plan_task: {next(iter(keyword))} needs a database"):
+            mneme.plan_task(task, **keyword)
+    with pytest.raises(TypeError, match=r"plan_task\(\) got an unexpected .*help\(mneme.plan_task\)"):
+        mneme.plan_task(task, xyzzy={"foo": 1})
+    with pytest.raises(TypeError, match=r"help\(mneme.TaskPlan.trajectory\)"):
+        plan.trajectory(xyzzy=1)
+
+
+def test_what_is_no_number_is_named():
+    with pytest.raises(TypeError, match="Task: stages: <object .* is no number, text, list, dict or array"):
+        mneme.Task(*cell(), HOME, [{"move": object()}])
