@@ -126,7 +126,7 @@ TEST_SUITE("unit") {
     CHECK(all.size() == 2);
     std::vector<Configuration> wrong = {kUp, Configuration(3, 0.0)};
     Configuration beyond = kUp;
-    beyond[0] = 99;
+    beyond[1] = 99;
     wrong.push_back(beyond);
     const std::vector<std::string> faults = drop_invalid_goals(checker, wrong);
     CHECK(wrong == std::vector<Configuration>{kUp});
