@@ -27,6 +27,51 @@ class Busy(Exception):
         return self._retry_after_s
 
 
+class _Answer(dict):
+    """An answer of the service, whose missing keys are errors of the service."""
+
+    def __missing__(self, key):
+        raise make_error("io", f"expected an answer of `mneme serve` with the key '{key}', got {_excerpt(json.dumps(self))}")
+
+
+def _excerpt(text):
+    """Returns the beginning of a received text for messages."""
+    if isinstance(text, bytes):
+        text = text.decode(errors="replace")
+    return repr(text[:80] + ("..." if len(text) > 80 else ""))
+
+
+def _parsed(status, text):
+    """Returns the answer, an object that for a status of 400 or more has an error. Raises mneme.Error for another."""
+    try:
+        answer = json.loads(text)
+    except (ValueError, RecursionError):
+        answer = None
+    if isinstance(answer, dict):
+        error = answer.get("error")
+        is_error = isinstance(error, dict) and all(isinstance(error.get(key), str) for key in ("code", "message"))
+        if status < 400 or is_error:
+            return _Answer(answer)
+    raise make_error("io", f"expected an answer of `mneme serve`, got HTTP status {status} with {_excerpt(text)}")
+
+
+def _pause(retry_after):
+    """Returns the seconds of a header Retry-After: 1 where it is a date."""
+    try:
+        pause = float(retry_after)
+    except ValueError:
+        return 1.0
+    return pause if 0 <= pause < math.inf else 1.0
+
+
+def _array(rows):
+    """Returns received rows of numbers as an array, of shape (0, 0) without rows."""
+    try:
+        return np.array(rows, dtype=float) if rows else np.empty((0, 0))
+    except (TypeError, ValueError) as failure:
+        raise make_error("io", f"expected rows of numbers from `mneme serve`, got {_excerpt(str(rows))}") from failure
+
+
 class RemotePlan:
     """The result of Client.plan(), with the names of Plan for the attributes that are sent."""
 
@@ -53,8 +98,7 @@ class RemotePlan:
 
     @property
     def path(self):
-        rows = self._answer["path"]
-        return np.array(rows, dtype=float) if rows else np.empty((0, 0))
+        return _array(self._answer["path"])
 
     def to_json(self):
         """Returns the JSON that `mneme plan --json` prints."""
@@ -193,7 +237,7 @@ class Client:
             body["near"] = _configuration(near)
         answer = self.ask("POST", "/v1/ik", body)
         found = [solution["q"] for solution in answer["solutions"]]
-        solutions = (np.array(found, dtype=float) if found else np.empty((0, 0))).view(Solutions)
+        solutions = _array(found).view(Solutions)
         solutions.message = answer.get("message") or ""
         return solutions
 
@@ -245,13 +289,14 @@ class Client:
         while True:
             deadline = min(end, time.monotonic() + self._timeout_s)
             response, text = self._connections.exchange(method, path, data, self._headers, deadline)
-            answer = json.loads(text)
+            answer = _parsed(response.status, text)
             if response.status < 400:
                 return answer
             error = answer["error"]
             retry_after = response.getheader("Retry-After")
             if retry_after is None:
                 raise make_error(error["code"], error["message"])
-            if time.monotonic() + float(retry_after) > min(end, begin + self._patience_s):
-                raise Busy(error["message"], float(retry_after))
-            time.sleep(float(retry_after))
+            pause = _pause(retry_after)
+            if time.monotonic() + pause > min(end, begin + self._patience_s):
+                raise Busy(error["message"], pause)
+            time.sleep(pause)

@@ -11,6 +11,9 @@ import urllib.parse
 from ._mneme import Error
 
 
+_MOST_ANSWER_BYTES = 1 << 30
+
+
 def make_error(code, message):
     """Returns a mneme.Error with this code."""
     error = Error(message)
@@ -65,6 +68,9 @@ def _time_left(deadline):
 
 class _Connection:
     def __init__(self, url):
+        if not isinstance(url, str):
+            raise TypeError(f"url is {url!r}, expected a text such as http://HOST:PORT or unix:PATH")
+        self._url = url
         self._path = url[len("unix:"):] if url.startswith("unix:") else None
         parts = urllib.parse.urlsplit(url if self._path is None else "http://localhost")
         if parts.scheme not in ("http", "https") or not parts.hostname:
@@ -95,8 +101,15 @@ class _Connection:
             self._http.request(method, path, data, headers)
         except (BrokenPipeError, ConnectionResetError):
             pass  # The service refused the body before it was sent completely: read its answer.
-        response = self._http.getresponse()
-        return response, response.read()
+        try:
+            response = self._http.getresponse()
+            if (response.length or 0) > _MOST_ANSWER_BYTES:
+                raise OverflowError(f"an answer of {response.length} bytes")
+            return response, response.read()
+        except http.client.RemoteDisconnected:
+            raise
+        except (http.client.HTTPException, ValueError, OverflowError, MemoryError) as failure:
+            raise make_error("io", f"{self._url}: expected an answer of `mneme serve`, got {failure!r:.200}") from failure
 
 
 class Connections:

@@ -259,6 +259,49 @@ class Scripted:
         assert not self._thread.is_alive()
 
 
+@pytest.mark.parametrize("received", [
+    b"HTTP/1.1 200 OK\r\nContent-Length: 18\r\n\r\n<html>proxy</html>",
+    b"HTTP/1.1 502 Bad Gateway\r\nContent-Length: 18\r\n\r\n<html>proxy</html>",
+    b"HTTP/1.1 200 OK\r\nContent-Length: 2\r\n\r\n[]",
+    b"HTTP/1.1 200 OK\r\nContent-Length: 100\r\n\r\n{}",
+    b"HTTP/1.1 200 OK\r\nContent-Length: 99999999999999\r\n\r\n{}",
+    b"HTTP/1.1 200 OK\r\nContent-Length: 50000\r\n\r\n" + b"[" * 50000,
+    b"HTTP/1.1 200 OK\r\nA: " + b"b" * 70000 + b"\r\n\r\n{}",
+    b"HTTP/1.1 400 Bad\r\nContent-Length: 13\r\n\r\n{\"error\":\"x\"}",
+    b"SSH-2.0-OpenSSH\r\n"])
+def test_an_answer_that_is_not_of_the_service_is_an_error(received):
+    def send(service, connection):
+        service.hear(connection)
+        connection.sendall(received)
+
+    with Scripted(send) as service, mneme.Client(service.url) as client:
+        code, message = raised(client.health)
+    assert code == "io" and "expected an answer of `mneme serve`, got " in message
+
+
+def test_an_answer_without_its_keys_is_an_error(problem):
+    with Scripted(Scripted.answer) as service, mneme.Client(service.url) as client:
+        plan = client.plan(problem)
+        code, message = raised(lambda: plan.path)
+    assert code == "io" and "'path'" in message
+
+
+def test_a_time_to_retry_that_is_a_date_is_a_second():
+    def refuse(service, connection):
+        service.answer(connection, b'{"error": {"code": "busy", "message": "too many"}}',
+                       "503 Service Unavailable\r\nRetry-After: Wed, 21 Oct 2026 07:28:00 GMT")
+
+    with Scripted(refuse) as service, mneme.Client(service.url, patience_s=0) as client:
+        with pytest.raises(mneme.Busy) as busy:
+            client.health()
+    assert busy.value.retry_after_s == 1
+
+
+def test_an_address_that_is_no_text_is_refused():
+    with pytest.raises(TypeError, match="url is 5, expected a text"):
+        mneme.Client(5)
+
+
 @pytest.mark.parametrize("url", ["http://127.0.0.1:1", "unix:/nonexistent/mneme.sock"])
 def test_a_service_that_is_not_there_is_named(url):
     with mneme.Client(url) as client:
