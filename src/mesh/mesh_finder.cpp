@@ -11,6 +11,7 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <iterator>
 #include <optional>
@@ -31,6 +32,26 @@ std::optional<std::string_view> after(std::string_view text, std::string_view pr
 bool is_file(const fs::path& path) {
   std::error_code ignored;
   return fs::is_regular_file(path, ignored);
+}
+
+/// `text` with %20 and the like as characters.
+std::string percent_decoded(std::string_view text) {
+  std::string decoded;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned char byte = 0;
+    const char* const digits = text.data() + i + 1;
+    const bool is_code = text[i] == '%' && i + 2 < text.size() &&
+                         std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
+    decoded += is_code ? static_cast<char>(byte) : text[i];
+    i += is_code ? 2 : 0;
+  }
+  return decoded;
+}
+
+/// `path`, or where it is no file, what it says as part of a URI.
+fs::path decoded_file(const fs::path& path) {
+  fs::path decoded = percent_decoded(path.string());
+  return !is_file(path) && is_file(decoded) ? decoded : path;
 }
 
 /// Without a slash at the end, so that its last component is a name.
@@ -73,11 +94,13 @@ Result<std::string> MeshFinder::find(const std::string& name, std::string* unkno
     if (const auto rest = after(name, scheme)) return find_in_package(*rest, unknown);
   }
   fs::path path = fs::path(urdf_directory_) / name;
-  if (const auto rest = after(name, "file://")) {
+  if (auto rest = after(name, "file:")) {
+    if (const auto local = after(*rest, "//localhost")) rest = local;
+    if (const auto local = after(*rest, "//")) rest = local;
     if (!rest->starts_with('/')) {
       return fail(ErrorCode::unsupported, "expected an absolute path as file:///PATH");
     }
-    path = *rest;
+    path = decoded_file(*rest);
   } else if (name.find("://") != std::string::npos) {
     return fail(ErrorCode::unsupported, "expected package://NAME/PATH, file:///PATH or a path");
   }
@@ -96,7 +119,10 @@ std::string package_name(const fs::path& directory) {
   if (document.Parse(text->data(), text->size()) != tinyxml2::XML_SUCCESS) return {};
   const tinyxml2::XMLElement* root = document.RootElement();
   const tinyxml2::XMLElement* name = root ? root->FirstChildElement("name") : nullptr;
-  return name != nullptr && name->GetText() != nullptr ? name->GetText() : "";
+  constexpr const char* kSpace = " \t\r\n";
+  std::string_view trimmed = name != nullptr && name->GetText() != nullptr ? name->GetText() : "";
+  trimmed.remove_prefix(std::min(trimmed.find_first_not_of(kSpace), trimmed.size()));
+  return std::string(trimmed.substr(0, trimmed.find_last_not_of(kSpace) + 1));
 }
 
 /// Folders of the package that `directory` is or contains.
@@ -117,6 +143,26 @@ std::vector<fs::path> package_folders(const fs::path& directory, const fs::path&
   return folders;
 }
 
+/// Packages at any depth below `directory`, as rospack finds them: not within other packages.
+/// Bounded for the case that a home directory is named.
+std::vector<fs::path> find_below(const fs::path& directory, const fs::path& package) {
+  constexpr int kMostLevels = 8, kMostEntries = 100'000;
+  std::vector<fs::path> below;
+  std::error_code failure;
+  constexpr auto kOptions = fs::directory_options::skip_permission_denied;
+  fs::recursive_directory_iterator at(directory, kOptions, failure);
+  for (int i = 0; !failure && at != fs::end(at) && i < kMostEntries; at.increment(failure), ++i) {
+    std::error_code ignored;
+    if (!at->is_directory(ignored)) continue;
+    const std::string name = package_name(at->path());
+    if (name == package) below.push_back(at->path());
+    const bool is_hidden = at->path().filename().string().starts_with('.');
+    if (!name.empty() || is_hidden || at.depth() >= kMostLevels) at.disable_recursion_pending();
+  }
+  std::ranges::sort(below);
+  return below;
+}
+
 }  // namespace
 
 /// The folders that exist, searched once per package.
@@ -135,6 +181,11 @@ const std::vector<std::string>& MeshFinder::folders_of(const std::string& packag
   for (const fs::path& folder : folders) {
     if (fs::is_directory(folder, ignored)) entry->second.push_back(folder.string());
   }
+  for (std::size_t i = 0; entry->second.empty() && i < package_paths_.size(); ++i) {
+    for (const fs::path& folder : find_below(as_directory(package_paths_[i]), package)) {
+      entry->second.push_back(folder.string());
+    }
+  }
   return entry->second;
 }
 
@@ -144,16 +195,18 @@ Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path,
   name_and_path.remove_prefix(std::min(name_and_path.find_first_not_of('/'), name_and_path.size()));
   const std::size_t slash = std::min(name_and_path.find('/'), name_and_path.size());
   const fs::path package = name_and_path.substr(0, slash);
-  const fs::path path = name_and_path.substr(std::min(slash + 1, name_and_path.size()));
+  name_and_path.remove_prefix(
+      std::min(name_and_path.find_first_not_of('/', slash), name_and_path.size()));
+  const fs::path path = name_and_path;
   if (package.empty() || package == "." || package == ".." || path.empty()) {
     return fail(ErrorCode::parse, "expected package://NAME/PATH");
   }
-  if (!stays_inside(path)) {
+  if (!stays_inside(path) || !stays_inside(percent_decoded(path.string()))) {
     return fail(ErrorCode::parse, "the path leaves the package '{}'", package.string());
   }
   std::vector<std::string> tried;
   for (const fs::path folder : folders_of(package.string())) {
-    tried.push_back((folder / path).lexically_normal().string());
+    tried.push_back(decoded_file(folder / path).lexically_normal().string());
     if (is_file(tried.back())) return tried.back();
   }
   if (!tried.empty()) return no_file(tried);

@@ -107,6 +107,36 @@ TEST_SUITE("unit") {
     CHECK(meshes.find(w.mesh()) == w.mesh());
   }
 
+  TEST_CASE("packages are found at any depth of a workspace, but not within other packages") {
+    const Workspace w;
+    fs::create_directories(w / "ws/src/repo/a/b");
+    fs::rename(w / "src/arm_description", w / "ws/src/repo/a/b/folder");
+    const std::string folder = fs::path(w / "ws/src/repo/a/b/folder").lexically_normal();
+    test::write_file(folder + "/package.xml",
+                     "<package>\n<name>\n  arm_description\n</name></package>");
+    CHECK(MeshFinder(w / "arm.urdf", {w / "ws/src"}).find(kMesh) == folder + "/meshes/a.stl");
+    const RosPackagePath variable(w / "ws/src");
+    CHECK(MeshFinder(w / "arm.urdf", {}).find(kMesh) == folder + "/meshes/a.stl");
+    test::write_file(w / "ws/src/repo/package.xml", "<package><name>repo</name></package>");
+    CHECK_FALSE(MeshFinder(w / "arm.urdf", {w / "ws/src"}).find(kMesh).has_value());
+  }
+
+  TEST_CASE("forms of URIs that resource_retriever takes are taken") {
+    const Workspace w;
+    const std::string spaced =
+        fs::path(w / "src/arm_description/meshes/a b.stl").lexically_normal();
+    test::write_file(spaced, "solid");
+    const MeshFinder meshes(w / "arm.urdf", {w / "src"});
+    CHECK(meshes.find("package://arm_description//meshes/a.stl") == w.mesh());
+    CHECK(meshes.find("package://arm_description/meshes/a%20b.stl") == spaced);
+    CHECK(meshes.find("file://localhost" + w.mesh()) == w.mesh());
+    CHECK(meshes.find("file:" + w.mesh()) == w.mesh());
+    const std::string coded = fs::path(w / "src/arm_description/meshes/a%20b.stl");
+    CHECK(meshes.find("file://" + coded) == spaced);
+    test::write_file(coded, "solid");
+    CHECK(meshes.find("file://" + coded) == fs::path(coded).lexically_normal().string());
+  }
+
   TEST_CASE("where a missing file was looked for is said") {
     const Workspace w;
     const std::string missing = "package://arm_description/meshes/b.stl";
@@ -136,7 +166,8 @@ TEST_SUITE("unit") {
   TEST_CASE("a package's path must stay in the package") {
     const Workspace w;
     const MeshFinder meshes(w / "arm.urdf", {w / "src", w / "src/arm_description"});
-    for (const std::string path : {"../secret.stl", "meshes/../../secret.stl", "/etc/passwd"}) {
+    for (const std::string path :
+         {"../secret.stl", "meshes/../../secret.stl", "/../secret.stl", "%2e%2E/secret.stl"}) {
       CAPTURE(path);
       CHECK(contains(refusal(meshes, "package://arm_description/" + path, ErrorCode::parse),
                      "leaves the package 'arm_description'"));
