@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace mneme::internal {
@@ -48,17 +49,17 @@ double depth_in(const Vec3&, const CompoundShape<Part>&) {
   return 0;
 }
 
-/// How far a capsule may move without leaving a shape; negative if it may be free.
+/// How deep a shape contains a capsule's axis, at least; 0 outside.
 double depth_in(const Capsule& capsule, const Shape& shape) {
   double inside = 0;
   for (const Vec3& point : {capsule.a, capsule.b, Vec3((capsule.a + capsule.b) / 2)}) {
     const auto depth = [&](const auto& solid) { return depth_in(point, solid); };
     inside = std::max(inside, std::visit(depth, shape));
   }
-  return capsule.radius - distance_to_segment(capsule.a, capsule.b, shape) + inside;
+  return inside;
 }
 
-/// Radius of a ball about the shape's middle; negative for compound shapes.
+/// A ball around a shape; infinite for compound shapes.
 std::pair<Vec3, double> ball_around(const Shape& shape) {
   if (const auto* s = std::get_if<Sphere>(&shape)) return {s->center, s->radius};
   if (const auto* c = std::get_if<Capsule>(&shape)) {
@@ -70,7 +71,7 @@ std::pair<Vec3, double> ball_around(const Shape& shape) {
   if (const auto* c = std::get_if<Cylinder>(&shape)) {
     return {c->pose.translation, std::hypot(c->radius, c->length / 2)};
   }
-  return {Vec3::Zero(), -1};
+  return {Vec3::Zero(), std::numeric_limits<double>::infinity()};
 }
 
 }  // namespace
@@ -91,7 +92,7 @@ BlockedLink::BlockedLink(const CellRegion& region, const TaskFrame& frame)
         if (std::ranges::count(obstacle.may_touch, link.name) > 0) continue;
         for (const Shape& shape : obstacle.shapes) {
           const auto [center, radius] = ball_around(shape);
-          if (radius >= 0) part.obstacles.push_back({&shape, center, radius, &obstacle.name});
+          part.obstacles.push_back({&shape, center, radius, &obstacle.name});
         }
       }
       parts_.push_back(std::move(part));
@@ -99,35 +100,39 @@ BlockedLink::BlockedLink(const CellRegion& region, const TaskFrame& frame)
   }
 }
 
-/// Calls `is_deep(part, depth)` with how far parts within `margin` of a shape may move without
-/// leaving it.
-template <class DepthOf>
-std::optional<BlockedBy> BlockedLink::find_deep(const CellTask& task, double margin,
-                                                const DepthOf& is_deep) const {
-  const Transform pose = frame_.pose(task);
+BlockedLink::Vicinity BlockedLink::look_around(const TaskBox& box, double margin) const {
+  Vicinity result;
+  const Transform pose = frame_.pose(box.center);
   for (const Part& part : parts_) {
     const Capsule placed = mneme::internal::moved(part.capsule, pose);
     const Vec3 middle = (placed.a + placed.b) / 2;
-    const double reach = (placed.b - placed.a).norm() / 2 + placed.radius + margin;
+    const double moved = frame_.displacement(box, part.away);
+    const double reach = placed.radius + moved + margin, half = (placed.b - placed.a).norm() / 2;
     for (const Place& place : part.obstacles) {
-      const double apart = reach + place.radius;
+      const double apart = half + reach + place.radius;
       if ((middle - place.center).squaredNorm() > apart * apart) continue;
-      if (is_deep(part, depth_in(placed, *place.shape))) {
-        return BlockedBy{part.link, *place.obstacle};
-      }
+      const double outside = distance_to_segment(placed.a, placed.b, *place.shape);
+      if (outside > reach) continue;
+      if (std::isfinite(place.radius)) result.near.emplace_back(&part, &place);
+      if (placed.radius - outside + depth_in(placed, *place.shape) <= moved + kLeastDepth) continue;
+      result.blocked = BlockedBy{part.link, *place.obstacle};
+      return result;
+    }
+  }
+  return result;
+}
+
+std::optional<BlockedBy> BlockedLink::find(const Vicinity& vicinity, const CellTask& task,
+                                           double margin) const {
+  if (vicinity.near.empty()) return std::nullopt;
+  const Transform pose = frame_.pose(task);
+  for (const auto& [part, place] : vicinity.near) {
+    const Capsule placed = mneme::internal::moved(part->capsule, pose);
+    if (distance_to_segment(placed.a, placed.b, *place->shape) < placed.radius + margin) {
+      return BlockedBy{part->link, *place->obstacle};
     }
   }
   return std::nullopt;
-}
-
-std::optional<BlockedBy> BlockedLink::find(const TaskBox& box) const {
-  return find_deep(box.center, 0, [&](const Part& part, double depth) {
-    return depth > frame_.displacement(box, part.away) + kLeastDepth;
-  });
-}
-
-std::optional<BlockedBy> BlockedLink::find(const CellTask& task, double margin) const {
-  return find_deep(task, margin, [&](const Part&, double depth) { return depth > -margin; });
 }
 
 }  // namespace mneme::internal

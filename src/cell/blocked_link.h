@@ -10,6 +10,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mneme::internal {
@@ -19,22 +20,28 @@ struct BlockedBy {
 };
 
 class BlockedLink {
+  struct Part;
+  struct Place;
+
  public:
   /// The link, and the links that are fixed to it.
   BlockedLink(const CellRegion& region, const TaskFrame& frame);
   BlockedLink(const BlockedLink&) = delete;
   BlockedLink& operator=(const BlockedLink&) = delete;
 
-  /// Returns a contact that all tasks of the box share, if one is proven.
-  [[nodiscard]] std::optional<BlockedBy> find(const TaskBox& box) const;
-  /// Returns what is closer than `margin` in one task, if it is a box, sphere, capsule or cylinder.
-  [[nodiscard]] std::optional<BlockedBy> find(const CellTask& task, double margin) const;
+  /// What the link may come close to in a box of tasks.
+  struct Vicinity {
+    std::optional<BlockedBy> blocked;  ///< a contact that all tasks share, if one is proven
+    std::vector<std::pair<const Part*, const Place*>> near;
+  };
+  /// Finds what is closer than `margin` in some task of the box, and perhaps more.
+  [[nodiscard]] Vicinity look_around(const TaskBox& box, double margin) const;
+  /// Returns what is closer than `margin` in one task of the box, if it is a box, sphere, capsule
+  /// or cylinder.
+  [[nodiscard]] std::optional<BlockedBy> find(const Vicinity& vicinity, const CellTask& task,
+                                              double margin) const;
 
  private:
-  template <class DepthOf>
-  [[nodiscard]] std::optional<BlockedBy> find_deep(const CellTask& task, double margin,
-                                                   const DepthOf& is_deep) const;
-
   /// A shape of an obstacle, and a ball around it.
   struct Place {
     const Shape* shape = nullptr;

@@ -14,7 +14,7 @@ namespace {
 /// Multiple of the largest error at the probes, and what is added to it, radians.
 constexpr double kRestFactor = 2, kLeastRest = 2e-5;
 /// Largest `rest`, radians: beyond it a smaller box proves more.
-constexpr double kMostRest = 0.002;
+constexpr double kMostRest = 0.004;
 /// Largest motion of a joint from the middle of a box.
 constexpr double kMostMotion = 1.5;
 /// Boxes that need more than this multiple of the room to the limits are not fitted.

@@ -17,7 +17,7 @@ namespace {
 
 /// Boxes that are examined together. They do not see each other's results, so that these do not
 /// depend on threads.
-constexpr std::size_t kRound = 8;
+constexpr std::size_t kRound = 16;
 /// Boxes of a smaller share of the region are not cut.
 constexpr double kLeastShare = 1e-7;
 /// Boxes without a sample that may be served count as if this share of them could.

@@ -221,13 +221,25 @@ class PathBender {
       if (!data_.chain.keeps_limits(q)) continue;
       ++tried;
       for (Path& path : paths_to(box, q)) {
-        CheckCounters counters;
-        const MotionVerifier verifier(data_.checker);
-        if (path.empty() || verifier.find_invalid_motion(path, counters) >= 0) continue;
-        answer.tier = CellTier::verified;
-        answer.box = index;
-        answer.path = std::move(path);
-        return true;
+        if (take(index, path, answer)) return true;
+      }
+    }
+    return false;
+  }
+
+  /// The same with configurations of other branches, which paths of near boxes lead up to.
+  bool run(const std::vector<Configuration>& goals, CellAnswer& answer) {
+    constexpr std::size_t kMostBoxes = 6;
+    std::vector<int> boxes = nearest();
+    boxes.resize(std::min(boxes.size(), kMostBoxes));
+    for (const Configuration& goal : goals) {
+      for (const int index : boxes) {
+        const CellBox& box = data_.starts[start_].boxes[as_index(index)];
+        Path path = bend_to(box, JointVector::Zero(data_.chain.joint_count()));
+        for (; path.size() > 1; path.erase(path.end() - 2)) {
+          path.back() = goal;
+          if (take(index, path, answer)) return true;
+        }
       }
     }
     return false;
@@ -237,6 +249,17 @@ class PathBender {
   static constexpr int kTries = 12;
   static constexpr std::size_t kNearest = 64;
   static constexpr double kSame = 0.02;
+
+  /// Makes a path the answer if it is free.
+  bool take(int index, Path& path, CellAnswer& answer) const {
+    CheckCounters counters;
+    const MotionVerifier verifier(data_.checker);
+    if (path.empty() || verifier.find_invalid_motion(path, counters) >= 0) return false;
+    answer.tier = CellTier::verified;
+    answer.box = index;
+    answer.path = std::move(path);
+    return true;
+  }
 
   [[nodiscard]] bool is_seen(const JointVector& q) const {
     return std::ranges::any_of(seen_,
@@ -312,6 +335,7 @@ void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t
                                         : "all configurations found for this task are in contact";
     return;
   }
+  if (PathBender(data, task, start).run(found.solutions, answer)) return;
   PlanSettings settings;
   settings.timeout_s = std::max(0.0, timeout_s - stopwatch.elapsed_s());
   const PlanResult planned = plan_with(rrt_connect, data.checker, {from, found.solutions},
@@ -456,7 +480,8 @@ void check_blocked(const internal::CellData& data, internal::SplitTree& tree) {
   const std::vector<internal::TaskBox> places = tree.place(data.frame.whole());
   for (std::size_t i = 0; i < places.size(); ++i) {
     internal::SplitNode& node = tree.nodes[i];
-    if (!node.has_gap || node.gap.reason != CellGap::blocked || blocked.find(places[i])) continue;
+    if (!node.has_gap || node.gap.reason != CellGap::blocked) continue;
+    if (blocked.look_around(places[i], 0).blocked) continue;
     node.gap = {};
     node.gap.is_examined = node.count > 0;
   }

@@ -66,12 +66,13 @@ class Examination {
     for (const int above : open_.above) serve(known_[as_index(above)]);
     result_.is_served = needed_ == 0;
     if (result_.is_served) return std::move(result_);
-    if (e_.blocked_->find(box_)) {
+    const BlockedLink::Vicinity vicinity = e_.blocked_->look_around(box_, e_.margin_);
+    if (vicinity.blocked) {
       result_.is_blocked = true;
       result_.gap = CellGap::blocked;
       return std::move(result_);
     }
-    drop_blocked();
+    drop_blocked(vicinity);
     const std::size_t before = needed_;
     // No proof of the whole box can succeed where the link is too close to contact in a part of it.
     if (result_.blocked_by) {
@@ -104,10 +105,10 @@ class Examination {
   }
 
   /// Samples whose link is too close to contact are not needed: nothing can serve them.
-  void drop_blocked() {
+  void drop_blocked(const BlockedLink::Vicinity& vicinity) {
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       if (!is_needed_[i]) continue;
-      auto found = e_.blocked_->find(tasks_[i], e_.margin_);
+      auto found = e_.blocked_->find(vicinity, tasks_[i], e_.margin_);
       if (!found) continue;
       is_needed_[i] = false;
       --needed_;

@@ -67,7 +67,7 @@ class MiddleRater {
         task[as_index(k)] = frame.half_extents()[as_index(k)] *
                             (i < kRatedCorners ? std::copysign(1.0, share) : share);
       }
-      if (blocked.find({task, {}})) continue;
+      if (blocked.look_around({task, {}}, 0).blocked) continue;
       PoseGoal goal;
       goal.link = region.middle().link;
       goal.pose = frame.pose(task);
