@@ -3,6 +3,7 @@
 #include "robot/srdf.h"
 
 #include "base/as_index.h"
+#include "base/fail.h"
 #include "robot/kinematics.h"
 #include "robot/planning_group.h"
 #include "robot/xml_reader.h"
@@ -50,18 +51,21 @@ class SrdfReader {
     } else if (kind == "end_effector") {
       xml_.check_attributes(element, {"name", "parent_link", "group", "parent_group"});
       srdf_.end_effectors.push_back(name(element, "group"));
+      if (element.Attribute("parent_link")) srdf_.holders.push_back(name(element, "parent_link"));
     } else if (kind == "virtual_joint") {
       xml_.check_attributes(element, {"name", "type", "parent_frame", "child_link"});
       const char* type = element.Attribute("type");
+      const bool is_fixed = type == nullptr || std::string_view(type) == "fixed";
+      const bool has_child = element.Attribute("child_link") != nullptr;
       srdf_.virtual_joints.push_back(
-          {name(element, "name"), type == nullptr || std::string_view(type) == "fixed"});
+          {name(element, "name"), is_fixed, has_child ? name(element, "child_link") : SrdfName{}});
     } else if (kind == "passive_joint") {
       xml_.check_attributes(element, {"name"});
       srdf_.passive_joints.push_back(name(element, "name"));
     } else if (kind == "disable_collisions") {
-      srdf_.disabled.push_back(pair(element, "link1", "link2"));
+      srdf_.disabled.push_back(link_pair(element));
     } else if (kind == "enable_collisions") {
-      srdf_.enabled.push_back(pair(element, "link1", "link2"));
+      srdf_.enabled.push_back(link_pair(element));
     } else if (kind == "disable_default_collisions") {
       xml_.check_attributes(element, {"link"});
       srdf_.disabled_links.push_back(name(element, "link"));
@@ -130,6 +134,12 @@ class SrdfReader {
 
   SrdfName name(const XmlElement& element, const char* attribute) {
     return {xml_.text(element, attribute), element.GetLineNum()};
+  }
+
+  SrdfPair link_pair(const XmlElement& element) {
+    xml_.check_attributes(element, {"link1", "link2", "reason"});
+    xml_.check_children(element, {}, {});
+    return pair(element, "link1", "link2");
   }
 
   SrdfPair pair(const XmlElement& element, const char* first, const char* second) {
@@ -220,11 +230,32 @@ class SrdfLookup {
     parts_.allowed_pairs.emplace(allowed.begin(), allowed.end());
   }
 
+  /// Warns of names whose elements have no other use of them.
+  void check_other_names() {
+    for (const SrdfName& joint : srdf_.passive_joints) has_joint(joint);
+    for (const SrdfName& link : srdf_.holders) find_link(link);
+    for (const SrdfName& group : srdf_.end_effectors) check_group(group);
+    for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
+      if (!joint.child.name.empty()) find_link(joint.child);
+    }
+    for (const SrdfState& state : srdf_.states) {
+      if (!state.group.empty()) check_group({state.group, state.name.line});
+    }
+  }
+
+  /// The first name that the robot lacks, as warned of.
+  [[nodiscard]] const std::string& first_unknown() const { return first_unknown_; }
+
  private:
+  void check_group(const SrdfName& name) {
+    if (!groups_.contains(name.name)) warn(name, "group");
+  }
+
   void warn(const SrdfName& name, const char* kind) {
     if (!warned_.insert(fmt::format("{} {}", kind, name.name)).second) return;
     parts_.warnings.push_back(fmt::format("{}:{}: robot '{}' has no {} '{}'", source_, name.line,
                                           parts_.name, kind, name.name));
+    if (first_unknown_.empty()) first_unknown_ = parts_.warnings.back();
   }
 
   std::optional<int> find_link(const SrdfName& name) {
@@ -253,7 +284,11 @@ class SrdfLookup {
     }
     for (const SrdfName& name : group.links) {
       const auto link = find_link(name);
-      if (!link || *link == 0) continue;
+      if (!link) continue;
+      if (*link == 0) {  // a virtual joint carries the root
+        for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) joints.insert(joint.name.name);
+        continue;
+      }
       joints.insert(parts_.joints[as_index(*link - 1)].name);
     }
     for (const SrdfPair& chain : group.chains) {
@@ -290,6 +325,7 @@ class SrdfLookup {
   std::set<std::string_view> joints_;
   std::map<std::string_view, const SrdfGroup*> groups_;
   std::set<std::string> warned_;
+  std::string first_unknown_;
 };
 
 }  // namespace
@@ -306,6 +342,10 @@ Result<void> apply_srdf(std::string_view text, const std::string& source, Robot:
   lookup.add_groups();
   lookup.add_states();
   lookup.add_allowed_pairs();
+  lookup.check_other_names();
+  if (strict && !lookup.first_unknown().empty()) {
+    return fail(ErrorCode::invalid, lookup.first_unknown());
+  }
   return {};
 }
 

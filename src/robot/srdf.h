@@ -35,7 +35,7 @@ struct SrdfGroup {
 
 struct SrdfState {
   SrdfName name;
-  std::string group;
+  std::string group;  ///< Empty: none.
   std::vector<std::pair<SrdfName, double>> joints;
 };
 
@@ -43,12 +43,14 @@ struct SrdfState {
 struct SrdfVirtualJoint {
   SrdfName name;
   bool is_fixed = true;
+  SrdfName child;  ///< The link that it carries; an empty name if it has none.
 };
 
 struct Srdf {
   SrdfName robot;
   std::vector<SrdfGroup> groups;
   std::vector<SrdfName> end_effectors;  ///< names of the groups of end effectors
+  std::vector<SrdfName> holders;        ///< links that hold end effectors
   std::vector<SrdfVirtualJoint> virtual_joints;
   std::vector<SrdfName> passive_joints;  ///< joints that cannot be planned for
   std::vector<SrdfPair> disabled;        ///< links that may touch each other
@@ -64,7 +66,7 @@ struct Srdf {
                                      bool strict = false);
 
 /// Adds the groups, states, allowed pairs and warnings of an SRDF to `parts`, which are in tree
-/// order. Each name that the robot lacks is ignored with a warning.
+/// order. Each name that the robot lacks is ignored with a warning, or an error if `strict`.
 [[nodiscard]] Result<void> apply_srdf(std::string_view text, const std::string& source,
                                       Robot::Parts& parts, bool strict = false);
 

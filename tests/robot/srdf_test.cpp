@@ -227,6 +227,43 @@ TEST_SUITE("unit") {
     CHECK(read.warnings.empty());
   }
 
+  TEST_CASE("a group that names the root link has the virtual joint that carries it") {
+    const Robot::Parts parts = applied(
+        R"(<virtual_joint name="odom" type="planar" parent_frame="map" child_link="l0"/>
+           <group name="all"><link name="l0"/><link name="l1"/></group>
+           <group name="arm"><link name="l1"/></group>)");
+    CHECK(parts.groups.at(0).virtual_joint == "odom");
+    CHECK(parts.groups.at(0).joints == Names{"j1"});
+    CHECK(parts.groups.at(1).virtual_joint.empty());
+  }
+
+  TEST_CASE("unknown names of every element are warnings, and errors if strict") {
+    const std::string text = R"(<robot name="chain"><passive_joint name="a"/>
+      <virtual_joint name="v" type="fixed" parent_frame="w" child_link="b"/>
+      <group_state name="h" group="c"><joint name="j1" value="0"/></group_state>
+      <end_effector name="e" parent_link="d" group="f"/></robot>)";
+    Robot::Parts parts = test::make_chain(2);
+    REQUIRE(apply_srdf(text, "a.srdf", parts).has_value());
+    CHECK(parts.warnings == Names{"a.srdf:1: robot 'chain' has no joint 'a'",
+                                  "a.srdf:4: robot 'chain' has no link 'd'",
+                                  "a.srdf:4: robot 'chain' has no group 'f'",
+                                  "a.srdf:2: robot 'chain' has no link 'b'",
+                                  "a.srdf:3: robot 'chain' has no group 'c'"});
+    Robot::Parts strict = test::make_chain(2);
+    const auto refused = apply_srdf(text, "a.srdf", strict, true);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().message == parts.warnings[0]);
+  }
+
+  TEST_CASE("foreign attributes and children of allowed pairs are tolerated by name") {
+    const Robot::Parts parts = applied(
+        R"(<disable_collisions link1="l0" link2="l1" reson="Never"><x/></disable_collisions>)");
+    REQUIRE(parts.warnings.size() == 1);
+    CHECK(contains(parts.warnings[0], "unknown attribute 'reson'"));
+    CHECK(contains(parts.warnings[0], "<x> in <disable_collisions>"));
+    CHECK(parts.allowed_pairs == LinkPairs{{"l0", "l1"}});
+  }
+
   TEST_CASE("groups of end effectors are marked") {
     const Robot::Parts parts = applied(R"(<group name="hand"><joint name="j5"/></group>
       <group name="arm"><joint name="j1"/></group>
