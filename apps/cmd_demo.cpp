@@ -22,7 +22,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include <algorithm>
-#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -99,10 +98,7 @@ Result<DemoCell> run_demo_cell(const DemoOptions& options) {
   }
   const Problem base = MNEME_TRY(read_problem(*path));
   const std::string file = options.out + "/cell.db";
-  std::error_code ignored;
-  for (const char* ending : {"", "-wal", "-shm", ".tally", ".index"}) {
-    std::filesystem::remove(file + ending, ignored);
-  }
+  remove_database(file);
   Database memory = MNEME_TRY(Database::open(file, make_signature(base.robot), OpenMode::create));
   print_note(fmt::format("{} repeats {} tasks of a cell", base.robot.name(), kTasks));
   cell.robot = base.robot.name();

@@ -18,7 +18,6 @@
 #include <nlohmann/json.hpp>
 
 #include <unistd.h>
-#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -85,12 +84,7 @@ class ScratchFile {
   }
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
-  ~ScratchFile() {
-    std::error_code ignored;
-    for (const char* suffix : {"", "-wal", "-shm"}) {
-      std::filesystem::remove(path_.string() + suffix, ignored);
-    }
-  }
+  ~ScratchFile() { remove_database(path()); }
   [[nodiscard]] std::string path() const { return path_.string(); }
 
  private:

@@ -14,6 +14,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <system_error>
 
 namespace mneme::app {
 
@@ -121,6 +122,13 @@ Result<Database> open_memory(const std::string& url, const Robot& robot,
     }
     return error;
   });
+}
+
+void remove_database(const std::string& file) {
+  std::error_code ignored;
+  for (const char* ending : {"", "-wal", "-shm", ".tally", ".index"}) {
+    std::filesystem::remove(file + ending, ignored);
+  }
 }
 
 void store_remembered(Database& database, const std::string& what) {

@@ -59,6 +59,9 @@ struct PlacedRobot {
                                            const SolveSettings& settings,
                                            const DatabaseSettings& kept = {});
 
+/// Removes the SQLite file of a database, and those that mneme keeps beside it.
+void remove_database(const std::string& file);
+
 /// Waits until what was remembered is stored; notes what is not. `what`: such as "the path was".
 void store_remembered(Database& database, const std::string& what);
 

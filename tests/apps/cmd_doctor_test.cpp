@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
 #include <sys/stat.h>
 
 namespace mneme::test {
@@ -31,6 +32,13 @@ TEST_SUITE("flow") {
     CHECK(has_text(run.out, "used: scalar, as MNEME_ISA says"));
     CHECK(has_text(run.out, "planning, scalar"));
     CHECK(has_text(run.out, "database             ok: learned 1 primitive"));
+  }
+
+  TEST_CASE("the doctor leaves no file behind") {
+    const TemporaryDirectory directory;
+    const ProgramRun run = run_program({"doctor"}, {{"TMPDIR=" + (directory / "")}, false});
+    CHECK(run.exit_code == 0);
+    CHECK(std::filesystem::is_empty(directory / ""));
   }
 
   TEST_CASE("what does not work is named") {
