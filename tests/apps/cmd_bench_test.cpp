@@ -5,9 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
-#include <sstream>
-
 namespace mneme::test {
 namespace {
 

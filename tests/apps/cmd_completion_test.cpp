@@ -3,8 +3,6 @@
 
 #include "apps/run_program.h"
 
-#include <filesystem>
-
 namespace mneme::test {
 namespace {
 

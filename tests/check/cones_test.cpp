@@ -6,7 +6,6 @@
 #include "goal/posed_robots.h"
 
 #include <cmath>
-#include <numbers>
 
 namespace mneme::test {
 namespace {

@@ -3,7 +3,6 @@
 #include "check/free_cells.h"
 #include "collision/random_worlds.h"
 
-#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>

@@ -4,7 +4,6 @@
 #include "collision/random_worlds.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>

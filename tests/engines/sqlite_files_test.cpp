@@ -7,7 +7,6 @@
 #include "engines/sqlite_connection.h"
 
 #include <sys/stat.h>
-#include <thread>
 
 namespace mneme::test {
 namespace {

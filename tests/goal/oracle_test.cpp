@@ -11,8 +11,6 @@
 #include <kdl/chainiksolverpos_lma.hpp>
 #endif
 
-#include <cmath>
-
 namespace mneme::test {
 namespace {
 

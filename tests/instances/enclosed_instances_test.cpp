@@ -6,7 +6,6 @@
 #include "support/planar_memory.h"
 
 #include <atomic>
-#include <cmath>
 
 namespace mneme::test {
 namespace {

@@ -14,7 +14,6 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <thread>
 
 namespace mneme::test {

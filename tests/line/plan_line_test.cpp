@@ -12,7 +12,6 @@
 #include <limits>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace mneme::test {
 namespace {

@@ -3,7 +3,6 @@
 #include "support/kinds.h"
 #include "memory/random_pairs.h"
 
-#include <cmath>
 #include <limits>
 
 namespace mneme::test {

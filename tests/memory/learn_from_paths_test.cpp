@@ -4,7 +4,6 @@
 #include "support/lifting_arm.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace mneme::test {
 namespace {

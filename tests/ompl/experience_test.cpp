@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ompl/small_problems.h"
 
-#include <cmath>
-
 namespace mneme::test {
 namespace {
 

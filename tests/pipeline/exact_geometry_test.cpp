@@ -7,8 +7,6 @@
 
 #include "support/support.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <string>

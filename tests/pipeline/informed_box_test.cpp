@@ -5,7 +5,6 @@
 #include "support/support.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace mneme::test {
 namespace {

@@ -4,9 +4,7 @@
 #include "support/kinds.h"
 #include "support/lifting_arm.h"
 
-#include <array>
 #include <limits>
-#include <sstream>
 
 namespace mneme::test {
 namespace {

@@ -4,7 +4,6 @@
 #include "planning/nearest_tree.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace mneme::test {

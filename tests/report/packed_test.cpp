@@ -4,7 +4,6 @@
 #include "report/packed.h"
 #include "support/support.h"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 

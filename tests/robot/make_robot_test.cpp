@@ -4,7 +4,6 @@
 #include "robot/small_robots.h"
 #include "support/support.h"
 
-#include <cmath>
 #include <functional>
 #include <string>
 #include <utility>

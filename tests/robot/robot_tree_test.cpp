@@ -6,7 +6,6 @@
 #include "robot/small_robots.h"
 #include "support/support.h"
 
-#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>

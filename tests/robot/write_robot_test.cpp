@@ -6,7 +6,6 @@
 #include "base/text.h"
 #include "support/support.h"
 
-#include <cmath>
 #include <string>
 #include <variant>
 #include <vector>

@@ -3,8 +3,6 @@
 
 #include "service/service_fixture.h"
 
-#include <array>
-
 namespace mneme::test {
 namespace {
 

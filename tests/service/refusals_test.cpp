@@ -4,8 +4,6 @@
 #include "service/raw_client.h"
 #include "service/service_fixture.h"
 
-#include <filesystem>
-
 namespace mneme::test {
 namespace {
 

@@ -7,8 +7,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <sstream>
-
 namespace mneme::test {
 namespace {
 
