@@ -19,7 +19,6 @@
 
 #include <array>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <optional>
 

@@ -20,7 +20,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <memory>
 #include <numbers>
 #include <span>

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "micro/suite.h"
 
-#include <memory>
-
 namespace mneme::bench {
 namespace {
 

@@ -6,8 +6,6 @@
 
 #include "base/fail.h"
 
-#include <fmt/format.h>
-
 #include <cerrno>
 #include <cstring>
 #include <filesystem>

@@ -8,8 +8,6 @@
 #include "pipeline/settings_input.h"
 #include "input/input.h"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>

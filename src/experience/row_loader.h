@@ -6,7 +6,6 @@
 
 #include "mneme/experience.h"
 
-#include "experience/row_loader.h"
 #include "store/store.h"
 
 #include <atomic>

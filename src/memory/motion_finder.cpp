@@ -4,7 +4,6 @@
 #include "robot/joint_space.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <utility>

@@ -8,7 +8,6 @@
 #include <atomic>
 #include <memory>
 #include <thread>
-#include <utility>
 
 namespace mneme {
 namespace {

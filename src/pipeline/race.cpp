@@ -10,7 +10,6 @@
 #include <optional>
 #include <thread>
 #include <utility>
-#include <vector>
 
 namespace mneme::internal {
 namespace {

@@ -6,8 +6,6 @@
 #include "pipeline/motion_memory.h"
 #include "pipeline/resolve_goals.h"
 
-#include <algorithm>
-
 namespace mneme {
 namespace {
 

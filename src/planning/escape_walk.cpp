@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/escape_walk.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace mneme::internal {

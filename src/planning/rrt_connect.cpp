@@ -17,7 +17,6 @@
 #include "planning/tree.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace mneme {
 namespace internal {

@@ -12,7 +12,6 @@
 #include "mneme/sampling.h"
 
 #include "report/markup.h"
-#include "report/picture.h"
 
 #include <limits>
 #include <optional>

@@ -5,8 +5,6 @@
 #include "store/store.h"
 #include "store/row_check.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 #include <tuple>

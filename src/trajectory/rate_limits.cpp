@@ -16,7 +16,6 @@
 #include <map>
 #include <optional>
 #include <string_view>
-#include <utility>
 
 namespace mneme {
 namespace internal {
