@@ -20,6 +20,8 @@ namespace {
 constexpr std::size_t kRound = 16;
 /// Boxes of a smaller share of the region are not cut.
 constexpr double kLeastShare = 1e-7;
+/// A build ends when its file would be about this large: larger ones load slowly and gain little.
+constexpr double kMostBytes = 5e6;
 /// Boxes without a sample that may be served count as if this share of them could.
 constexpr double kLeastLeft = 0.003;
 /// Tasks by which progress is measured.
@@ -37,20 +39,34 @@ std::vector<CellTask> sample_tasks(const TaskFrame& frame, int count, std::uint6
   return tasks;
 }
 
+/// About how many bytes a box takes in a file.
+double bytes_of(const CellBox& box) {
+  constexpr double kPerWaypointValue = 1.9, kPerCoefficient = 1.6, kRest = 16;
+  const auto parameters = static_cast<double>(box.shift.parameters);
+  const auto joints = static_cast<double>(box.shift.constant.size());
+  const double coefficients = joints * (2 + parameters + parameters * (parameters + 1) / 2);
+  return kPerWaypointValue * static_cast<double>(box.path.rows.size()) +
+         kPerCoefficient * coefficients + kRest;
+}
+
 /// Builds the boxes of one start.
 class CellBuilder {
  public:
   /// Continues with `known`.
   CellBuilder(const Examiner& examiner, const CellSettings& settings, double seconds,
-              StartCell known)
+              double most_bytes, StartCell known)
       : examiner_(examiner),
         settings_(settings),
         seconds_(seconds),
+        most_bytes_(most_bytes),
         cell_(std::move(known)),
         tracked_(sample_tasks(examiner.frame(), kTracked, 4242)),
         is_tracked_(tracked_.size(), false) {
     for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<int>(i);
-    for (const CellBox& box : cell_.boxes) track(box);
+    for (const CellBox& box : cell_.boxes) {
+      track(box);
+      bytes_ += bytes_of(box);
+    }
     reopen();
   }
 
@@ -80,8 +96,8 @@ class CellBuilder {
   };
 
   [[nodiscard]] bool is_over() const {
-    return examined_ >= settings_.boxes || stopwatch_.elapsed_s() >= seconds_ ||
-           is_set(settings_.cancel);
+    return examined_ >= settings_.boxes || bytes_ >= most_bytes_ ||
+           stopwatch_.elapsed_s() >= seconds_ || is_set(settings_.cancel);
   }
 
   /// Queues what is not proven: leaves, or the halves of those that were examined.
@@ -160,6 +176,7 @@ class CellBuilder {
       if (node.count++ == 0) node.first = index;
       above.push_back(index);
       track(box);
+      bytes_ += bytes_of(box);
       cell_.boxes.push_back(std::move(box));
     }
     Tally& tally = tallies_.at(static_cast<std::size_t>(open.around.gap));
@@ -234,7 +251,7 @@ class CellBuilder {
 
   const Examiner& examiner_;
   const CellSettings& settings_;
-  double seconds_;
+  double seconds_, most_bytes_;
   Stopwatch stopwatch_;
   StartCell cell_;
   std::priority_queue<OpenBox, std::vector<OpenBox>, IsSmaller> queue_;
@@ -243,7 +260,7 @@ class CellBuilder {
   std::vector<CellTask> tracked_;
   std::vector<bool> is_tracked_;
   std::size_t tracked_count_ = 0;
-  double blocked_ = 0;
+  double blocked_ = 0, bytes_ = 0;
   std::uint64_t examined_ = 0;
   /// Boxes that were examined, and what of them was proven, by the reason of the box around them.
   struct Tally {
@@ -276,6 +293,7 @@ Result<void> grow(CellData& data, const CellSettings& settings,
     const double left = settings.seconds - stopwatch.elapsed_s();
     const auto starts_left = static_cast<double>(data.starts.size() - i);
     CellBuilder builder(examiner, settings, std::max(0.0, left / starts_left),
+                        kMostBytes / static_cast<double>(data.starts.size()),
                         std::move(data.starts[i]));
     double kept = -1;
     CellProgress last = builder.progress();
