@@ -25,11 +25,14 @@ struct CloudHeader {
   std::vector<CloudField> fields;
   std::size_t count = 0;  ///< number of records
   PlyHeader::Data data = PlyHeader::Data::text;
+  bool is_pcd = false;
   bool may_go_on = false;      ///< other data may follow the records
   bool is_compressed = false;  ///< binary data of PCD, field by field
+  std::vector<std::string> notes;
 };
 
 constexpr std::size_t kMostFields = 1000;
+constexpr std::size_t kMostEntries = 1000;
 
 /// Reads up to the first record.
 CloudHeader read_ply_cloud_header(LineReader& text) {
@@ -42,7 +45,10 @@ CloudHeader read_ply_cloud_header(LineReader& text) {
     text.fail_file(ErrorCode::unsupported, "expected at most {} points, got {}", kMaxCloudPoints,
                    vertices.count);
   }
-  CloudHeader header{{}, vertices.count, ply.data, ply.elements.size() > 1};
+  CloudHeader header;
+  header.count = vertices.count;
+  header.data = ply.data;
+  header.may_go_on = ply.elements.size() > 1;
   for (const PlyProperty& property : vertices.properties) {
     if (property.is_list) text.fail_file(ErrorCode::parse, "expected vertices without lists");
     header.fields.push_back({property.name, property.type});
@@ -63,13 +69,13 @@ const Words& pcd_entry(const LineReader& text, const PcdEntries& entries, std::s
 
 void read_pcd_data(const LineReader& text, const Words& words, CloudHeader& header) {
   header.is_compressed = words[0] == "binary_compressed";
+  header.may_go_on = true;  // PCL ignores further rows, and pads binary files to whole pages.
   if (words[0] == "ascii") return;
   if (words[0] != "binary" && !header.is_compressed) {
     text.fail(ErrorCode::unsupported,
               "expected the data ascii, binary or binary_compressed, got \"{}\"", words[0]);
   }
   header.data = PlyHeader::Data::little_endian;
-  header.may_go_on = true;  // PCL pads binary files to whole pages.
 }
 
 std::vector<CloudField> pcd_fields(const LineReader& text, const PcdEntries& entries) {
@@ -103,17 +109,34 @@ std::vector<CloudField> pcd_fields(const LineReader& text, const PcdEntries& ent
   return fields;
 }
 
-/// The entries up to DATA, with COLUMNS of old files as FIELDS.
-PcdEntries read_pcd_entries(LineReader& text) {
-  static constexpr std::array<std::string_view, 11> kKeys = {
-      "VERSION", "FIELDS", "COLUMNS",   "SIZE",   "TYPE", "COUNT",
-      "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
+constexpr std::array<std::string_view, 11> kPcdKeys = {"VERSION",   "FIELDS", "COLUMNS", "SIZE",
+                                                       "TYPE",      "COUNT",  "WIDTH",   "HEIGHT",
+                                                       "VIEWPOINT", "POINTS", "DATA"};
+
+void check_pcd_version(const LineReader& text, const Words& words) {
+  static constexpr std::array<std::string_view, 6> kVersions = {".5",  "0.5", ".6",
+                                                                "0.6", ".7",  "0.7"};
+  const std::string_view version = words.size() < 2 ? "none" : words[1];
+  if (std::ranges::find(kVersions, version) == kVersions.end()) {
+    text.fail(ErrorCode::unsupported, "expected PCD of version .5, .6 or .7, got {}", version);
+  }
+}
+
+/// The entries up to DATA, with COLUMNS of old files as FIELDS. Foreign ones are noted.
+PcdEntries read_pcd_entries(LineReader& text, std::vector<std::string>& notes) {
   PcdEntries entries;
   while (!entries.contains("DATA")) {
     const Words& words = text.expect_line("the line DATA");
     if (words.empty() || words[0].front() == '#') continue;
-    if (std::ranges::find(kKeys, words[0]) == kKeys.end()) {
-      text.fail(ErrorCode::parse, "expected a header of PCD, got \"{}\"", words[0]);
+    if (words[0] == "VERSION") check_pcd_version(text, words);
+    if (std::ranges::find(kPcdKeys, words[0]) == kPcdKeys.end()) {
+      const bool is_key =
+          words[0].find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ_") == words[0].npos;
+      if (!is_key || notes.size() == kMostEntries) {
+        text.fail(ErrorCode::parse, "expected a header of PCD, got \"{}\"", words[0]);
+      }
+      notes.push_back(fmt::format("ignored the entry {}", excerpt(words[0])));
+      continue;
     }
     const std::string_view key = words[0] == "COLUMNS" ? "FIELDS" : words[0];
     entries[std::string(key)] = Words(words.begin() + 1, words.end());
@@ -123,16 +146,9 @@ PcdEntries read_pcd_entries(LineReader& text) {
 
 /// Reads up to the first record. Old files may lack all entries but FIELDS, POINTS and DATA.
 CloudHeader read_pcd_header(LineReader& text) {
-  static constexpr std::array<std::string_view, 6> kVersions = {".5",  "0.5", ".6",
-                                                                "0.6", ".7",  "0.7"};
-  const PcdEntries entries = read_pcd_entries(text);
-  if (entries.contains("VERSION")) {
-    const std::string_view version = pcd_entry(text, entries, "VERSION")[0];
-    if (std::ranges::find(kVersions, version) == kVersions.end()) {
-      text.fail(ErrorCode::unsupported, "expected PCD of version .5, .6 or .7, got {}", version);
-    }
-  }
   CloudHeader header;
+  header.is_pcd = true;
+  const PcdEntries entries = read_pcd_entries(text, header.notes);
   header.fields = pcd_fields(text, entries);
   read_pcd_data(text, pcd_entry(text, entries, "DATA"), header);
   const auto count_of = [&](std::string_view key) {
@@ -290,17 +306,26 @@ CloudFile read_text_records(const CloudHeader& header, LineReader& text) {
                 text.read_number((*words)[places[2].field])});
     ++i;
   }
+  std::size_t surplus = 0;
   while (const Words* words = text.next_line()) {
-    if (!words->empty() && !header.may_go_on) {
+    if (words->empty()) continue;
+    if (!header.may_go_on) {
       text.fail(ErrorCode::parse, "expected nothing after {} points", header.count);
     }
+    ++surplus;
   }
-  return points.take();
+  CloudFile cloud = points.take();
+  if (surplus > 0 && header.is_pcd) {
+    cloud.notes.push_back(
+        fmt::format("ignored {} rows after the {} that it announces", surplus, header.count));
+  }
+  return cloud;
 }
 
 CloudFile read_records(const CloudHeader& header, LineReader& text) {
   CloudFile cloud = header.data == PlyHeader::Data::text ? read_text_records(header, text)
                                                          : read_binary_records(header, text);
+  cloud.notes.insert(cloud.notes.begin(), header.notes.begin(), header.notes.end());
   if (cloud.points.empty()) {
     text.fail_file(ErrorCode::parse, "has no point with finite coordinates among {}", cloud.size());
   }
@@ -315,8 +340,11 @@ Result<CloudFile> parse_cloud(std::string_view bytes, const std::string& source)
     if (is_ply(bytes)) {
       return read_records(read_ply_cloud_header(text), text);
     }
-    const std::string_view first = bytes.substr(0, bytes.find_first_of(" \t\r\n"));
-    if (bytes.starts_with('#') || first == "VERSION" || first == "FIELDS" || first == "COLUMNS") {
+    constexpr const char* kSpace = " \t\r\n";
+    std::string_view first = without_mark(bytes);
+    first.remove_prefix(std::min(first.find_first_not_of(kSpace), first.size()));
+    first = first.substr(0, first.find_first_of(kSpace));
+    if (first.starts_with('#') || std::ranges::find(kPcdKeys, first) != kPcdKeys.end()) {
       return read_records(read_pcd_header(text), text);
     }
     text.fail_file(ErrorCode::unsupported, "expected points in a file of PLY or PCD");

@@ -93,6 +93,7 @@ class SceneText {
     const Vec3 position = read_vector();
     const Vec3 xyz = read_vector();
     const double w = read_number();
+    if (xyz.isZero(0) && w == 0) return {Eigen::Matrix3d::Identity(), position};  // unset
     if (!(std::hypot(xyz.norm(), w) > 1e-6)) fail(ErrorCode::parse, "a quaternion is zero");
     return {rotation_from_quaternion(w, xyz.x(), xyz.y(), xyz.z()), position};
   }

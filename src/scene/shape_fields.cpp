@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -90,6 +91,9 @@ PointCloud read_points(const Input& input, std::vector<std::string>& warnings) {
   }
   const std::string path = path_of(*file);
   const CloudFile cloud = file->take(read_cloud(path));
+  if (!cloud.notes.empty()) {
+    warnings.push_back(file->place(fmt::format("{}: {}", path, fmt::join(cloud.notes, ", "))));
+  }
   if (cloud.skipped > 0) {
     warnings.push_back(file->place(fmt::format("{}: {} of {} points are not finite and ignored",
                                                path, cloud.skipped, cloud.size())));

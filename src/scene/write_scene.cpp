@@ -86,7 +86,8 @@ Result<std::string> describe(const Obstacle& obstacle, const std::string& frame)
 
 Result<std::string> to_moveit_yaml(const FramedScene& framed) {
   if (framed.frame.empty()) {
-    return fail(ErrorCode::invalid, "scene \"{}\": the frame has no name, which MoveIt needs",
+    return fail(ErrorCode::invalid,
+                "scene \"{}\": the frame has no name, which MoveIt needs; name it (--frame, frame)",
                 framed.scene.name);
   }
   std::string text = fmt::format("name: {}\nworld:\n  collision_objects:{}\n",

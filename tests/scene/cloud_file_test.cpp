@@ -105,7 +105,7 @@ TEST_SUITE("unit") {
     CHECK(cloud_message("VERSION 0.7\nFIELDS x\nbad line\n") ==
           "f.ply:3: expected a header of PCD, got \"bad\"");
     CHECK(cloud_message("VERSION 0.8\nFIELDS x\nDATA ascii\n") ==
-          "f.ply:3: expected PCD of version .5, .6 or .7, got 0.8");
+          "f.ply:1: expected PCD of version .5, .6 or .7, got 0.8");
   }
 
   TEST_CASE("a cloud of more points than memory is meant to hold is refused before it is read") {
@@ -130,6 +130,16 @@ TEST_SUITE("unit") {
     const std::string binary = "FIELDS x y z\nWIDTH 1\nHEIGHT 1\nDATA binary\n" + raw_bytes(1.0f) +
                                raw_bytes(2.0f) + raw_bytes(3.0f);
     require_points(binary + std::string(4096, '\0'), {{1, 2, 3}});
+  }
+
+  TEST_CASE("what PCL ignores in a PCD file is ignored and noted") {
+    const std::string header = "FIELDS x y z\nFOO 1\nWIDTH 1\nDATA ascii\n";
+    const auto cloud = parse_cloud("\xef\xbb\xbf\n" + header + "1 2 3\n4 5 6\n\n7 8 9\n", "f.pcd");
+    REQUIRE_MESSAGE(cloud.has_value(), (cloud ? "" : cloud.error().message));
+    CHECK(cloud->points == std::vector<CloudPoint>{{1, 2, 3}});
+    CHECK(cloud->notes == std::vector<std::string>{"ignored the entry FOO",
+                                                   "ignored 2 rows after the 1 that it announces"});
+    require_points("WIDTH 1\nFIELDS x y z\nDATA ascii\n1 2 3\n", {{1, 2, 3}});
   }
 
   TEST_CASE("compressed points of PCD are read field by field, damage is refused") {

@@ -57,6 +57,17 @@ std::string replaced_text(const std::string& from, const std::string& to) {
 }  // namespace
 
 TEST_SUITE("unit") {
+  TEST_CASE("a quaternion of zeros is the identity, as in messages of MoveIt") {
+    const auto scene = parse_scene(
+        replaced_text("0 0 0.7071067811865476 0.7071067811865476", "0 0 0 0"), "f.scene");
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    CHECK(std::get<Box>(scene->obstacles[0].shapes[0]).pose.rotation ==
+          Eigen::Matrix3d::Identity());
+    CHECK(
+        scene_text_failure(replaced_text("0 0 0.7071067811865476 0.7071067811865476", "0 0 0 1e-9"))
+            .find("a quaternion is zero") != std::string::npos);
+  }
+
   TEST_CASE("scene text has bodies with poses, whose shapes have poses in them") {
     const auto scene = parse_scene(kText, "f.scene");
     REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
