@@ -54,16 +54,6 @@ std::optional<Names> find_chain(const Robot::Parts& parts, const std::string& na
   return joints_between(parts.links, parts.joints, *base, *tip);
 }
 
-/// The first warnings, for an error that would drop them: a misspelt name may be its cause.
-std::string with_warnings(const Robot::Parts& parts) {
-  constexpr std::size_t kShown = 3;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(kShown, parts.warnings.size()); ++i) {
-    text += fmt::format("; {}", parts.warnings[i]);
-  }
-  return text;
-}
-
 Result<Names> find_named(const Robot::Parts& parts, const std::string& name) {
   std::optional<Names> joints;
   const auto group = std::ranges::find(parts.groups, name, &JointGroup::name);
@@ -81,8 +71,9 @@ Result<Names> find_named(const Robot::Parts& parts, const std::string& name) {
   }
   if (joints->empty()) {
     return fail(ErrorCode::invalid,
-                "group '{}' has no joint to plan for; the robot's movable joints are: {}{}", name,
-                fmt::join(free_names(parts.joints), ", "), with_warnings(parts));
+                "group '{}' has no joint to plan for; the robot's movable joints are: {}{}{}", name,
+                fmt::join(free_names(parts.joints), ", "), parts.warnings.empty() ? "" : "; ",
+                fmt::join(parts.warnings, "; "));
   }
   return *joints;
 }
@@ -99,8 +90,9 @@ Result<Names> find_only(const Robot::Parts& parts) {
   if (fitting.empty()) {
     return fail(ErrorCode::invalid,
                 "no group of the SRDF ({}) is movable and not an end effector; name the "
-                "joints to plan for{}",
-                fmt::join(group_names(parts.groups), ", "), with_warnings(parts));
+                "joints to plan for{}{}",
+                fmt::join(group_names(parts.groups), ", "), parts.warnings.empty() ? "" : "; ",
+                fmt::join(parts.warnings, "; "));
   }
   return fail(ErrorCode::invalid, "the SRDF has several groups to plan for: {}; name one",
               fmt::join(group_names(fitting), ", "));

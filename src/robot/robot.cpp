@@ -5,7 +5,6 @@
 #include "base/as_index.h"
 #include "base/fail.h"
 #include "robot/held_joints.h"
-#include "robot/identity.h"
 #include "robot/kinematics.h"
 #include "robot/planning_group.h"
 #include "robot/robot_tree.h"

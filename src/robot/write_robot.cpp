@@ -1,9 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/write_robot.h"
-
 #include "mneme/robot.h"
 
+#include "robot/xml_reader.h"
 #include "base/as_index.h"
 #include "base/fail.h"
 #include "base/text.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Reading of XML elements, strict or lenient.
+/// Reading of XML elements, strict or lenient, and values to write.
 #pragma once
 
 #include "mneme/base.h"
@@ -106,5 +106,11 @@ class XmlReader {
   int finding_count_ = 0;
   std::string context_;
 };
+
+/// Returns three numbers that read back to the same bits, except for the sign of zero.
+[[nodiscard]] std::string xml_vector(const Vec3& v);
+
+/// Returns `<origin xyz rpy/>` without attributes that are zero; nothing for the identity.
+[[nodiscard]] std::string xml_origin(const Transform& pose);
 
 }  // namespace mneme::internal

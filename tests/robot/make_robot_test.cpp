@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/identity.h"
+#include "robot/robot_tree.h"
 #include "robot/small_robots.h"
 #include "support/support.h"
 
