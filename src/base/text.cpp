@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -76,6 +77,35 @@ std::from_chars_result number_from(const char* begin, const char* end, double& v
 }
 
 #endif
+
+std::optional<double> parse_number_or_infinity(std::string_view text) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = number_from(text.data(), end, value);
+  if (stop != end || error == std::errc::invalid_argument) return std::nullopt;
+  if (error == std::errc()) return value;
+  const bool is_tiny = text.find("e-") != text.npos || text.find("E-") != text.npos;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  return is_tiny ? 0.0 : std::copysign(kInfinity, text.starts_with('-') ? -1.0 : 1.0);
+}
+
+namespace {
+constexpr const char* kSpaces = " \t\r\n";
+}  // namespace
+
+std::vector<std::string_view> split_words(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
+    words.push_back(text.substr(0, text.find_first_of(kSpaces)));
+    text.remove_prefix(words.back().size());
+  }
+  return words;
+}
+
+std::string_view trimmed(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of(kSpaces), text.size()));
+  return text.substr(0, text.find_last_not_of(kSpaces) + 1);
+}
 
 std::string escape_csv(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);

@@ -44,6 +44,14 @@ template <class Number>
   return error == std::errc() && stop == end ? std::optional(number) : std::nullopt;
 }
 
+/// Returns `text` as a number, infinite beyond the largest one and 0 below the least.
+[[nodiscard]] std::optional<double> parse_number_or_infinity(std::string_view text);
+
+/// Returns the words of `text` between spaces, tabs and line breaks, as views.
+[[nodiscard]] std::vector<std::string_view> split_words(std::string_view text);
+/// Returns `text` without spaces, tabs and line breaks at its ends.
+[[nodiscard]] std::string_view trimmed(std::string_view text);
+
 /// Returns a field of a CSV file (RFC 4180), quoted if necessary.
 [[nodiscard]] std::string escape_csv(std::string_view text);
 

@@ -8,9 +8,12 @@
 
 #include <sys/stat.h>
 #include <cmath>
+#include <limits>
+#include <string_view>
 #include <system_error>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 namespace mneme::test {
 namespace {
@@ -35,6 +38,25 @@ TEST_SUITE("unit") {
     REQUIRE_FALSE(text.has_value());
     CHECK(text.error().code == ErrorCode::io);
     CHECK(text.error().message == "/nonexistent/file: cannot be read: No such file or directory");
+  }
+
+  TEST_CASE("words are what is between spaces, and trimmed text has none at its ends") {
+    using Words = std::vector<std::string_view>;
+    CHECK(internal::split_words(" a\tbc\r\n d ") == Words{"a", "bc", "d"});
+    CHECK(internal::split_words(" \n").empty());
+    CHECK(internal::trimmed("\n a b\t") == "a b");
+    CHECK(internal::trimmed(" ").empty());
+  }
+
+  TEST_CASE("numbers beyond the largest are infinite, those below the least 0") {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    CHECK(internal::parse_number_or_infinity("1e400") == kInfinity);
+    CHECK(internal::parse_number_or_infinity("-1e400") == -kInfinity);
+    CHECK(internal::parse_number_or_infinity("1e-400") == 0.0);
+    CHECK(internal::parse_number_or_infinity("1.5") == 1.5);
+    for (const char* text : {"", "x", "1e400x", "1 2"}) {
+      CHECK_FALSE(internal::parse_number_or_infinity(text).has_value());
+    }
   }
 
   TEST_CASE("a directory is no file") {
