@@ -119,10 +119,7 @@ std::string package_name(const fs::path& directory) {
   if (document.Parse(text->data(), text->size()) != tinyxml2::XML_SUCCESS) return {};
   const tinyxml2::XMLElement* root = document.RootElement();
   const tinyxml2::XMLElement* name = root ? root->FirstChildElement("name") : nullptr;
-  constexpr const char* kSpace = " \t\r\n";
-  std::string_view trimmed = name != nullptr && name->GetText() != nullptr ? name->GetText() : "";
-  trimmed.remove_prefix(std::min(trimmed.find_first_not_of(kSpace), trimmed.size()));
-  return std::string(trimmed.substr(0, trimmed.find_last_not_of(kSpace) + 1));
+  return std::string(trimmed(name && name->GetText() ? name->GetText() : ""));
 }
 
 /// Folders of the package that `directory` is or contains.

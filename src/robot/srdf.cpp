@@ -4,6 +4,7 @@
 
 #include "base/as_index.h"
 #include "base/fail.h"
+#include "base/text.h"
 #include "robot/kinematics.h"
 #include "robot/planning_group.h"
 #include "robot/xml_reader.h"
@@ -125,11 +126,7 @@ class SrdfReader {
 
   /// As a planar or floating joint has.
   bool has_several_values(const XmlElement& joint) {
-    const std::string value = xml_.text(joint, "value");
-    const std::size_t begin = value.find_first_not_of(" \t\n");
-    const std::size_t gap = value.find_first_of(" \t\n", begin);
-    return begin != value.npos && value.find_first_not_of(" \t\n", gap) != value.npos &&
-           gap != value.npos;
+    return split_words(xml_.text(joint, "value")).size() > 1;
   }
 
   SrdfName name(const XmlElement& element, const char* attribute) {
@@ -230,8 +227,8 @@ class SrdfLookup {
     parts_.allowed_pairs.emplace(allowed.begin(), allowed.end());
   }
 
-  /// Warns of names whose elements have no other use of them.
-  void check_other_names() {
+  /// Warns of names that are not used. Returns the first warning of all names, empty if none.
+  const std::string& check_other_names() {
     for (const SrdfName& joint : srdf_.passive_joints) has_joint(joint);
     for (const SrdfName& link : srdf_.holders) find_link(link);
     for (const SrdfName& group : srdf_.end_effectors) check_group(group);
@@ -241,10 +238,8 @@ class SrdfLookup {
     for (const SrdfState& state : srdf_.states) {
       if (!state.group.empty()) check_group({state.group, state.name.line});
     }
+    return first_unknown_;
   }
-
-  /// The first name that the robot lacks, as warned of.
-  [[nodiscard]] const std::string& first_unknown() const { return first_unknown_; }
 
  private:
   void check_group(const SrdfName& name) {
@@ -342,10 +337,8 @@ Result<void> apply_srdf(std::string_view text, const std::string& source, Robot:
   lookup.add_groups();
   lookup.add_states();
   lookup.add_allowed_pairs();
-  lookup.check_other_names();
-  if (strict && !lookup.first_unknown().empty()) {
-    return fail(ErrorCode::invalid, lookup.first_unknown());
-  }
+  const std::string& unknown = lookup.check_other_names();
+  if (strict && !unknown.empty()) return fail(ErrorCode::invalid, unknown);
   return {};
 }
 

@@ -335,13 +335,10 @@ class UrdfReader {
     }
     // Values that a joint is assumed to stay within if a limit is infinite.
     const double farthest = is_revolute ? kFarthestTurn : 100;
-    if (is_endless(*limit, joint)) {
-      joint.upper = std::numeric_limits<double>::infinity();
-      joint.lower = -joint.upper;
-    } else {
-      joint.lower = read_limit(*limit, "lower", farthest);
-      joint.upper = read_limit(*limit, "upper", farthest);
-    }
+    constexpr double kEndless = std::numeric_limits<double>::infinity();
+    const bool turns = is_endless(*limit, joint);
+    joint.lower = turns ? -kEndless : read_limit(*limit, "lower", farthest);
+    joint.upper = turns ? kEndless : read_limit(*limit, "upper", farthest);
   }
 
   bool is_endless(const XmlElement& limit, const Joint& joint) const {

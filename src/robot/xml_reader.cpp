@@ -10,10 +10,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <iterator>
-#include <limits>
 #include <optional>
-#include <system_error>
 
 namespace mneme::internal {
 namespace {
@@ -27,38 +24,12 @@ std::string in_quotes(std::string_view text) {
   return fmt::format("'{}{}'", text.substr(0, kMaxQuotedLength), is_long ? "..." : "");
 }
 
-bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-
-std::vector<std::string_view> words(std::string_view text) {
-  std::vector<std::string_view> result;
-  for (auto at = text.begin(); at != text.end();) {
-    const auto begin = std::find_if_not(at, text.end(), is_space);
-    at = std::find_if(begin, text.end(), is_space);
-    if (begin != at) result.emplace_back(begin, at);
-  }
-  return result;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto is_other = [](char c) { return !is_space(c); };
-  const auto begin = std::ranges::find_if(text, is_other);
-  const auto end = std::find_if(text.rbegin(), std::make_reverse_iterator(begin), is_other).base();
-  return {begin, end};
-}
-
 /// May be infinite, but not NaN.
 std::optional<double> parse_xml_number(std::string_view word) {
   // XML allows a plus sign, which from_chars does not.
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
-  double value = 0;
-  const char* const end = word.data() + word.size();
-  const auto [stop, error] = number_from(word.data(), end, value);
-  if (stop != end || std::isnan(value)) return std::nullopt;
-  if (error == std::errc()) return value;
-  if (error != std::errc::result_out_of_range) return std::nullopt;
-  const bool is_tiny = word.find("e-") != word.npos || word.find("E-") != word.npos;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  return is_tiny ? 0.0 : std::copysign(kInfinity, word.starts_with('-') ? -1.0 : 1.0);
+  const auto value = parse_number_or_infinity(word);
+  return value && !std::isnan(*value) ? value : std::nullopt;
 }
 
 /// The name of tinyxml2's error, such as "mismatched element".
@@ -234,7 +205,7 @@ std::string XmlReader::text(const XmlElement& element, const char* attribute) co
 
 double XmlReader::number_or_infinity(const XmlElement& element, const char* attribute) const {
   const std::string value = text(element, attribute);
-  const auto fields = words(value);
+  const auto fields = split_words(value);
   const auto result = fields.size() == 1 ? parse_xml_number(fields[0]) : std::nullopt;
   if (result) return *result;
   fail(element, "{} is {}, expected a finite number", attribute, in_quotes(value));
@@ -258,7 +229,7 @@ std::vector<double> XmlReader::numbers(const XmlElement& element, const char* at
                                        std::string_view expected) const {
   const std::string_view value = element.Attribute(attribute);
   std::vector<double> numbers;
-  const auto fields = words(value);
+  const auto fields = split_words(value);
   for (const std::string_view field : fields) {
     const auto number = parse_xml_number(field);
     if (number && std::isfinite(*number)) numbers.push_back(*number);
