@@ -87,7 +87,7 @@ Result<std::string> describe(const Obstacle& obstacle, const std::string& frame)
 Result<std::string> to_moveit_yaml(const FramedScene& framed) {
   if (framed.frame.empty()) {
     return fail(ErrorCode::invalid,
-                "scene \"{}\": the frame has no name, which MoveIt needs; name it (--frame, frame)",
+                "scene \"{}\": the frame has no name, which MoveIt needs; name one (--frame)",
                 framed.scene.name);
   }
   std::string text = fmt::format("name: {}\nworld:\n  collision_objects:{}\n",

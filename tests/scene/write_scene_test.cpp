@@ -119,7 +119,7 @@ TEST_SUITE("unit") {
     CHECK(to_moveit_yaml({{"s", {{"bar", {Capsule{}}}}}, "base"}).error().message ==
           "obstacle \"bar\" has the type capsule; expected spheres, boxes and cylinders alone");
     CHECK(to_moveit_yaml({{"s", {}}, ""}).error().message ==
-          "scene \"s\": the frame has no name, which MoveIt needs");
+          "scene \"s\": the frame has no name, which MoveIt needs; name one (--frame)");
   }
 }
 
