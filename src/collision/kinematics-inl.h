@@ -39,13 +39,12 @@ HWY_INLINE V3 add_sparse(const Pose& pose, const float* offset, V3 to) {
   return to;
 }
 
-/// The pose at the origin with a row-major rotation.
-HWY_INLINE Pose splat_rotation(const float* r) {
+/// Writes the pose at the origin with a row-major rotation. A pose that is returned would be built
+/// in memory and copied, for every motion.
+HWY_INLINE void set_rotation(const float* r, Pose& pose) {
+  for (int i = 0; i < 3; ++i) pose.axes[i] = {splat(r[i]), splat(r[3 + i]), splat(r[6 + i])};
   const V zero = hn::Zero(Tag());
-  return {{{splat(r[0]), splat(r[3]), splat(r[6])},
-           {splat(r[1]), splat(r[4]), splat(r[7])},
-           {splat(r[2]), splat(r[5]), splat(r[8])}},
-          {zero, zero, zero}};
+  pose.origin = {zero, zero, zero};
 }
 
 /// The axes of a frame in its parent's, at joint value 0.

@@ -48,7 +48,7 @@ class StateChecker {
       : robot_(robot), scene_(scene), margins_(margins), counters_(counters) {
     assert(robot.frames.size() <= kMaxFrames && robot.bodies.size() <= kMaxBodies);
     assert(scene.lower[0].size() % kObstacleBlock == 0);
-    poses_[0] = splat_rotation(scene.rotation);
+    set_rotation(scene.rotation, poses_[0]);
     for (size_t i = robot.moving_count; i < robot.bodies.size(); ++i) {
       centers_[i] = transform_point(poses_[0], robot.bodies[i].ball.center);
     }
@@ -297,11 +297,18 @@ class StateChecker {
       const int end = std::min(begin + kListSize, pair_count);
       int near[kListSize];
       int count = 0;
+      // Pairs are in the order of their first bodies, whose centers stay in registers.
+      int first = robot_.body_pairs[begin].first;
+      V3 center = centers_[first];
       for (int i = begin; i < end; ++i) {
         const BodyPairRow& pair = robot_.body_pairs[i];
         if (!margins_.moves_pair(i)) continue;
         near[count] = i;
-        const V apart2 = squared_norm(centers_[pair.first] - centers_[pair.second]);
+        if (pair.first != first) {
+          first = pair.first;
+          center = centers_[first];
+        }
+        const V apart2 = squared_norm(center - centers_[pair.second]);
         count += verdict.is_any_open(is_below(apart2, margins_.reach2(pair, i)));
       }
       for (int i = 0; i < count; ++i) {

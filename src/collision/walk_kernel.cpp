@@ -36,7 +36,7 @@ class Walker {
   HWY_INLINE Walker(const RobotTables& robot, const SceneTables& scene, const WalkRequest& request,
                     CheckCounters& counters)
       : robot_(robot), scene_(scene), request_(request), counters_(counters) {
-    poses_[0] = splat_rotation(scene.rotation);
+    set_rotation(scene.rotation, poses_[0]);
   }
 
   HWY_INLINE void walk(const V3& jitter, V* q) {

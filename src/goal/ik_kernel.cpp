@@ -46,7 +46,7 @@ class IkSolver {
  public:
   HWY_INLINE IkSolver(const RobotTables& chain, const IkTask& request)
       : chain_(chain), request_(request), target_(*request.target) {
-    poses_[0] = splat_rotation(target_.rotation.data());
+    set_rotation(target_.rotation.data(), poses_[0]);
     poses_[0].origin = splat(target_.translation.data());
   }
 
