@@ -17,6 +17,7 @@
 #include "planning/tree.h"
 
 #include <algorithm>
+#include <span>
 
 namespace mneme {
 namespace internal {
@@ -51,7 +52,7 @@ class RrtConnect {
       const bool is_forward = start_tree_.size() <= goal_tree_.size();
       Tree& growing = is_forward ? start_tree_ : goal_tree_;
       Tree& other = is_forward ? goal_tree_ : start_tree_;
-      if (!growth_.sample_steps(growing, other[0])) return false;
+      if (!growth_.sample_steps(growing, target_of(is_forward))) return false;
       for (int i = 0; i < growth_.size(); ++i) {
         const int node = growth_.take(i, growing);
         if (node < 0) {
@@ -68,6 +69,12 @@ class RrtConnect {
         while (++i < growth_.size()) growth_.settle(i, SampleOutcome::rejected);
       }
     }
+  }
+
+  /// Where early samples of a tree are pulled: towards the start, or the goals in turn.
+  [[nodiscard]] std::span<const float> target_of(bool is_forward) const {
+    const auto& goals = run_.goals();
+    return is_forward ? goals[run_.iterations() % goals.size()] : run_.start();
   }
 
   /// Appends a remembered motion to a tree; true if this leads to a path.
