@@ -36,6 +36,16 @@ TEST_SUITE("unit") {
     REQUIRE_FALSE(refused.has_value());
     CHECK(refused.error().message ==
           "stage 'gripper 1': joint 'grip' is to be at 0.6, beyond its limits [0, 0.05]");
+    Task blocked = *task;
+    const Vec3 place =
+        task->robot
+            .link_poses(task->start)[static_cast<std::size_t>(*task->robot.find_link("finger"))]
+            .translation;
+    blocked.scene.obstacles.push_back({"block", {Sphere{place, 0.3}}});
+    const TaskResult in_contact = solved(blocked);
+    CHECK(in_contact.status == PlanStatus::invalid_start);
+    CHECK_MESSAGE(in_contact.message.starts_with("stage 'gripper 1': start is in contact: "),
+                  in_contact.message);
     const auto& gripper = result.stages[0].gripper;
     REQUIRE(gripper != nullptr);
     CHECK(gripper->world->robot.joint_names() == std::vector<std::string>{"lift", "turn", "grip"});
