@@ -62,9 +62,10 @@ int open_alone(const std::string& path) {
   }
 }
 
-/// A stream that this process was given, such as standard input or a shell's <(..).
+/// A stream that this process was given, such as standard input or a shell's <(..), or /dev/null.
 bool is_own_stream(std::string_view path) {
-  return path == "/dev/stdin" || path.starts_with("/dev/fd/") || path.starts_with("/proc/self/fd/");
+  return path == "/dev/stdin" || path == "/dev/null" || path.starts_with("/dev/fd/") ||
+         path.starts_with("/proc/self/fd/");
 }
 
 }  // namespace

@@ -19,8 +19,9 @@ namespace mneme::internal {
 
 inline constexpr std::size_t kMaxFileBytes = std::size_t{256} << 20;
 
-/// Returns the bytes of a regular file, or of a stream named /dev/stdin or /dev/fd/N. Other devices
-/// and pipes are refused without waiting. Errors: io; unsupported for more than `max_bytes`.
+/// Returns the bytes of a regular file, or of a stream named /dev/stdin, /dev/fd/N or /dev/null.
+/// Other devices and pipes are refused without waiting. Errors: io; unsupported for more than
+/// `max_bytes`.
 [[nodiscard]] Result<std::string> read_text_file(const std::string& path,
                                                  std::size_t max_bytes = kMaxFileBytes);
 

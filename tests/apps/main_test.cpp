@@ -5,7 +5,11 @@
 
 #include <fmt/format.h>
 
+#include <sys/ioctl.h>
 #include <sys/stat.h>
+#include <array>
+#include <chrono>
+#include <thread>
 
 namespace mneme::test {
 namespace {
@@ -117,14 +121,25 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("an interrupt ends a command that waits for a file") {
+    std::array<int, 2> ends{};
+    REQUIRE(pipe(ends.data()) == 0);
+    RunningProgram program({"scene", "info", fmt::format("/dev/fd/{}", ends[0])});
+    REQUIRE(write(ends[1], "#", 1) == 1);
+    int unread = 1;
+    for (int i = 0; i < 60'000 && unread > 0; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      REQUIRE(ioctl(ends[1], FIONREAD, &unread) == 0);
+    }
+    program.send(SIGINT);
+    CHECK(program.wait().exit_code == 130);
+    for (const int end : ends) close(end);
+  }
+
+  TEST_CASE("a pipe that is named as a file is refused") {
     const TemporaryDirectory files;
     const std::string pipe = files / "scene.yaml";
     REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
-    RunningProgram program({"scene", "info", pipe});
-    const int writer = open(pipe.c_str(), O_WRONLY);  // returns once the program reads
-    program.send(SIGINT);
-    CHECK(program.wait().exit_code == 130);
-    close(writer);
+    CHECK(RunningProgram({"scene", "info", pipe}).wait().exit_code == 1);
   }
 
 #ifndef __SANITIZE_ADDRESS__
