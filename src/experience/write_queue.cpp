@@ -36,8 +36,8 @@ void WriteQueue::push(std::int64_t count, Make make) {
       return drop(count, fmt::format("no thread to store rows: {}", error.what()));
     }
   }
-  counts_.waiting += count;
   lots_.push_back({count, std::move(make)});
+  counts_.waiting += count;
   changed_.notify_all();
 }
 
@@ -93,9 +93,10 @@ void WriteQueue::make_some(std::unique_lock<std::mutex>& lock) {
 bool WriteQueue::insert_some(std::unique_lock<std::mutex>& lock) {
   if (rows_.empty()) return true;
   const auto count = static_cast<std::ptrdiff_t>(std::min(kRowsAtOnce, rows_.size()));
-  const std::vector<Experience> batch(rows_.begin(), rows_.begin() + count);
   lock.unlock();
-  const auto added = without_ending([&] { return insert_(batch); });
+  const auto added = without_ending([&] {
+    return insert_({rows_.begin(), rows_.begin() + count});
+  });
   lock.lock();
   counts_.failure = added ? "" : added.error().message;
   if (!added && added.error().code == ErrorCode::io) return false;
