@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <type_traits>
+#include <utility>
 
 namespace mneme::internal {
 namespace {
@@ -96,8 +97,20 @@ class SweptGap {
       return !is_certain && search_halves(i, k, at);
     }
     const bool splits_a = b.right < 0 || (a.right >= 0 && size_a > size_b);
-    return splits_a ? search(i + 1, k, at) && search(a.right, k, at)
-                    : search(i, k + 1, at) && search(i, b.right, at);
+    Nodes near = splits_a ? Nodes{i + 1, k} : Nodes{i, k + 1};
+    Nodes far = splits_a ? Nodes{a.right, k} : Nodes{i, b.right};
+    // Contact ends the search.
+    if (middle_distance2(far, at) < middle_distance2(near, at)) std::swap(near, far);
+    return search(near.a, near.b, at) && search(far.a, far.b, at);
+  }
+
+  struct Nodes {
+    int a = 0, b = 0;
+  };
+  [[nodiscard]] double middle_distance2(const Nodes& nodes, const Snapshot& at) const {
+    const AxisBox& a = a_.tree().nodes()[as_index(nodes.a)].box;
+    const AxisBox& b = b_.tree().nodes()[as_index(nodes.b)].box;
+    return (at.X * Vec3(0.5 * (b.low + b.high)) - 0.5 * (a.low + a.high)).squaredNorm();
   }
 
   bool search_halves(int i, int k, const Snapshot& at) {
