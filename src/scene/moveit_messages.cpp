@@ -228,16 +228,18 @@ constexpr std::array<std::string_view, 4> kOperations = {"ADD", "REMOVE", "APPEN
 /// The index among kOperations. ROS 2 prints this byte as text: as itself, or escaped.
 std::optional<std::size_t> read_operation(const Input& operation) {
   if (operation.is_nothing()) return 0;
+  const auto number = operation.is_number() ? operation.whole_number() : std::nullopt;
   const std::string text = operation.is_text() ? operation.text() : "";
+  if (operation.is_text() && text.empty()) return 0;
   for (std::size_t i = 0; i < kOperations.size(); ++i) {
     const std::string byte(1, static_cast<char>(i));
-    if (text == kOperations[i] || text == lower_case(kOperations[i]) || text == byte ||
-        text == fmt::format("\\{}", i) || text == fmt::format("\\x0{}", i) ||
-        operation.whole_number() == i) {
+    if (number == i || text == kOperations[i] || text == lower_case(kOperations[i]) ||
+        text == byte || text == fmt::format("{}", i) || text == fmt::format("\\{}", i) ||
+        text == fmt::format("\\x0{}", i)) {
       return i;
     }
   }
-  return operation.is_text() && text.empty() ? std::optional<std::size_t>(0) : std::nullopt;
+  return std::nullopt;
 }
 
 void refuse_operation(const Input& object, const std::string& id) {
