@@ -72,7 +72,7 @@ TEST_SUITE("unit") {
     check_bad_inputs({
         {{"bench", "report"}, 2, {"CSV is required"}},
         {{"bench", "report", files / "none.csv"}, 1, {"none.csv: cannot be read"}},
-        {{"bench", "report", "/dev/zero"}, 1, {"/dev/zero: expected a file of at most"}},
+        {{"bench", "report", "/dev/zero"}, 1, {"/dev/zero: expected a regular file"}},
         {{"bench", "report", files / "other.csv"}, 1, {"other.csv:1", "expected the columns"}},
         {{"bench", "report", files / "empty.csv"}, 1, {"empty.csv", "has no runs"}},
         {{"bench", "report", files / "nan.csv"},

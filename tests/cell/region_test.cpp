@@ -96,7 +96,7 @@ TEST_SUITE("unit") {
     region.starts[0].q = {0, 1.2, 0, -0.8, 0, 1.8, 0};
     const auto cell = build_cell(region, {});
     REQUIRE_FALSE(cell.has_value());
-    CHECK(mentions(cell.error().message, "start start"));
+    CHECK(mentions(cell.error().message, "start 'start': "));
   }
 }
 

@@ -350,7 +350,8 @@ TEST_SUITE("unit") {
     CHECK_FALSE(items[4].is_number());
     const std::string expected = "; expected !degrees or !radians before a number, or no tag";
     CHECK(yaml_failure("a: !millimetres 3") == "f.yaml:1: unknown tag !millimetres" + expected);
-    CHECK(yaml_failure("a:\n  !degrees [1, 2]") == "f.yaml:2: unknown tag !degrees" + expected);
+    CHECK(yaml_failure("a:\n  !degrees [1, 2]") ==
+          "f.yaml:2: expected one number after !degrees, got a list");
     CHECK(yaml_failure("a: !!python/tuple {}") ==
           "f.yaml:1: unknown tag tag:yaml.org,2002:python/tuple" + expected);
     CHECK(yaml_failure("a: !degrees pi/2") ==
