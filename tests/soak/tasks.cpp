@@ -128,8 +128,7 @@ class Campaign {
     }
     const auto within = std::ranges::count_if(ratios, [](double ratio) { return ratio <= 1.05; });
     fmt::print(
-        "path time by that of the best choice: p50 {:.4f}, p95 {:.4f}, max {:.4f}; {} of {} "
-        "tasks within 5 %\n",
+        "time by the best choice's: p50 {:.4f}, p95 {:.4f}, max {:.4f}; {} of {} within 5 %\n",
         quantile(ratios, 0.5), quantile(ratios, 0.95), quantile(ratios, 1), within, ratios.size());
     return 100 * within >= 95 * std::ssize(ratios);
   }
