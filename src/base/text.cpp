@@ -10,6 +10,7 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -159,6 +160,19 @@ std::string utc_text(std::time_t seconds) {
 }
 
 std::string current_time() { return utc_text(std::time(nullptr)); }
+
+std::string percent_decoded(std::string_view text) {
+  std::string decoded;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned char byte = 0;
+    const char* const digits = text.data() + i + 1;
+    const bool is_code = text[i] == '%' && i + 2 < text.size() &&
+                         std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
+    decoded += is_code ? static_cast<char>(byte) : text[i];
+    i += is_code ? 2 : 0;
+  }
+  return decoded;
+}
 
 std::optional<std::string> find_costly_xml(std::string_view text) {
   std::size_t parts = 0, attributes = 0;

@@ -47,6 +47,9 @@ template <class Number>
 /// Returns `text` as a number, infinite beyond the largest one and 0 below the least.
 [[nodiscard]] std::optional<double> parse_number_or_infinity(std::string_view text);
 
+/// Returns `text` with %20 and other codes of URLs as the bytes that they stand for. A % before
+/// anything else stands for itself.
+[[nodiscard]] std::string percent_decoded(std::string_view text);
 /// Returns the words of `text` between spaces, tabs and line breaks, as views.
 [[nodiscard]] std::vector<std::string_view> split_words(std::string_view text);
 /// Returns `text` without spaces, tabs and line breaks at its ends.

@@ -11,7 +11,6 @@
 #include <tinyxml2.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <iterator>
 #include <optional>
@@ -32,20 +31,6 @@ std::optional<std::string_view> after(std::string_view text, std::string_view pr
 bool is_file(const fs::path& path) {
   std::error_code ignored;
   return fs::is_regular_file(path, ignored);
-}
-
-/// `text` with %20 and the like as characters.
-std::string percent_decoded(std::string_view text) {
-  std::string decoded;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    unsigned char byte = 0;
-    const char* const digits = text.data() + i + 1;
-    const bool is_code = text[i] == '%' && i + 2 < text.size() &&
-                         std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
-    decoded += is_code ? static_cast<char>(byte) : text[i];
-    i += is_code ? 2 : 0;
-  }
-  return decoded;
 }
 
 /// `path`, or where it is no file, what it says as part of a URI.

@@ -13,7 +13,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
@@ -240,18 +239,11 @@ std::optional<TrajectorySettings> read_timing(const Input& request) {
   return timing;
 }
 
-/// Decodes %XX and + of the query of a URL. A % before anything else stands for itself.
+/// Decodes codes and + of the query of a URL.
 std::string decode_query(std::string_view text) {
-  std::string decoded;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    unsigned char byte = 0;
-    const char* const digits = text.data() + i + 1;
-    const bool is_code = text[i] == '%' && i + 2 < text.size() &&
-                         std::from_chars(digits, digits + 2, byte, 16).ptr == digits + 2;
-    if (is_code) i += 2;
-    decoded += is_code ? static_cast<char>(byte) : text[i] == '+' ? ' ' : text[i];
-  }
-  return decoded;
+  std::string spaced(text);
+  std::ranges::replace(spaced, '+', ' ');
+  return percent_decoded(spaced);
 }
 
 /// Reads the value of a parameter as YAML would: true, false, a number or text.

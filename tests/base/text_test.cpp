@@ -40,6 +40,12 @@ TEST_SUITE("unit") {
     CHECK(text.error().message == "/nonexistent/file: cannot be read: No such file or directory");
   }
 
+  TEST_CASE("codes of URLs are decoded, and a % before anything else stands for itself") {
+    CHECK(internal::percent_decoded("a%20b%2Bc+%c3%a4") == "a b+c+\u00e4");
+    CHECK(internal::percent_decoded("50%, %zz, %2") == "50%, %zz, %2");
+    CHECK(internal::percent_decoded("").empty());
+  }
+
   TEST_CASE("words are what is between spaces, and trimmed text has none at its ends") {
     using Words = std::vector<std::string_view>;
     CHECK(internal::split_words(" a\tbc\r\n d ") == Words{"a", "bc", "d"});
