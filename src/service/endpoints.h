@@ -8,6 +8,7 @@
 #include "mneme/report.h"
 #include "mneme/service.h"
 
+#include "service/answer.h"
 #include "service/idle_learner.h"
 #include "service/metrics.h"
 #include "service/plan_queue.h"
@@ -24,16 +25,6 @@
 #include <string>
 
 namespace mneme::internal {
-
-struct Answer {
-  int status = 200;
-  std::string body;
-  const char* type = "application/json";
-  bool may_retry = false;  ///< the service is busy; sends Retry-After
-};
-/// {"error": {"code": ..., "message": ...}}
-[[nodiscard]] Answer refusal(int status, std::string_view code, std::string_view message);
-[[nodiscard]] Answer refusal(const Error& error);
 
 /// A request to an endpoint.
 struct Call {

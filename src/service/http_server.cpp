@@ -6,9 +6,6 @@
 #include <boost/asio/write.hpp>
 #include <boost/beast/core/basic_stream.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/http/empty_body.hpp>
-#include <boost/beast/http/parser.hpp>
-#include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <fmt/format.h>
 
@@ -46,7 +43,6 @@ constexpr double kLongWork_s = 0.005;
 constexpr std::size_t kLongBody = 64 << 10;
 constexpr int kLongWorkNice = 10;
 
-constexpr std::string_view kHeadEnd = "\r\n\r\n";
 /// For answers that are data, and for pages, whose styles and scripts are inline.
 constexpr const char* kDataPolicy = "default-src 'none'; frame-ancestors 'none'";
 constexpr const char* kPagePolicy =
@@ -61,35 +57,6 @@ constexpr std::string_view kTooManyConnections =
 auto seconds(double value) {
   return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
       std::chrono::duration<double>(value));
-}
-
-Answer refuse_unreadable(const error_code& error, const HttpLimits& limits) {
-  if (error == http::error::body_limit) {
-    return refusal(413, "refused",
-                   fmt::format("expected a body of at most {} bytes", limits.body_bytes));
-  }
-  if (error == http::error::header_limit) {
-    return refusal(431, "refused",
-                   fmt::format("expected a head of at most {} bytes", limits.head_bytes));
-  }
-  return refusal(400, "invalid", fmt::format("the request is not HTTP/1.1: {}", error.message()));
-}
-
-/// Says why a head, or the beginning of one, may be read in two ways; empty if it cannot. A line
-/// ends by CR LF, and a value does not go on in the next line (RFC 9112, 2.2 and 5.2).
-std::string_view find_head_flaw(std::string_view head) {
-  for (std::size_t i = 0; i < head.size(); ++i) {
-    const char c = head[i], before = i == 0 ? ' ' : head[i - 1];
-    if (c == '\0') return "expected a head without NUL";
-    if ((c == '\n') != (before == '\r')) return "expected lines of the head to end with CR LF";
-    if (before == '\n' && (c == ' ' || c == '\t')) return "expected each header on one line";
-  }
-  return {};
-}
-
-bool is_of_client(const error_code& error) {
-  return error.category() == http::make_error_code(http::error::bad_method).category() &&
-         error != http::error::end_of_stream && error != http::error::partial_message;
 }
 
 thread_local bool has_low_priority = false;
@@ -125,7 +92,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
       : server_(server),
         stream_(std::move(socket)),
         // More than a head may have; bodies are consumed as they arrive.
-        buffer_(2 * std::size_t{server.limits_.head_bytes}) {}
+        buffer_(2 * std::size_t{server.limits_.request.head_bytes}) {}
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
   ~Connection() {
@@ -153,32 +120,13 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   void cancel() { is_cancelled_ = true; }
   /// Lowers the priority of a request that has computed for long. Call while it is answered.
   void yield_to_short_requests() {
-    const bool is_long = parser_->get().body().size() >= kLongBody;
+    const bool is_long = reader_->request().body().size() >= kLongBody;
     if (has_yielded_ || (!is_long && clock_.now_s() - begin_s_ < kLongWork_s)) return;
     has_yielded_ = true;
     clock_.lower_priority();
   }
 
  private:
-  using Parser = http::request_parser<http::string_body>;
-
-  /// Checks the line of a chunk, and trailers, as find_head_flaw() checks a head. Beast calls it
-  /// for the last chunk, of size 0, when all trailers have come.
-  struct CheckChunkLines {
-    const beast::flat_buffer& buffer;
-
-    void operator()(std::uint64_t size, beast::string_view extensions, error_code& error) {
-      std::string_view lines(extensions.data(), extensions.size());
-      if (size == 0) {
-        const auto bytes = buffer.cdata();
-        const char* const end = static_cast<const char*>(bytes.data()) + bytes.size();
-        const std::string_view rest(lines.data(), static_cast<std::size_t>(end - lines.data()));
-        lines = rest.substr(0, rest.find(kHeadEnd) + kHeadEnd.size());
-      }
-      if (!find_head_flaw(lines).empty()) error = http::error::bad_chunk_extension;
-    }
-  };
-
   /// Returns a handler that calls `member` and keeps the connection alive.
   template <class... Ignored>
   auto then(void (Connection::*member)(error_code)) {
@@ -188,11 +136,8 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void await_request() {
-    parser_.emplace();
-    parser_->header_limit(server_.limits_.head_bytes);
-    parser_->body_limit(server_.limits_.body_bytes);
-    parser_->on_chunk_header(check_chunk_lines_);
-    if (buffer_.size() > 0) return read_head();
+    reader_.emplace(server_.limits_.request);
+    if (buffer_.size() > 0) return begin_request();
     if (server_.is_stopping_) return;
     is_idle_ = true;
     stream_.expires_after(seconds(server_.limits_.idle_timeout_s));
@@ -201,65 +146,54 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
 
   void end_idling(error_code error) {
     is_idle_ = false;
-    if (!error) read_head();
+    if (!error) begin_request();
   }
 
-  void read_head() {
+  void begin_request() {
     stream_.expires_after(seconds(server_.limits_.request_timeout_s));
-    look_for_head({});
-  }
-
-  /// Waits for the whole head, so that it is checked as it came: Beast joins folded lines.
-  void look_for_head(error_code error) {
-    if (error) return;
-    const auto bytes = buffer_.cdata();
-    const std::string_view text(static_cast<const char*>(bytes.data()), bytes.size());
-    const std::size_t end = text.find(kHeadEnd);
-    const std::size_t size = end == std::string_view::npos ? text.size() : end + kHeadEnd.size();
-    if (size > server_.limits_.head_bytes) return give_up(http::error::header_limit);
-    if (const auto flaw = find_head_flaw(text.substr(0, size)); !flaw.empty()) {
-      return refuse(refusal(400, "invalid", flaw));
-    }
-    if (end == std::string_view::npos) return read_more(&Connection::look_for_head);
-    buffer_.consume(parser_->put(asio::buffer(text.data(), size), error));
-    take_head(error);
+    read_head({});
   }
 
   void read_more(void (Connection::*next)(error_code)) {
-    stream_.async_read_some(buffer_.prepare(kReadBytes),
+    const std::size_t room = buffer_.max_size() - buffer_.size();
+    stream_.async_read_some(buffer_.prepare(std::min(kReadBytes, room)),
                             [self = shared_from_this(), next](error_code error, std::size_t count) {
                               self->buffer_.commit(count);
                               (self.get()->*next)(error);
                             });
   }
 
-  void take_head(error_code error) {
-    if (error) return give_up(error);
-    if (auto refused = server_.handlers_.refuse(parser_->get())) {
+  void read_head(error_code error) {
+    if (error) return;
+    if (auto refused = reader_->read_head(buffer_)) return refuse(*std::move(refused));
+    if (!reader_->has_head()) return read_more(&Connection::read_head);
+    if (auto refused = server_.handlers_.refuse(reader_->request())) {
       return refuse(*std::move(refused));
     }
-    if (parser_->is_done()) return answer({});
-    if (!beast::iequals(parser_->get()[http::field::expect], "100-continue")) return read_body({});
+    const bool must_invite =
+        beast::iequals(reader_->request()[http::field::expect], "100-continue");
+    if (reader_->is_done() || !must_invite) return read_body({});
     asio::async_write(stream_, asio::buffer(kContinue), then<std::size_t>(&Connection::read_body));
   }
 
   void read_body(error_code error) {
     if (error) return;
-    http::async_read(stream_, buffer_, *parser_, then<std::size_t>(&Connection::answer));
+    if (auto refused = reader_->read_body(buffer_)) return refuse(*std::move(refused));
+    if (!reader_->is_done()) return read_more(&Connection::read_body);
+    answer();
   }
 
-  void answer(error_code error) {
-    if (error) return give_up(error);
+  void answer() {
     stream_.expires_never();
     begin_answering();
     Answer found = answer_or_fail();
     end_answering();
-    write(std::move(found), parser_->get().keep_alive() && !server_.is_stopping_);
+    write(std::move(found), reader_->keep_alive() && !server_.is_stopping_);
   }
 
   Answer answer_or_fail() {
     try {
-      return server_.handlers_.answer(parser_->get(), is_cancelled_);
+      return server_.handlers_.answer(reader_->request(), is_cancelled_);
     } catch (...) {  // other clients must still be served
       return refusal(500, "internal", "the request could not be answered");
     }
@@ -282,18 +216,13 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     has_low_priority = has_yielded_;
   }
 
-  /// Tells a connected client why its request cannot be read.
-  void give_up(error_code error) {
-    if (is_of_client(error)) refuse(refuse_unreadable(error, server_.limits_));
-  }
-
   void refuse(Answer answer) {
     server_.handlers_.count_refused(answer.status);
     write(std::move(answer), false);
   }
 
   void write(Answer answer, bool keeps_alive) {
-    const bool is_head = parser_->get().method() == http::verb::head;
+    const bool is_head = reader_->request().method() == http::verb::head;
     response_ = {};
     response_.result(static_cast<unsigned>(answer.status));
     response_.set(http::field::content_type, answer.type);
@@ -303,7 +232,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     response_.set("Content-Security-Policy", is_page ? kPagePolicy : kDataPolicy);
     if (answer.may_retry) response_.set(http::field::retry_after, "1");
     response_.keep_alive(keeps_alive);
-    const bool is_old = parser_->get().version() < 11;  // HTTP/1.0 must be told
+    const bool is_old = reader_->request().version() < 11;  // HTTP/1.0 must be told
     if (keeps_alive && is_old) response_.set(http::field::connection, "keep-alive");
     response_.body() = std::move(answer.body);
     response_.prepare_payload();
@@ -337,8 +266,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
   HttpServer& server_;
   beast::basic_stream<asio::generic::stream_protocol, Strand> stream_;
   beast::flat_buffer buffer_;
-  CheckChunkLines check_chunk_lines_{buffer_};
-  std::optional<Parser> parser_;
+  std::optional<RequestReader> reader_;
   http::response<http::string_body> response_;
   std::optional<http::response_serializer<http::string_body>> serializer_;
   bool is_idle_ = false;

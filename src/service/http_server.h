@@ -4,12 +4,11 @@
 /// HTTP/1.1 over sockets by Boost.Beast, with limits of time and size.
 #pragma once
 
-#include "service/endpoints.h"
+#include "service/answer.h"
 #include "service/listener.h"
+#include "service/request_reader.h"
 
 #include <boost/asio/steady_timer.hpp>
-#include <boost/beast/http/message.hpp>
-#include <boost/beast/http/string_body.hpp>
 
 #include <atomic>
 #include <condition_variable>
@@ -24,19 +23,13 @@
 
 namespace mneme::internal {
 
-namespace http = boost::beast::http;
-
 struct HttpLimits {
   double request_timeout_s = 10;  ///< seconds to receive a whole request, and to send its answer
   double idle_timeout_s = 60;
-  std::uint32_t head_bytes = 64 << 10;
-  std::uint64_t body_bytes = 0;
+  RequestLimits request = {};
   int connections = 1;
   int busy_requests = 1;  ///< largest number of requests that block a thread at a time
 };
-
-/// A request with all values as received: nothing is decoded.
-using HttpRequest = http::request<http::string_body>;
 
 /// Called from any thread.
 struct HttpHandlers {

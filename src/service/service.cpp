@@ -29,6 +29,7 @@ using internal::Endpoints;
 using internal::HttpRequest;
 using internal::HttpServer;
 using internal::refusal;
+using internal::takes_body;
 namespace http = internal::http;
 namespace beast = boost::beast;
 
@@ -127,38 +128,6 @@ bool knows(const std::string& token, const HttpRequest& request) {
          is_same_secret(std::string_view(given).substr(kScheme.size()), token);
 }
 
-bool takes_body(const HttpRequest& request) {
-  const http::verb method = request.method();
-  return method == http::verb::post || method == http::verb::put || method == http::verb::patch;
-}
-
-/// Refuses a request with an ambiguous end (RFC 9112, 6.3 and 11.2): if a proxy in front of the
-/// service sees another end, the body of one client becomes a request of the next. Beast accepts
-/// repeated lengths and encodings other than chunked.
-std::optional<Answer> refuse_framing(const HttpRequest& request) {
-  const auto refuse = [](std::string_view message) { return refusal(400, "invalid", message); };
-  const std::size_t lengths = request.count(http::field::content_length);
-  const std::size_t encodings = request.count(http::field::transfer_encoding);
-  if (lengths + encodings > 1) return refuse("expected one Content-Length or Transfer-Encoding");
-  if (request.count(http::field::host) > 1) return refuse("expected one header Host");
-  const std::string length = header(request, http::field::content_length);
-  if (length.find(',') != std::string::npos) {
-    return refuse("Content-Length: expected a whole number");
-  }
-  if (encodings > 0 && (request.version() < 11 ||
-                        !beast::iequals(request[http::field::transfer_encoding], "chunked"))) {
-    return refuse("Transfer-Encoding: expected chunked, of HTTP/1.1");
-  }
-  const bool has_body = encodings > 0 || (lengths > 0 && length != "0");
-  if (has_body && !takes_body(request) && request.method() != http::verb::delete_) {
-    return refuse("expected no body");
-  }
-  if (takes_body(request) && lengths + encodings == 0) {
-    return refusal(411, "invalid", "expected the header Content-Length");
-  }
-  return std::nullopt;
-}
-
 /// Refuses unknown paths, with 400 for an invalid scene id.
 std::optional<Answer> refuse_path(const HttpRequest& request) {
   if (find_route(request).first != nullptr) return std::nullopt;
@@ -177,7 +146,6 @@ bool is_json(const std::string& type) {
 /// Refuses a request to the service at `address` by its head.
 std::optional<Answer> refuse_head(const HttpRequest& request, const ServiceSettings& settings,
                                   const std::string& address) {
-  if (auto refused = refuse_framing(request)) return refused;
   if (path_of(request) != "/healthz" && !knows(settings.token, request)) {
     return refusal(401, "unauthorized", "expected the header Authorization: Bearer TOKEN");
   }
@@ -227,7 +195,7 @@ class Service::State {
                  [this](int status) { endpoints_.metrics().add_request("refused", status, 0); }},
                 {.request_timeout_s = settings.request_timeout_s,
                  .idle_timeout_s = settings.idle_timeout_s,
-                 .body_bytes = settings.body_bytes,
+                 .request = {.body_bytes = settings.body_bytes},
                  .connections = settings.connections,
                  .busy_requests = settings_.threads + 1 + settings.queue}) {}
   State(const State&) = delete;
