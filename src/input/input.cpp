@@ -63,6 +63,24 @@ struct Describe {
 
 }  // namespace
 
+void InputFindings::add(const std::string& what, const std::string& place) {
+  constexpr std::size_t kMostKinds = 100;
+  const auto known = std::ranges::find(findings_, what, &Finding::what);
+  if (known != findings_.end()) {
+    ++known->others;
+  } else if (findings_.size() < kMostKinds) {
+    findings_.push_back({what, place});
+  }
+}
+
+void InputFindings::append_to(std::vector<std::string>& warnings) const {
+  for (const Finding& finding : findings_) {
+    const std::string others =
+        finding.others == 0 ? "" : fmt::format(" (and {} more)", finding.others);
+    warnings.push_back(finding.first + others);
+  }
+}
+
 std::string Input::place(const std::string& what) const {
   const std::string source =
       value_->line > 0 ? fmt::format("{}:{}", *source_, value_->line) : *source_;
@@ -82,8 +100,24 @@ void Input::fail_expecting(const std::string& expected) const {
        is_cut ? ": the list is cut; print it with ros2 topic echo --full-length" : "");
 }
 
+Input Input::collecting(InputFindings& findings) const {
+  Input result = *this;
+  result.findings_ = &findings;
+  return result;
+}
+
+void Input::warn(const std::string& what) const {
+  if (findings_ != nullptr) findings_->add(what, place(what));
+}
+
+Input Input::inner(const InputValue& value, std::string path) const {
+  Input result(value, *source_, std::move(path));
+  result.findings_ = findings_;
+  return result;
+}
+
 Input Input::child(const InputValue& value, std::string_view key) const {
-  return {value, *source_, key_.empty() ? std::string(key) : fmt::format("{}.{}", key_, key)};
+  return inner(value, key_.empty() ? std::string(key) : fmt::format("{}.{}", key_, key));
 }
 
 const InputValue::Map& Input::map() const {
@@ -137,7 +171,7 @@ std::vector<std::pair<std::string, Input>> Input::entries() const {
 std::vector<Input> Input::items() const {
   std::vector<Input> result;
   for (const InputValue& item : list()) {
-    result.emplace_back(item, *source_, fmt::format("{}[{}]", key_, result.size()));
+    result.push_back(inner(item, fmt::format("{}[{}]", key_, result.size())));
   }
   return result;
 }

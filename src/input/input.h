@@ -44,14 +44,34 @@ struct InputEntry {
   InputValue value;
 };
 
-/// Access to a value. The value and the name of its source must outlive it. Throws InputFailure
-/// with "SOURCE:LINE: key KEY: expected ..., got ..." for a value of another kind.
+/// Faults that readers tolerate. Each kind of fault is one warning.
+class InputFindings {
+ public:
+  /// Counts a fault. `place` names where it is, with `what` the fault.
+  void add(const std::string& what, const std::string& place);
+  /// Appends a warning with the first place of each kind and the number of others.
+  void append_to(std::vector<std::string>& warnings) const;
+
+ private:
+  struct Finding {
+    std::string what, first;
+    std::size_t others = 0;
+  };
+  std::vector<Finding> findings_;
+};
+
+/// Access to a value. The value, the name of its source and findings must outlive it. Throws
+/// InputFailure with "SOURCE:LINE: key KEY: expected ..., got ..." for a value of another kind.
 class Input {
  public:
   Input(const InputValue& value, const std::string& source, std::string key = {})
       : value_(&value), source_(&source), key_(std::move(key)) {}
   Input(const InputValue&, std::string&&, std::string = {}) = delete;
   Input(InputValue&&, const std::string&, std::string = {}) = delete;
+  /// Returns access that adds warnings of this value and those in it to `findings`.
+  [[nodiscard]] Input collecting(InputFindings& findings) const;
+  /// Counts a fault that is tolerated; without findings it is dropped.
+  void warn(const std::string& what) const;
 
   /// "SOURCE:LINE: key KEY: WHAT"
   [[nodiscard]] std::string place(const std::string& what) const;
@@ -126,11 +146,13 @@ class Input {
   [[nodiscard]] static std::optional<double> as_number(const InputValue& value);
   [[nodiscard]] const InputValue::Map& map() const;
   [[nodiscard]] const InputValue::List& list() const;
+  [[nodiscard]] Input inner(const InputValue& value, std::string path) const;
   [[nodiscard]] Input child(const InputValue& value, std::string_view key) const;
 
   const InputValue* value_;
   const std::string* source_;
   std::string key_;
+  InputFindings* findings_ = nullptr;
 };
 
 /// Returns a number of YAML, whatever the locale: decimal, or .inf and .nan. Nothing for other
@@ -138,7 +160,8 @@ class Input {
 [[nodiscard]] std::optional<double> parse_yaml_number(std::string_view text);
 
 /// Parses the one document of `yaml`; empty ones may follow. `source` names it in messages. The
-/// tags !degrees and !radians of a number, and deg(N) and rad(N), give radians; merge keys << are
+/// tags !degrees and !radians of an angle such as 30 or pi/6, and deg(ANGLE) and rad(ANGLE), give
+/// radians; merge keys << are
 /// expanded. Throws InputFailure, also for other tags, a repeated key and more than 4 million
 /// values with aliases expanded.
 [[nodiscard]] InputValue parse_yaml(std::string_view yaml, const std::string& source);

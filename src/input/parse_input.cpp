@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/text.h"
 #include "base/threads.h"
 #include "input/input.h"
 #include "input/tree_builder.h"
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <numbers>
@@ -109,12 +111,91 @@ int count_values(const InputValue& value) {
   return count;
 }
 
-/// Radians of deg(NUMBER) or rad(NUMBER), as rosparam has them.
+/// Computes a text of numbers, pi, parentheses and + - * /, such as "2*pi/3".
+class Expression {
+ public:
+  explicit Expression(std::string_view text) : rest_(text) {}
+
+  /// Returns nothing for other text and for results that are not finite.
+  std::optional<double> value() {
+    constexpr std::size_t kMostLength = 100;  // bounds the recursion
+    if (rest_.size() > kMostLength) return std::nullopt;
+    const double value = sum();
+    skip_spaces();
+    return is_good_ && rest_.empty() && std::isfinite(value) ? std::optional(value) : std::nullopt;
+  }
+
+ private:
+  void skip_spaces() {
+    while (rest_.starts_with(' ')) rest_.remove_prefix(1);
+  }
+  bool skip(std::string_view symbol) {
+    skip_spaces();
+    const bool is_next = rest_.starts_with(symbol);
+    if (is_next) rest_.remove_prefix(symbol.size());
+    return is_next;
+  }
+  double sum() {
+    double value = product();
+    for (;;) {
+      if (skip("+")) {
+        value += product();
+      } else if (skip("-")) {
+        value -= product();
+      } else {
+        return value;
+      }
+    }
+  }
+  double product() {
+    double value = factor();
+    for (;;) {
+      if (skip("*")) {
+        value *= factor();
+      } else if (skip("/")) {
+        value /= factor();
+      } else {
+        return value;
+      }
+    }
+  }
+  double factor() {
+    if (skip("-")) return -factor();
+    if (skip("+")) return factor();
+    if (skip("pi")) return std::numbers::pi;
+    if (skip("(")) {
+      const double inner = sum();
+      is_good_ = skip(")") && is_good_;
+      return inner;
+    }
+    double value = 0;
+    const bool is_number =
+        !rest_.empty() && (rest_[0] == '.' || (rest_[0] >= '0' && rest_[0] <= '9'));
+    const char* const end = rest_.data() + rest_.size();
+    const auto [stop, error] = number_from(rest_.data(), end, value);
+    is_good_ = is_good_ && is_number && error == std::errc();
+    if (is_good_) rest_.remove_prefix(static_cast<std::size_t>(stop - rest_.data()));
+    return value;
+  }
+
+  std::string_view rest_;
+  bool is_good_ = true;
+};
+
+/// A number, or an expression as rosparam and MoveIt compute them after tags of angles.
+std::optional<double> parse_angle(std::string_view text) {
+  const auto number = parse_yaml_number(text);
+  return number ? number : Expression(text).value();
+}
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// Radians of deg(ANGLE) or rad(ANGLE), as rosparam has them.
 std::optional<double> parse_rosparam_angle(std::string_view text) {
   const bool is_degrees = text.starts_with("deg(");
   if ((!is_degrees && !text.starts_with("rad(")) || !text.ends_with(')')) return std::nullopt;
-  const auto number = parse_yaml_number(text.substr(4, text.size() - 5));
-  return number && is_degrees ? *number * std::numbers::pi / 180 : number;
+  const auto angle = parse_angle(text.substr(4, text.size() - 5));
+  return angle && is_degrees ? *angle * kDegree : angle;
 }
 
 /// Uses the events of the parser: yaml-cpp's tree keeps repeated keys, and its reader of several
@@ -192,11 +273,13 @@ class YamlListener : public YAML::EventHandler {
   TreeBuilder::Content content_of(int line, const std::string& tag, const std::string& text) const {
     if (tag == "!" || tag == std::string(kCore) + "str") return InputValue::Text{text, true};
     if (tag == "!degrees" || tag == "!radians") {
-      const auto number = parse_yaml_number(text);
-      if (!number) {
-        tree_.refuse(line, fmt::format("expected a number after {}, got \"{}\"", tag, text));
+      const auto angle = parse_angle(text);
+      if (!angle) {
+        tree_.refuse(line, fmt::format("expected a number or an expression such as pi/6 after {}, "
+                                       "got \"{}\"",
+                                       tag, text));
       }
-      return tag == "!radians" ? *number : *number * std::numbers::pi / 180;
+      return tag == "!radians" ? *angle : *angle * kDegree;
     }
     if (std::ranges::find(kScalars, tag) == kScalars.end()) refuse_tag(line, tag, "str");
     if (const auto angle = parse_rosparam_angle(text)) return *angle;

@@ -6,6 +6,7 @@
 #include "input/tree_builder.h"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -354,8 +355,38 @@ TEST_SUITE("unit") {
           "f.yaml:2: expected one number after !degrees, got a list");
     CHECK(yaml_failure("a: !!python/tuple {}") ==
           "f.yaml:1: unknown tag tag:yaml.org,2002:python/tuple" + expected);
-    CHECK(yaml_failure("a: !degrees pi/2") ==
-          "f.yaml:1: expected a number after !degrees, got \"pi/2\"");
+    CHECK(yaml_failure("a: !degrees x") ==
+          "f.yaml:1: expected a number or an expression such as pi/6 after !degrees, got \"x\"");
+  }
+
+  TEST_CASE("angles may be expressions of numbers and pi") {
+    const double pi = std::numbers::pi;
+    const std::vector<std::pair<std::string, double>> angles = {
+        {"!radians pi/6", pi / 6},
+        {"!radians -pi", -pi},
+        {"!radians 2*pi/3", 2 * pi / 3},
+        {"!radians \"1.5 * pi - 1\"", 1.5 * pi - 1},
+        {"!degrees 360/8", pi / 4},
+        {"rad(pi/2)", pi / 2},
+        {"deg(2*45)", pi / 2},
+        {"!radians (pi + 1) / 2", (pi + 1) / 2},
+        {"!radians -(1 - 2e-1)*2", -1.6},
+        {"!radians .5*pi", pi / 2}};
+    const std::string source = "f";
+    for (const auto& [text, angle] : angles) {
+      const InputValue value = internal::parse_yaml("a: " + text, source);
+      CHECK_MESSAGE(
+          internal::Input(value, source).at("a").number() == doctest::Approx(angle).epsilon(1e-15),
+          text);
+    }
+    for (const char* text : {"pi pi", "2**3", "1/0", "pi/", "(pi", "inf", "2 pi", "", "pie"}) {
+      CHECK_MESSAGE(yaml_failure(fmt::format("a: !radians \"{}\"", text)).find("such as pi/6") !=
+                        std::string::npos,
+                    text);
+    }
+    CHECK_FALSE(yaml_failure("a: !radians \"" + std::string(100000, '-') + "1\"").empty());
+    const InputValue plain = internal::parse_yaml("a: pi/2", source);
+    CHECK_FALSE(internal::Input(plain, source).at("a").is_number());
   }
 
   TEST_CASE("deep nesting is refused, however it is written") {
