@@ -68,9 +68,7 @@ class AttachedReader {
     if (type.is_text() && type.text() == "mesh" && !input.find("triangles")) {
       object.meshes.push_back(read_mesh(input, spelling));
     } else {
-      // Only shapes of files have warnings.
-      std::vector<std::string> warnings;
-      object.shapes.push_back(read_shape(input, spelling, warnings));
+      object.shapes.push_back(read_shape(input, spelling));
     }
   }
 

@@ -241,7 +241,6 @@ class MoveitReader {
   void add_warnings(ProblemRobot& robot, const Scene& scene) const {
     const auto own = robot.robot.warnings();
     robot.warnings.insert(robot.warnings.end(), own.begin(), own.end());
-    robot.warnings.insert(robot.warnings.end(), scene_.warnings.begin(), scene_.warnings.end());
     std::ranges::move(describe_fixed_contacts(robot.robot, scene),
                       std::back_inserter(robot.warnings));
     for (const char* key : {"max_velocity_scaling_factor", "max_acceleration_scaling_factor"}) {
@@ -352,8 +351,9 @@ Problem read_moveit_problem(const MoveitAddress& address, const ProblemOptions& 
   const InputValue scene = parse_yaml(value_or_throw(read_text_file(address.scene)), address.scene);
   const InputValue request =
       parse_yaml(value_or_throw(read_text_file(address.request)), address.request);
-  const Input scene_input(scene, address.scene);
-  const Input request_input(request, address.request);
+  InputFindings findings;
+  const Input scene_input = Input(scene, address.scene).collecting(findings);
+  const Input request_input = Input(request, address.request).collecting(findings);
   if (!is_moveit_request(request_input)) {
     request_input.fail(ErrorCode::parse, "expected a motion plan request with goal_constraints");
   }
@@ -362,7 +362,9 @@ Problem read_moveit_problem(const MoveitAddress& address, const ProblemOptions& 
                        "a motion plan request refers to groups and fixed joints; expected a robot "
                        "by file or name, not a loaded one");
   }
-  return MoveitReader(scene_input, request_input, address, options).read();
+  Problem problem = MoveitReader(scene_input, request_input, address, options).read();
+  findings.append_to(problem.warnings);
+  return problem;
 }
 
 }  // namespace mneme::internal

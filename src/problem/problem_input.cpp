@@ -309,8 +309,9 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
   check_robot_facts(input.problem, robot.robot);
   const Transform X_RF = read_frame(input.header, robot.robot);
   Scene scene = moved(X_RF, input.scene);
-  std::vector<AttachedObject> attached =
-      read_attached(input.problem, input.spelling, input.directory, robot.robot);
+  InputFindings findings;
+  std::vector<AttachedObject> attached = read_attached(
+      input.problem.collecting(findings), input.spelling, input.directory, robot.robot);
   AllowedContacts contacts(robot.robot, attached, scene);
   read_allowed(input.problem, contacts);
   RobotOptions allowing = options.robot;
@@ -323,6 +324,7 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
   const auto add_notes = [&](const std::vector<std::string>& more) {
     robot.warnings.insert(robot.warnings.end(), more.begin(), more.end());
   };
+  findings.append_to(robot.warnings);
   add_notes(input.scene.warnings);
   add_notes(filter_own_points(read_self_filter(input.problem, options), robot.robot, start, scene));
   add_notes(describe_fixed_contacts(robot.robot, scene));

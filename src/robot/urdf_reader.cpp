@@ -3,6 +3,7 @@
 #include "robot/urdf_reader.h"
 
 #include "base/as_index.h"
+#include "geometry/tolerated.h"
 #include "mesh/mesh_file.h"
 #include "robot/robot_tree.h"
 #include "robot/xml_reader.h"
@@ -23,9 +24,6 @@
 namespace mneme::internal {
 namespace {
 
-/// Metres that stand for a size of 0, so that a plate without thickness is still checked.
-constexpr double kThin = 1e-4;
-
 /// Radians or metres beyond which a limit counts as infinite.
 constexpr double kFarthestLimit = 1e4;
 
@@ -41,11 +39,8 @@ bool has_size(XmlReader& xml, const XmlElement& shape, std::initializer_list<dou
   }
   if (std::ranges::none_of(sizes, is_zero)) return true;
   const bool is_nothing = std::ranges::all_of(sizes, is_zero);
-  xml.tolerate(
-      shape,
-      is_nothing ? "the shape has no size and is ignored" : "a size of 0 is taken for 0.1 mm",
-      fault);
-  for (double* size : sizes) *size = std::max(*size, kThin);
+  xml.tolerate(shape, is_nothing ? "the shape has no size and is ignored" : kThinFault, fault);
+  for (double* size : sizes) *size = thickened(*size);
   return !is_nothing;
 }
 
@@ -132,10 +127,12 @@ Transform read_origin(XmlReader& xml, const XmlElement& element) {
   }
   if (origin->Attribute("rpy")) xml.fail(*origin, "expected either rpy or quat_xyzw, got both");
   const auto q = xml.numbers(*origin, "quat_xyzw", {4}, "four finite numbers");
-  constexpr double kLeastNorm = 1e-6;
-  if (std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3])) < kLeastNorm) {
-    xml.fail(*origin, "quat_xyzw is zero, expected a rotation");
+  const QuaternionLength length = judge_length({q[0], q[1], q[2], q[3]});
+  if (length == QuaternionLength::wrong) {
+    xml.fail(*origin, "quat_xyzw is {}, expected a quaternion of length 1",
+             origin->Attribute("quat_xyzw"));
   }
+  if (length == QuaternionLength::tolerated) xml.tolerate(*origin, kScaledFault, kScaledFault);
   return {rotation_from_quaternion(q[3], q[0], q[1], q[2]), xyz};
 }
 

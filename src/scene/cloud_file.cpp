@@ -326,9 +326,6 @@ CloudFile read_records(const CloudHeader& header, LineReader& text) {
   CloudFile cloud = header.data == PlyHeader::Data::text ? read_text_records(header, text)
                                                          : read_binary_records(header, text);
   cloud.notes.insert(cloud.notes.begin(), header.notes.begin(), header.notes.end());
-  if (cloud.points.empty()) {
-    text.fail_file(ErrorCode::parse, "has no point with finite coordinates among {}", cloud.size());
-  }
   return cloud;
 }
 

@@ -19,7 +19,7 @@ namespace mneme::internal {
 inline constexpr std::size_t kMaxCloudPoints = 4'000'000;
 
 struct CloudFile {
-  std::vector<CloudPoint> points;  ///< one at least, all finite
+  std::vector<CloudPoint> points;  ///< all finite
   std::size_t skipped = 0;         ///< points with a coordinate that is not finite
   std::vector<std::string> notes;  ///< other parts of the file that were left aside
   std::size_t size() const { return points.size() + skipped; }
@@ -27,7 +27,7 @@ struct CloudFile {
 
 /// Reads PLY or PCD, text or binary. Errors name `source` and the line: a missing file, no
 /// floating-point fields x, y and z, too few bytes, trailing bytes of PLY, more points than
-/// kMaxCloudPoints, no finite point.
+/// kMaxCloudPoints.
 [[nodiscard]] Result<CloudFile> read_cloud(const std::string& path);
 [[nodiscard]] Result<CloudFile> parse_cloud(std::string_view bytes, const std::string& source);
 

@@ -29,7 +29,8 @@ Result<FramedScene> parse_framed_scene(std::string_view yaml, const std::string&
       return FramedScene{internal::read_scene_text(yaml, source, name), ""};
     }
     const internal::InputValue value = internal::parse_yaml(yaml, source);
-    const internal::Input input(value, source);
+    internal::InputFindings findings;
+    const internal::Input input = internal::Input(value, source).collecting(findings);
     if (!internal::is_moveit_scene(input)) {
       return FramedScene{internal::read_scene(input, name), ""};
     }
@@ -41,7 +42,9 @@ Result<FramedScene> parse_framed_scene(std::string_view yaml, const std::string&
           "objects, or its motion plan request too: a robot carries them",
           attached.object.obstacle.name, attached.link);
     }
-    return internal::place_objects(scene, internal::MoveitFrames(input, scene.state));
+    FramedScene framed = internal::place_objects(scene, internal::MoveitFrames(input, scene.state));
+    findings.append_to(framed.scene.warnings);
+    return framed;
   });
 }
 

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
@@ -93,8 +94,8 @@ namespace {
 std::vector<double> read_dimensions(const Input& primitive, std::size_t count,
                                     std::string_view what) {
   const Input dimensions = primitive.at("dimensions");
-  const std::vector<double> values = dimensions.finite_numbers(count, what);
-  for (const Input& value : dimensions.items()) static_cast<void>(value.positive_number());
+  std::vector<double> values = dimensions.finite_numbers(count, what);
+  std::ranges::transform(dimensions.items(), values.begin(), read_size);
   return values;
 }
 

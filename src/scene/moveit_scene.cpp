@@ -110,7 +110,7 @@ bool is_moveit_scene(const Input& input) {
 }
 
 MoveitScene read_moveit_scene(const Input& input, const std::string& default_name) {
-  if (is_moveit_world(input)) return {default_name, "", read_moveit_objects(input), {}, {}};
+  if (is_moveit_world(input)) return {default_name, "", read_moveit_objects(input), {}};
   input.allow_keys({"name", "robot_state", "robot_model_name", "fixed_frame_transforms",
                     "allowed_collision_matrix", "link_padding", "link_scale", "object_colors",
                     "world", "is_diff"});
@@ -123,9 +123,7 @@ MoveitScene read_moveit_scene(const Input& input, const std::string& default_nam
   if (const auto state = input.find("robot_state")) scene.state = read_moveit_state(*state);
   if (const auto world = input.find("world")) scene.objects = read_moveit_objects(*world);
   if (const auto is_diff = input.find("is_diff"); is_diff && is_diff->boolean()) {
-    scene.warnings.push_back(
-        is_diff->place("only the difference to another scene is given; it is read as "
-                       "the whole scene"));
+    is_diff->warn("only the difference to another scene is given; it is read as the whole scene");
   }
   return scene;
 }
@@ -154,7 +152,7 @@ Scene place_objects(const MoveitScene& scene, const MoveitFrames& frames,
 }
 
 FramedScene place_objects(const MoveitScene& scene, const MoveitFrames& frames) {
-  FramedScene result{{scene.name, {}, scene.warnings}, frames.planning_frame()};
+  FramedScene result{{scene.name, {}}, frames.planning_frame()};
   const auto frame_of = [&](const MoveitObject& object) {
     return object.frame.empty() ? frames.planning_frame() : object.frame;
   };

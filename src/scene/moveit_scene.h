@@ -112,7 +112,6 @@ struct MoveitScene {
   std::string robot_name;  ///< Empty if not given.
   std::vector<MoveitObject> objects;
   MoveitState state;
-  std::vector<std::string> warnings;
 };
 
 /// Reads all except frames and allowed collisions. Padded and scaled links are refused.

@@ -51,9 +51,7 @@ std::optional<std::string> SceneBuilder::add(const std::string& name, const std:
   return std::nullopt;
 }
 
-Scene SceneBuilder::take(std::string name) {
-  return {std::move(name), std::move(obstacles_), std::move(warnings_)};
-}
+Scene SceneBuilder::take(std::string name) { return {std::move(name), std::move(obstacles_)}; }
 
 namespace {
 
@@ -71,11 +69,17 @@ void add(const Input& input, const std::string& name, const std::string& body, c
   if (const auto wrong = scene.add(name, body, shape)) input.fail(ErrorCode::parse, *wrong);
 }
 
+bool is_empty_cloud(const Shape& shape) {
+  const auto* cloud = std::get_if<PointCloud>(&shape);
+  return cloud != nullptr && cloud->parts->list().empty();
+}
+
 }  // namespace
 
 void read_obstacles(const Input& list, const ObstacleSpelling& spelling, SceneBuilder& scene) {
   for (const Input& input : list.items()) {
-    const Shape shape = read_shape(input, spelling, scene.warnings());
+    const Shape shape = read_shape(input, spelling);
+    if (is_empty_cloud(shape)) continue;  // a camera may see nothing
     add(input, read_name(input, "name"), read_name(input, "body"), shape, scene);
   }
 }
@@ -91,8 +95,8 @@ void read_circles(const Input& circles, SceneBuilder& scene) {
   }
   for (const auto& [name, circle] : named) {
     const std::vector<double> row = circle.finite_numbers(3, "x, y, radius in metres");
-    if (!(row[2] > 0)) static_cast<void>(circle.items()[2].positive_number());
-    add(circle, name, "", Sphere{{row[0], row[1], 0.0}, row[2]}, scene);
+    const double radius = row[2] > 0 ? row[2] : read_size(circle.items()[2]);
+    add(circle, name, "", Sphere{{row[0], row[1], 0.0}, radius}, scene);
   }
 }
 
@@ -154,10 +158,14 @@ void read_allowed_contacts(const Input& list, Scene& scene) {
 }
 
 Scene read_bodies(const Input& input, const ObstacleSpelling& spelling, const std::string& name) {
+  InputFindings findings;
+  const Input bodies = input.collecting(findings);
   SceneBuilder scene;
-  if (const auto circles = input.find("circles")) read_circles(*circles, scene);
-  if (const auto obstacles = input.find("obstacles")) read_obstacles(*obstacles, spelling, scene);
-  return scene.take(name);
+  if (const auto circles = bodies.find("circles")) read_circles(*circles, scene);
+  if (const auto obstacles = bodies.find("obstacles")) read_obstacles(*obstacles, spelling, scene);
+  Scene result = scene.take(name);
+  findings.append_to(result.warnings);
+  return result;
 }
 
 Scene read_scene(const Input& input, const std::string& default_name) {

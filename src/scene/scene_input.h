@@ -47,14 +47,15 @@ void refuse_file(const Input& input, const ObstacleSpelling& spelling);
 
 /// Three finite numbers.
 [[nodiscard]] Vec3 read_point(const Input& input);
-/// A quaternion of any length above 0.
+/// A size in metres; 0.1 mm for 0, with a warning.
+[[nodiscard]] double read_size(const Input& input);
+/// A quaternion. One whose length is not 1 is scaled with a warning; fails beyond a factor of 10.
 [[nodiscard]] Eigen::Matrix3d read_rotation(const Input& input, bool is_scalar_first);
-/// Returns the rotation of x, y, z, w; fails at `input` if all are 0.
+/// As read_rotation(), for the numbers at `input`.
 [[nodiscard]] Eigen::Matrix3d rotation_of(const Input& input, const std::array<double, 4>& xyzw);
 
 /// Reads the shape of an obstacle with the key `type`. Unknown keys of this type are an error.
-[[nodiscard]] Shape read_shape(const Input& input, const ObstacleSpelling& spelling,
-                               std::vector<std::string>& warnings);
+[[nodiscard]] Shape read_shape(const Input& input, const ObstacleSpelling& spelling);
 
 /// Returns the keys of a shape, for read_shape().
 [[nodiscard]] nlohmann::ordered_json shape_json(const Shape& shape,
@@ -78,13 +79,10 @@ class SceneBuilder {
   /// then may `name` be empty. Returns the fault if a name is missing, taken or not UTF-8.
   [[nodiscard]] std::optional<std::string> add(const std::string& name, const std::string& body,
                                                const Shape& shape);
-  /// Warnings of the scene, to append to.
-  [[nodiscard]] std::vector<std::string>& warnings() { return warnings_; }
   [[nodiscard]] Scene take(std::string name);
 
  private:
   std::vector<Obstacle> obstacles_;
-  std::vector<std::string> warnings_;
   std::set<std::string> names_;                ///< Names of shapes.
   std::map<std::string, std::size_t> bodies_;  ///< Positions of composite obstacles.
 };

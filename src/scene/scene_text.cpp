@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/fail.h"
 #include "base/text.h"
+#include "geometry/tolerated.h"
 #include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
 
@@ -36,7 +37,9 @@ class SceneText {
       }
       read_object();
     }
-    return scene_.take(name.empty() ? default_name : std::string(name));
+    Scene scene = scene_.take(name.empty() ? default_name : std::string(name));
+    findings_.append_to(scene.warnings);
+    return scene;
   }
 
  private:
@@ -71,8 +74,9 @@ class SceneText {
 
   double read_size() {
     const double value = read_number();
-    if (value <= 0) fail(ErrorCode::parse, "expected a size above 0, got {}", value);
-    return value;
+    if (value < 0) fail(ErrorCode::parse, "expected a size above 0, got {}", value);
+    if (value == 0) warn(kThinFault);
+    return thickened(value);
   }
 
   std::size_t read_count(std::size_t most) {
@@ -94,7 +98,12 @@ class SceneText {
     const Vec3 xyz = read_vector();
     const double w = read_number();
     if (xyz.isZero(0) && w == 0) return {Eigen::Matrix3d::Identity(), position};  // unset
-    if (!(std::hypot(xyz.norm(), w) > 1e-6)) fail(ErrorCode::parse, "a quaternion is zero");
+    const QuaternionLength length = judge_length({xyz.x(), xyz.y(), xyz.z(), w});
+    if (length == QuaternionLength::wrong) {
+      fail(ErrorCode::parse, "expected a quaternion of length 1, got {} {} {} {}", xyz.x(), xyz.y(),
+           xyz.z(), w);
+    }
+    if (length == QuaternionLength::tolerated) warn(kScaledFault);
     return {rotation_from_quaternion(w, xyz.x(), xyz.y(), xyz.z()), position};
   }
 
@@ -180,6 +189,10 @@ class SceneText {
     return ahead.next_line().find(' ') != std::string_view::npos;
   }
 
+  void warn(std::string_view what) {
+    findings_.add(std::string(what), fmt::format("{}:{}: {}", source_, line_, what));
+  }
+
   template <class... Args>
   [[noreturn]] void fail(ErrorCode code, fmt::format_string<Args...> what, Args&&... args) const {
     throw_failure(code, "{}:{}: {}", source_, line_,
@@ -191,6 +204,7 @@ class SceneText {
   int line_ = 1;
   bool has_poses_ = false;
   SceneBuilder scene_;
+  InputFindings findings_;
 };
 
 }  // namespace

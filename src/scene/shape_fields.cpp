@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "geometry/axis_box.h"
+#include "geometry/tolerated.h"
 #include "mesh/mesh_file.h"
 #include "scene/compound_files.h"
 #include "scene/scene_input.h"
@@ -42,13 +43,11 @@ double scale_of(const Input& input) {
 }
 
 template <class Part>
-void warn_of_unit(const Input& file, const std::vector<Part>& parts,
-                  std::vector<std::string>& warnings) {
+void warn_of_unit(const Input& file, const std::vector<Part>& parts) {
   const AxisBox box = box_around(parts);
   const double longest = (box.high - box.low).maxCoeff();
   if (!(longest > kLongestLikely)) return;
-  warnings.push_back(
-      file.place(fmt::format("is {:.0f} m long; one in millimetres needs scale: 0.001", longest)));
+  file.warn(fmt::format("is {:.0f} m long; one in millimetres needs scale: 0.001", longest));
 }
 
 /// Numbers of the list `key`, `count` for each part.
@@ -74,7 +73,7 @@ CompoundShape<Part> compound_of(std::vector<Part> parts) {
   return {{}, std::make_shared<Parts<Part>>(std::move(parts)), 0};
 }
 
-PointCloud read_points(const Input& input, std::vector<std::string>& warnings) {
+PointCloud read_points(const Input& input) {
   std::vector<CloudPoint> points;
   const auto file = find_file(input, "points");
   const double scale = scale_of(input);
@@ -83,6 +82,11 @@ PointCloud read_points(const Input& input, std::vector<std::string>& warnings) {
                       static_cast<float>(scale * z)});
   };
   if (!file) {
+    const Input list = input.at("points");
+    if (list.is_list() && list.items().empty()) {
+      list.warn("there are no points, and the cloud is left out");
+      return compound_of(std::move(points));
+    }
     const std::vector<double> numbers = list_of(input, "points", 3);
     for (std::size_t i = 0; i < numbers.size(); i += 3) {
       at(numbers[i], numbers[i + 1], numbers[i + 2]);
@@ -92,23 +96,28 @@ PointCloud read_points(const Input& input, std::vector<std::string>& warnings) {
   const std::string path = path_of(*file);
   const CloudFile cloud = file->take(read_cloud(path));
   if (!cloud.notes.empty()) {
-    warnings.push_back(file->place(fmt::format("{}: {}", path, fmt::join(cloud.notes, ", "))));
+    file->warn(fmt::format("{}: {}", path, fmt::join(cloud.notes, ", ")));
+  }
+  if (cloud.points.empty()) {
+    file->warn(fmt::format("{}: no point of {} has finite coordinates, and the cloud is left out",
+                           path, cloud.size()));
+    return compound_of(std::move(points));
   }
   if (cloud.skipped > 0) {
-    warnings.push_back(file->place(fmt::format("{}: {} of {} points are not finite and ignored",
-                                               path, cloud.skipped, cloud.size())));
+    file->warn(fmt::format("{}: {} of {} points are not finite and ignored", path, cloud.skipped,
+                           cloud.size()));
   }
   points.reserve(cloud.points.size());
   for (const CloudPoint& p : cloud.points) at(p[0], p[1], p[2]);
-  warn_of_unit(*file, points, warnings);
+  warn_of_unit(*file, points);
   return compound_of(std::move(points));
 }
 
-Mesh read_mesh_shape(const Input& input, std::vector<std::string>& warnings) {
+Mesh read_mesh_shape(const Input& input) {
   if (const auto file = find_file(input, "triangles")) {
     const Vec3 scale = Vec3::Constant(scale_of(input));
     auto triangles = file->take(read_triangles(path_of(*file), scale, {}));
-    warn_of_unit(*file, triangles, warnings);
+    warn_of_unit(*file, triangles);
     return compound_of(std::move(triangles));
   }
   const double scale = scale_of(input);
@@ -171,9 +180,8 @@ std::vector<double> numbers_of(const Parts<Cube>& parts) {
 /// Reads the shape of one obstacle, and refuses keys that its type does not have.
 class ShapeReader {
  public:
-  ShapeReader(const Input& input, const ObstacleSpelling& spelling,
-              std::vector<std::string>& warnings)
-      : input_(input), spelling_(spelling), warnings_(warnings) {}
+  ShapeReader(const Input& input, const ObstacleSpelling& spelling)
+      : input_(input), spelling_(spelling) {}
 
   Shape read() const {
     refuse_file(input_, spelling_);
@@ -227,7 +235,7 @@ class ShapeReader {
     return compound;
   }
 
-  double read_size(std::string_view key) const { return input_.at(key).positive_number(); }
+  double read_size(std::string_view key) const { return internal::read_size(input_.at(key)); }
 
   Shape read(const Sphere&) const {
     allow_posed({"radius"});
@@ -237,10 +245,9 @@ class ShapeReader {
   Shape read(const Box&) const {
     allow_posed({"size"});
     const Input size = input_.at("size");
-    const std::vector<double> extents = size.finite_numbers(3, "full extents in metres");
-    if (std::ranges::min(extents) <= 0) {
-      for (const Input& extent : size.items()) static_cast<void>(extent.positive_number());
-    }
+    std::vector<double> extents = size.finite_numbers(3, "full extents in metres");
+    if (std::ranges::min(extents) <= 0)
+      std::ranges::transform(size.items(), extents.begin(), internal::read_size);
     return Box{read_pose(), 0.5 * Vec3(extents[0], extents[1], extents[2])};
   }
 
@@ -262,12 +269,12 @@ class ShapeReader {
 
   Shape read(const PointCloud&) const {
     allow_posed({"radius", "file", "scale", "points"});
-    return with_pose(read_points(input_, warnings_), true);
+    return with_pose(read_points(input_), true);
   }
 
   Shape read(const Mesh&) const {
     allow_posed({"radius", "file", "scale", "triangles"});
-    return with_pose(read_mesh_shape(input_, warnings_), input_.find("radius").has_value());
+    return with_pose(read_mesh_shape(input_), input_.find("radius").has_value());
   }
 
   Shape read(const Octree&) const {
@@ -277,7 +284,6 @@ class ShapeReader {
 
   const Input& input_;
   const ObstacleSpelling& spelling_;
-  std::vector<std::string>& warnings_;
 };
 
 using Json = nlohmann::ordered_json;
@@ -332,6 +338,12 @@ void refuse_file(const Input& input, const ObstacleSpelling& spelling) {
              "expected numbers, as points, triangles or cubes: no files are read for a request");
 }
 
+double read_size(const Input& input) {
+  if (!input.is_number() || input.number() != 0) return input.positive_number();
+  input.warn(std::string(kThinFault));
+  return thickened(0);
+}
+
 Vec3 read_point(const Input& input) {
   const std::vector<double> p = input.finite_numbers(3, "x, y, z in metres");
   return {p[0], p[1], p[2]};
@@ -345,17 +357,18 @@ Eigen::Matrix3d read_rotation(const Input& input, bool is_scalar_first) {
 }
 
 Eigen::Matrix3d rotation_of(const Input& input, const std::array<double, 4>& xyzw) {
-  constexpr double kLeastNorm = 1e-6;
-  const auto [x, y, z, w] = xyzw;
-  if (std::hypot(std::hypot(x, y), std::hypot(z, w)) < kLeastNorm) {
-    input.fail(ErrorCode::parse, "expected a quaternion that is not zero");
+  const QuaternionLength length = judge_length(xyzw);
+  if (length == QuaternionLength::wrong) {
+    input.fail(ErrorCode::parse, "expected a quaternion of length 1, got [{}]",
+               fmt::join(xyzw, ", "));
   }
+  if (length == QuaternionLength::tolerated) input.warn(std::string(kScaledFault));
+  const auto [x, y, z, w] = xyzw;
   return rotation_from_quaternion(w, x, y, z);
 }
 
-Shape read_shape(const Input& input, const ObstacleSpelling& spelling,
-                 std::vector<std::string>& warnings) {
-  return ShapeReader(input, spelling, warnings).read();
+Shape read_shape(const Input& input, const ObstacleSpelling& spelling) {
+  return ShapeReader(input, spelling).read();
 }
 
 Json pose_json(const Transform& pose, const ObstacleSpelling& spelling) {

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <numbers>
 #include <regex>
 #include <string>
 #include <vector>
@@ -48,6 +49,25 @@ TEST_SUITE("unit") {
     test::write_file(directory / "arm.urdf", kUrdf);
     CHECK(load_robot(directory / "arm.urdf").value().hash() ==
           parse_robot(kUrdf, "text").value().hash());
+  }
+
+  TEST_CASE("a quaternion whose length is not 1 is scaled with a warning, or refused") {
+    const auto turned_by = [](const std::string& quaternion) {
+      std::string urdf = kUrdf;
+      const std::string place = "<child link=\"tool\"/>";
+      return urdf.insert(urdf.find(place), "<origin quat_xyzw=\"" + quaternion + "\"/>");
+    };
+    const auto twice = parse_robot(turned_by("0 0 1 1"), "text");
+    REQUIRE_MESSAGE(twice.has_value(), (twice ? "" : twice.error().message));
+    const Eigen::Matrix3d quarter =
+        Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()).toRotationMatrix();
+    CHECK(twice->joints().back().origin.rotation.isApprox(quarter));
+    REQUIRE(twice->warnings().size() == 1);
+    CHECK(contains(twice->warnings()[0], "<origin>: the quaternion's length is not 1"));
+    for (const char* wrong : {"0 0 0 0", "0 0 0 20", "0 0 0 0.01"}) {
+      CHECK(contains(parse_robot(turned_by(wrong), "text").error().message,
+                     std::string("quat_xyzw is ") + wrong + ", expected a quaternion of length 1"));
+    }
   }
 
   TEST_CASE("the SRDF beside a URDF counts, unless the options name another") {

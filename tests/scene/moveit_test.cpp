@@ -45,7 +45,7 @@ TEST_SUITE("unit") {
     CHECK(failure_of("{position: {x: 1, y: 2}}", read) ==
           "f:1: key position: expected the key z, which is missing");
     CHECK(failure_of("{position: [0, 0, 0], orientation: [0, 0, 0, 0]}", read) ==
-          "f:1: key orientation: expected a quaternion that is not zero");
+          "f:1: key orientation: expected a quaternion of length 1, got [0, 0, 0, 0]");
     CHECK(failure_of("{position: [0, 0, 0], rpy: [0, 0, 0]}", read) ==
           "f:1: key rpy: unknown key, expected one of position, orientation");
   }
@@ -405,17 +405,35 @@ TEST_SUITE("unit") {
     CHECK(scene->name == "f");
     CHECK(scene->robot_name == "fetch");
     CHECK(scene->objects.size() == 1);
-    REQUIRE(scene->warnings.size() == 1);
+  }
+
+  TEST_CASE("a box and a cylinder of MoveIt without thickness are 0.1 mm thick, with a warning") {
+    const auto scene = parse_scene(
+        world("{id: a, primitives: [{type: 1, dimensions: [1, 0, 2]}, {type: 3, dimensions: [0, "
+              "0.5]}], primitive_poses: [{position: [1, 0, 0]}, {position: [1, 0, 0], orientation: "
+              "[0, 0, 0, 0.5]}]}"),
+        "f");
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    CHECK(std::get<Box>(scene->obstacles.at(0).shapes.at(0)).half_extents == Vec3(0.5, 0.5e-4, 1));
+    const auto& plate = std::get<Cylinder>(scene->obstacles[0].shapes.at(1));
+    CHECK(plate.length == 1e-4);
+    CHECK(plate.radius == 0.5);
+    REQUIRE(scene->warnings.size() == 2);
     CHECK(scene->warnings[0] ==
-          "f:6: key is_diff: only the difference to another scene is given; it is read as the "
-          "whole scene");
+          "f:1: key world.collision_objects[0].primitives[0].dimensions[1]: a size of 0 is taken "
+          "for 0.1 mm (and 1 more)");
+    CHECK(scene->warnings[1].find("primitive_poses[1].orientation: the quaternion's length is not "
+                                  "1") != std::string::npos);
   }
 
   TEST_CASE("what was read over is told with a scene that has no robot") {
     const auto scene = parse_scene("is_diff: true\n" + world(ball("a", "base")), "f");
     REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
     REQUIRE(scene->warnings.size() == 1);
-    CHECK(scene->warnings[0].starts_with("f:1: key is_diff"));
+    CHECK(
+        scene->warnings[0] ==
+        "f:1: key is_diff: only the difference to another scene is given; it is read as the whole "
+        "scene");
   }
 
   TEST_CASE("links that are padded or scaled are refused by name") {

@@ -57,7 +57,10 @@ TEST_SUITE("unit") {
     const Eigen::Matrix3d about_z = rotation_about(Vec3::UnitZ(), 0.5 * 3.14159265358979);
     CHECK((read_yaml("[2, 0, 0, 2]", first).value() - about_z).norm() < 1e-12);
     CHECK((read_yaml("[0, 0, 1, 1]", last).value() - about_z).norm() < 1e-12);
-    CHECK(failure_of("[0, 0, 0, 0]", last) == "f:1: expected a quaternion that is not zero");
+    CHECK(failure_of("[0, 0, 0, 0]", last) ==
+          "f:1: expected a quaternion of length 1, got [0, 0, 0, 0]");
+    CHECK(failure_of("[0, 0, 0, 11]", last) ==
+          "f:1: expected a quaternion of length 1, got [0, 0, 0, 11]");
     CHECK(failure_of("[0, 0, 0]", last) ==
           "f:1: expected 4 numbers (a quaternion x, y, z, w), got a list of 3");
   }
@@ -156,12 +159,12 @@ TEST_SUITE("unit") {
         refused(sphere + "position: [0, 0, 0], radius: 1, length: 2}") ==
         "f:1: key [0].length: unknown key, expected one of name, body, type, position, quat_xyzw, "
         "radius");
-    CHECK(refused(box + "size: [1, 0, 1]}") ==
-          "f:1: key [0].size[1]: expected a number above 0, got 0");
+    CHECK(refused(box + "size: [1, -2, 1]}") ==
+          "f:1: key [0].size[1]: expected a number above 0, got -2");
     CHECK(refused(box + "size: 1}") ==
           "f:1: key [0].size: expected 3 numbers (full extents in metres), got 1");
     CHECK(refused(box + "quat_xyzw: [0, 0, 0, 0], size: [1, 1, 1]}") ==
-          "f:1: key [0].quat_xyzw: expected a quaternion that is not zero");
+          "f:1: key [0].quat_xyzw: expected a quaternion of length 1, got [0, 0, 0, 0]");
     CHECK(refused(box + "quat_xyzw: [0, 0, 1], size: [1, 1, 1]}") ==
           "f:1: key [0].quat_xyzw: expected 4 numbers (a quaternion x, y, z, w), got a list of 3");
     CHECK(refused("{type: sphere, position: [0, 0, 0], radius: 1}") ==
@@ -245,8 +248,41 @@ TEST_SUITE("unit") {
           "f:1: key circles: expected a list, got 3");
     CHECK(read_scene_text("circles:\n  a: [0, 0]").error().message ==
           "f:2: key circles.a: expected 3 numbers (x, y, radius in metres), got a list of 2");
-    CHECK(read_scene_text("circles: [[0, 0, 0]]").error().message ==
-          "f:1: key circles[0][2]: expected a number above 0, got 0");
+    CHECK(read_scene_text("circles: [[0, 0, -1]]").error().message ==
+          "f:1: key circles[0][2]: expected a number above 0, got -1");
+  }
+
+  TEST_CASE("sizes of 0 and quaternions of other lengths are taken, each with one warning") {
+    const auto scene = read_scene_text(
+        "obstacles:\n"
+        "- {name: a, type: box, position: [0, 0, 0], size: [1, 0, 2], quat_xyzw: [0, 0, 0, 2]}\n"
+        "- {name: b, type: sphere, position: [0, 0, 0], radius: 0}\n"
+        "circles: {c: [0, 0, 0]}\n");
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    const auto& box = std::get<Box>(scene->find("a")->shapes[0]);
+    CHECK(box.half_extents == Vec3(0.5, 0.5e-4, 1));
+    CHECK(box.pose.rotation.isIdentity(1e-12));
+    CHECK(std::get<Sphere>(scene->find("b")->shapes[0]).radius == 1e-4);
+    CHECK(std::get<Sphere>(scene->find("c")->shapes[0]).radius == 1e-4);
+    REQUIRE(scene->warnings.size() == 2);
+    CHECK(scene->warnings[0] ==
+          "f:4: key circles.c[2]: a size of 0 is taken for 0.1 mm (and 2 more)");
+    CHECK(scene->warnings[1] ==
+          "f:2: key obstacles[0].quat_xyzw: the quaternion's length is not 1, and the quaternion "
+          "is scaled");
+    CHECK(read_scene_text("circles: {c: [0, 0, 1]}").value().warnings.empty());
+  }
+
+  TEST_CASE("a cloud without points is left out with a warning") {
+    const auto scene = read_scene_text(
+        "obstacles: [{name: a, type: points, radius: 0.01, points: []},"
+        " {name: b, type: points, radius: 0.01, points: [1, 2, 3]}]");
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    REQUIRE(scene->obstacles.size() == 1);
+    CHECK(scene->obstacles[0].name == "b");
+    REQUIRE(scene->warnings.size() == 1);
+    CHECK(scene->warnings[0] ==
+          "f:1: key obstacles[0].points: there are no points, and the cloud is left out");
   }
 }
 

@@ -65,7 +65,19 @@ TEST_SUITE("unit") {
           Eigen::Matrix3d::Identity());
     CHECK(
         scene_text_failure(replaced_text("0 0 0.7071067811865476 0.7071067811865476", "0 0 0 1e-9"))
-            .find("a quaternion is zero") != std::string::npos);
+            .find("expected a quaternion of length 1, got 0 0 0 1e-09") != std::string::npos);
+  }
+
+  TEST_CASE("sizes of 0 and quaternions of other lengths in scene text are taken with a warning") {
+    const auto scene = parse_scene(replaced_text("0.125\n0.5", "0\n0.5"), "f.scene");
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    REQUIRE(scene->warnings.size() == 1);
+    CHECK(scene->warnings[0] == "f.scene:25: a size of 0 is taken for 0.1 mm");
+    const auto scaled = parse_scene(
+        replaced_text("0 0 0.7071067811865476 0.7071067811865476", "0 0 1 1"), "f.scene");
+    REQUIRE_MESSAGE(scaled.has_value(), (scaled ? "" : scaled.error().message));
+    CHECK(scaled->warnings.size() == 1);
+    CHECK(scaled->obstacles == parse_scene(kText, "f.scene").value().obstacles);
   }
 
   TEST_CASE("scene text has bodies with poses, whose shapes have poses in them") {
