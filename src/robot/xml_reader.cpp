@@ -36,6 +36,9 @@ std::optional<double> parse_xml_number(std::string_view word) {
 std::string describe(const tinyxml2::XMLDocument& document) {
   if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING) return "an element that does not end";
   if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING_TEXT) return "text that no tag follows";
+  if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING_DECLARATION) {
+    return "an instruction <?..?> that is not at the beginning; remove it";
+  }
   std::string_view name = document.ErrorName();
   constexpr std::string_view kPrefix = "XML_ERROR_";
   if (name.starts_with(kPrefix)) name.remove_prefix(kPrefix.size());
@@ -127,9 +130,13 @@ const XmlElement& XmlReader::read_root(tinyxml2::XMLDocument& document, std::str
     fail(root == nullptr ? 1 : root->GetLineNum(), "the document is no <{}> element", name);
   }
   for (const tinyxml2::XMLNode* node = root->NextSibling(); node; node = node->NextSibling()) {
-    if (node->ToComment() == nullptr) {
+    if (node->ToComment() != nullptr) continue;
+    const XmlElement* element = node->ToElement();
+    if (element != nullptr && element->Name() == std::string_view(name)) {
       fail(node->GetLineNum(), "there is more than one <{}> element", name);
     }
+    fail(node->GetLineNum(), "expected nothing after </{}>, got {}", name,
+         element != nullptr ? fmt::format("<{}>", element->Name()) : in_quotes(node->Value()));
   }
   return *root;
 }

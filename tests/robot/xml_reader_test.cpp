@@ -100,6 +100,9 @@ TEST_SUITE("unit") {
     CHECK(contains(fault_of_document("hello"), "f:1: "));
     CHECK(contains(fault_of_document("\n<s/>"), "f:2: the document is no <r> element"));
     CHECK(contains(fault_of_document("<r/>\n<r/>"), "f:2: there is more than one <r> element"));
+    CHECK(contains(fault_of_document("<r/>\n<s/>"), "f:2: expected nothing after </r>, got <s>"));
+    CHECK(contains(fault_of_document("<r/><?ros x?>"),
+                   "an instruction <?..?> that is not at the beginning"));
     CHECK(contains(fault_of_document("<r>\n</s>"), "f:1: malformed XML: mismatched element"));
     CHECK(contains(fault_of_document("<r a='1' a='2'/>"), "f:1: malformed XML"));
     CHECK(contains(fault_of_document("<r>"), "malformed XML"));
