@@ -190,7 +190,7 @@ GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker, 
     given.start = std::exchange(ends.start, *std::move(inside));
   }
   for (std::size_t i = 0; i < ends.goals.size() && !query.is_over(); ++i) {
-    const std::string name = ends.goals.size() == 1 ? "goal" : fmt::format("goal {}", i);
+    const std::string name = ends.goals.size() == 1 ? "goal" : fmt::format("goal {}", i + 1);
     if (auto inside = mover.find_inside(ends.goals[i], name, given.notes)) {
       given.goals.push_back({*inside, std::exchange(ends.goals[i], *inside)});
     }

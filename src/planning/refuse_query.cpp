@@ -157,7 +157,7 @@ std::optional<std::string> find_problem(const CollisionChecker& checker, const C
 }
 
 std::string name_of_goal(std::size_t goal, std::size_t count) {
-  return count == 1 ? "goal" : fmt::format("goal {}", goal);
+  return count == 1 ? "goal" : fmt::format("goal {}", goal + 1);
 }
 
 PlanResult refusal(PlanStatus status, std::string message) {

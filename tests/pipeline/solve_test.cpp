@@ -358,7 +358,7 @@ TEST_SUITE("unit") {
     CHECK(result.plan.is_solved());
     CHECK(result.goals == std::vector<Configuration>{free});
     REQUIRE(result.notes.size() == 1);
-    CHECK(result.notes[0].starts_with("goal 0 is in contact: "));
+    CHECK(result.notes[0].starts_with("goal 1 is in contact: "));
     problem.goals.pop_back();
     const SolveResult refused = solve_soundly(problem, nullptr, {});
     CHECK(refused.plan.status == PlanStatus::invalid_goal);

@@ -74,7 +74,7 @@ TEST_SUITE("unit") {
     REQUIRE(refused.has_value());
     const PlanResult& result = *refused;
     CHECK(result.status == PlanStatus::invalid_goal);
-    CHECK(result.message.find("goal 0 is in contact") != std::string::npos);
+    CHECK(result.message.find("goal 1 is in contact") != std::string::npos);
     CHECK(result.message.find("link 'link_3' touches obstacle 'ball0'") != std::string::npos);
     CHECK(result.message.find("'ball3'") != std::string::npos);
     CHECK(result.message.find("'ball4'") == std::string::npos);

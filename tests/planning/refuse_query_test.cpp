@@ -115,8 +115,8 @@ TEST_SUITE("unit") {
     const std::vector<std::string> notes = drop_invalid_goals(checker, goals);
     CHECK(goals == std::vector<Configuration>{kUp});
     REQUIRE(notes.size() == 2);
-    CHECK(notes[0].starts_with("goal 0 is in contact: link 'link_"));
-    CHECK(notes[1].starts_with("goal 2 is in contact: link 'link_"));
+    CHECK(notes[0].starts_with("goal 1 is in contact: link 'link_"));
+    CHECK(notes[1].starts_with("goal 3 is in contact: link 'link_"));
     CHECK(notes[1].ends_with("; this goal is ignored"));
 
     std::vector<Configuration> all = {kStraight, kStraight};
@@ -129,8 +129,8 @@ TEST_SUITE("unit") {
     const std::vector<std::string> faults = drop_invalid_goals(checker, wrong);
     CHECK(wrong == std::vector<Configuration>{kUp});
     REQUIRE(faults.size() == 2);
-    CHECK(faults[0].starts_with("goal 1: there are 3 values"));
-    CHECK(faults[1].starts_with("goal 2: joint '"));
+    CHECK(faults[0].starts_with("goal 2: there are 3 values"));
+    CHECK(faults[1].starts_with("goal 3: joint '"));
     std::vector<Configuration> both = {beyond, beyond};
     CHECK(drop_invalid_goals(checker, both).empty());
     CHECK(both.size() == 2);
@@ -164,7 +164,7 @@ TEST_SUITE("unit") {
     const auto refused = refuse_query(checker_of({}), {kStraight, {kUp, broken}});
     REQUIRE(refused.has_value());
     CHECK(refused->status == PlanStatus::invalid_goal);
-    CHECK(refused->message.find("goal 1") != std::string::npos);
+    CHECK(refused->message.find("goal 2") != std::string::npos);
   }
 
   TEST_CASE("a query without a goal is refused") {
