@@ -129,6 +129,12 @@ Result<ExitCode> run_cell_build(const CellBuildOptions& options) {
   add_files("a file of the problem", region.problem.files, inputs);
   MNEME_TRY(check_outputs(std::array{options.output}, inputs));
   for (const std::string& warning : region.problem.warnings) print_warning(warning);
+  if (!options.is_resumed) {
+    if (const auto fault = MNEME_TRY(find_invalid_start(region, options.settings.margin))) {
+      print_error(*fault);
+      return ExitCode::invalid_ends;
+    }
+  }
   Progress bar("proving");
   const Cell cell = MNEME_TRY(build_or_resume(region, options, [&](const CellProgress& progress) {
     bar.update(static_cast<std::int64_t>(1000 * progress.decided), 1000,

@@ -240,6 +240,11 @@ class Cell {
   std::shared_ptr<const internal::CellData> data_;
 };
 
+/// Describes the first start of the region in contact, or nearer than `margin`, metres. Returns
+/// nothing if there is none. Errors: those of CollisionChecker::make().
+[[nodiscard]] Result<std::optional<std::string>> find_invalid_start(const CellRegion& region,
+                                                                    double margin);
+
 /// Builds a cell, the largest boxes first, until nothing is left or the settings' time or number
 /// of boxes is spent. Calls `on_progress` after each round, in this thread. Errors: a setting out
 /// of range; what load_region() refuses; a start outside the limits or in contact; a link that

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/planning.h"
+
 #include "base/as_index.h"
 #include "base/check_ranges.h"
 #include "base/fail.h"
@@ -9,7 +11,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <optional>
 #include <queue>
+#include <string>
 
 namespace mneme {
 namespace internal {
@@ -269,20 +273,6 @@ class CellBuilder {
   std::array<Tally, kCellGaps> tallies_ = {};
 };
 
-Result<void> check_start(const CollisionChecker& checker, const CellStart& start) {
-  if (checker.is_valid(start.q)) return {};
-  const std::vector<Contact> contacts = checker.contacts(start.q);
-  if (contacts.empty()) return fail(ErrorCode::invalid, "start '{}' is not valid", start.name);
-  const Contact& nearest = *std::ranges::min_element(contacts, {}, &Contact::distance);
-  const std::string how = nearest.distance > 0
-                              ? fmt::format("is {:.3g} mm from", 1e3 * nearest.distance)
-                              : std::string("touches");
-  return fail(
-      ErrorCode::invalid,
-      "start '{}': '{}' {} '{}'; expected a start that is free with the margin of {:.3g} mm",
-      start.name, nearest.link, how, nearest.other, 1e3 * checker.margin());
-}
-
 /// Builds on what the starts of a cell have.
 Result<void> grow(CellData& data, const CellSettings& settings,
                   const std::function<void(const CellProgress&)>& on_progress) {
@@ -314,15 +304,25 @@ Result<void> grow(CellData& data, const CellSettings& settings,
 }  // namespace
 }  // namespace internal
 
+Result<std::optional<std::string>> find_invalid_start(const CellRegion& region, double margin) {
+  CheckerSettings kept;
+  kept.margin = margin;
+  const auto careful =
+      MNEME_TRY(CollisionChecker::make(region.problem.robot, region.problem.scene, kept));
+  for (const CellStart& start : region.starts) {
+    const auto refused = refuse_query(careful, {start.q, {start.q}});
+    if (refused) return fmt::format("start '{}': {}", start.name, refused->message);
+  }
+  return std::nullopt;
+}
+
 Result<Cell> build_cell(const CellRegion& region, const CellSettings& settings,
                         const std::function<void(const CellProgress&)>& on_progress) {
   MNEME_TRY(internal::check_ranges(settings));
   MNEME_TRY(internal::check_region(region));
-  CheckerSettings kept;
-  kept.margin = settings.margin;
-  const auto careful =
-      MNEME_TRY(CollisionChecker::make(region.problem.robot, region.problem.scene, kept));
-  for (const CellStart& start : region.starts) MNEME_TRY(internal::check_start(careful, start));
+  if (const auto fault = MNEME_TRY(find_invalid_start(region, settings.margin))) {
+    return fail(ErrorCode::invalid, "{}", *fault);
+  }
   auto data = MNEME_TRY(internal::make_cell_data(region, settings.margin));
   data->starts.resize(region.starts.size());
   MNEME_TRY(internal::grow(*data, settings, on_progress));

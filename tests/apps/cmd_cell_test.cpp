@@ -22,6 +22,18 @@ region: {x: 0.04, y: 0.04, starts: {side: [0.4, -0.785, 0, -2.356, 0, 1.571, 0.7
 }  // namespace
 
 TEST_SUITE("flow") {
+  TEST_CASE("a cell whose start is in contact is not built, and exits as other invalid starts") {
+    const TemporaryDirectory directory;
+    std::string text = kRegion;
+    const std::string low = "0.5, 0, 0.1]";
+    text.replace(text.find(low), low.size(), "0.3, 0, 0.55]");
+    write_file(directory / "region.yaml", text);
+    const ProgramRun built = run_program(
+        {"cell", "build", directory / "region.yaml", "-o", directory / "a.cell", "--boxes", "20"});
+    CHECK_MESSAGE(built.exit_code == 4, built.err);
+    CHECK(built.err.find("touches obstacle 'table'") != std::string::npos);
+  }
+
   TEST_CASE("a cell is built, queried, verified and shown") {
     const TemporaryDirectory directory;
     const std::string region = directory / "region.yaml", cell = directory / "a.cell";

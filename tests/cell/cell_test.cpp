@@ -240,11 +240,13 @@ TEST_SUITE("unit") {
     const auto refused = build_cell(region, {});
     REQUIRE_FALSE(refused.has_value());
     const std::string& message = refused.error().message;
-    CHECK_MESSAGE(message.starts_with("start '" + region.starts.front().name + "': 'panda_"),
+    CHECK_MESSAGE(message.starts_with("start '" + region.starts.front().name +
+                                      "': start is in contact: link 'panda_"),
                   message);
-    CHECK_MESSAGE(message.find("touches 'brick'; expected a start that is free with the margin of "
-                               "0.5 mm") != std::string::npos,
-                  message);
+    CHECK_MESSAGE(message.find("touches obstacle 'brick'") != std::string::npos, message);
+    CHECK(find_invalid_start(region, 0.0005).value() == message);
+    region.problem.scene.obstacles.pop_back();
+    CHECK_FALSE(find_invalid_start(region, 0.0005).value().has_value());
   }
 
   TEST_CASE("a cell reads back as it was, and a damaged one is refused") {
