@@ -186,7 +186,8 @@ std::string FloatingBody::describe_contact(const Transform& pose) const {
 std::string describe_deepest(std::span<const Contact> contacts) {
   if (contacts.empty()) return "";
   const Contact& deepest = *std::ranges::min_element(contacts, {}, &Contact::distance);
-  return fmt::format("'{}' with '{}'", deepest.link, deepest.other);
+  const std::string_view gap = deepest.distance > 1e-4 ? ", nearer than the margin" : "";
+  return fmt::format("'{}' with '{}'{}", deepest.link, deepest.other, gap);
 }
 
 }  // namespace mneme::internal
