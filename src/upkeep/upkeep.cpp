@@ -4,11 +4,15 @@
 
 #include "base/fail.h"
 #include "engines/open_store.h"
+#include "store/lost_rows.h"
 #include "store/row_check.h"
 #include "store/store.h"
 #include "upkeep/store_upkeep.h"
 
 #include <fmt/format.h>
+
+#include <filesystem>
+#include <system_error>
 
 namespace mneme {
 namespace {
@@ -129,6 +133,17 @@ Result<std::vector<Damage>> verify_database(const std::string& url, VerifyMode m
   }
   for (Damage& damage : found.damages) damage.is_quarantined = left.damages.empty();
   return found.damages;
+}
+
+std::optional<std::string> describe_missing_record(const std::string& url) {
+  const bool is_file = internal::engine_of(url) == internal::Engine::sqlite;
+  std::error_code error;
+  const auto size = is_file ? std::filesystem::file_size(url, error) : 0;
+  if (error || size == 0 || internal::read_record(url)) return std::nullopt;
+  return fmt::format(
+      "{}: there is no {}, as beside a copy: whether the last rows of the file were lost is not "
+      "known. The next insertion writes it",
+      url, internal::record_path(url));
 }
 
 Result<MergeSummary> merge_databases(const std::string& into, const std::string& from) {

@@ -35,6 +35,11 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     CHECK(run_upkeep({"db", "verify", files.database()})["is_clean"] == true);
     CHECK(has_text(run_program({"db", "verify", files.database()}).out, "is sound"));
+    CHECK_FALSE(has_text(run_program({"db", "verify", files.database()}).err, ".tally"));
+    write_file(files / "copy.db", read_file(files.database()));
+    const ProgramRun copied = run_program({"db", "verify", files / "copy.db"});
+    CHECK(copied.exit_code == 0);
+    CHECK(has_text(copied.err, "there is no " + (files / "copy.db") + ".tally"));
     write_file(files / "empty.db", "");
     CHECK(has_text(run_program({"db", "verify", files / "empty.db"}).out, "is empty"));
 
