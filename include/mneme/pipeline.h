@@ -251,7 +251,8 @@ struct SolveResult {
 /// Learns more from a problem whose search was long, in time that nothing else needs. Plans it
 /// twice more from other seeds and remembers the paths. Looks for the places of all motions of the
 /// memory in its scene: later queries of this process know them. Ends some milliseconds after
-/// `plan.cancel` is set. Errors: those of solve().
+/// `plan.cancel` is set. Errors: those of solve(); io if no row is stored for plan.timeout_s
+/// seconds.
 [[nodiscard]] Result<void> study(const Problem& problem, Database& database,
                                  const SolveSettings& settings);
 

@@ -29,6 +29,21 @@ Result<void> place_motions(const Problem& problem, Database& database,
   return {};
 }
 
+/// Waits until the queued rows are stored. Error: io, if none is stored for as long as a search may
+/// take.
+Result<void> wait_for_rows(Database& database, const PlanSettings& settings) {
+  Stopwatch idle;
+  std::int64_t waiting = 0;
+  for (;;) {
+    const Result<void> stored = database.flush(kPatience);
+    if (stored || internal::is_set(settings.cancel)) return {};
+    const std::int64_t left = database.queued_rows().waiting;
+    if (left != waiting) idle = Stopwatch();
+    waiting = left;
+    if (idle.elapsed_s() > settings.timeout_s) return stored;
+  }
+}
+
 }  // namespace
 
 Result<void> study(const Problem& problem, Database& database, const SolveSettings& given) {
@@ -41,9 +56,7 @@ Result<void> study(const Problem& problem, Database& database, const SolveSettin
     settings.plan.seed = derive_seed(given.plan.seed, kStudyTask + i);
     MNEME_TRY(solve(problem, &database, settings));
   }
-  while (!is_cancelled() && database.queued_rows().waiting > 0) {
-    static_cast<void>(database.flush(kPatience));
-  }
+  MNEME_TRY(wait_for_rows(database, settings.plan));
   if (is_cancelled()) return {};
   return place_motions(problem, database, settings);
 }

@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "support/planar_memory.h"
+
+#include <sqlite3.h>
+
+namespace mneme::test {
+namespace {
+
+/// Locks a database file against writing, as another process may.
+class WriteLock {
+ public:
+  explicit WriteLock(const std::string& path) {
+    REQUIRE(sqlite3_open(path.c_str(), &handle_) == SQLITE_OK);
+    REQUIRE(sqlite3_exec(handle_, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr) == SQLITE_OK);
+  }
+  WriteLock(const WriteLock&) = delete;
+  WriteLock& operator=(const WriteLock&) = delete;
+  ~WriteLock() { sqlite3_close(handle_); }
+
+ private:
+  sqlite3* handle_ = nullptr;
+};
+
+}  // namespace
+
+TEST_SUITE("flow") {
+  TEST_CASE("a study ends with an error where its rows cannot be stored, and keeps them queued") {
+    const Problem problem = planar_problem("threaded_b4");
+    const TemporaryDirectory directory;
+    const std::string path = directory / "m.db";
+    Database database =
+        Database::open(path, make_signature(problem.robot), OpenMode::create).value();
+    SolveSettings settings;
+    settings.memory.kind = "paths";
+    settings.plan.timeout_s = 2;
+    REQUIRE(study(problem, database, settings));
+    const std::int64_t before = database.size();
+    CHECK(before > 0);
+    {
+      const WriteLock lock(path);
+      settings.plan.seed = 7;
+      const auto locked = study(problem, database, settings);
+      REQUIRE_FALSE(locked.has_value());
+      CHECK(locked.error().code == ErrorCode::io);
+      CHECK(locked.error().message.find("rows are not stored yet") != std::string::npos);
+      CHECK(database.queued_rows().waiting > 0);
+    }
+    REQUIRE(database.flush());
+    CHECK(database.size() > before);
+  }
+}
+
+}  // namespace mneme::test
