@@ -72,7 +72,7 @@ void WriteQueue::run() {
 
 void WriteQueue::make_some(std::unique_lock<std::mutex>& lock) {
   // While rows cannot be inserted, all are made: a lot may hold a scene, rows are small.
-  const auto is_wanted = [this] { return rows_.size() < kRowsAtOnce || !counts_.failure.empty(); };
+  const auto is_wanted = [this] { return rows_.size() < kRowsAtOnce || must_retry_; };
   while (!lots_.empty() && is_wanted() && !is_stopping_) {
     const Lot lot = std::move(lots_.front());
     lots_.pop_front();
@@ -99,7 +99,8 @@ bool WriteQueue::insert_some(std::unique_lock<std::mutex>& lock) {
   });
   lock.lock();
   counts_.failure = added ? "" : added.error().message;
-  if (!added && added.error().code == ErrorCode::io) return false;
+  must_retry_ = !added && added.error().code == ErrorCode::io;
+  if (must_retry_) return false;
   rows_.erase(rows_.begin(), rows_.begin() + count);
   counts_.waiting -= count;
   (added ? counts_.stored : counts_.lost) += added ? *added : count;

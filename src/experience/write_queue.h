@@ -59,6 +59,7 @@ class WriteQueue {
   std::deque<Lot> lots_;
   std::vector<Experience> rows_;  ///< made, of the queue's thread alone
   QueuedRows counts_;
+  bool must_retry_ = false;  ///< the last rows could not be inserted
   bool is_stopping_ = false;
   std::thread thread_;  ///< started with the first rows
 };

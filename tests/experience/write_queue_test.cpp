@@ -4,8 +4,10 @@
 #include "experience/write_queue.h"
 #include "support/no_threads.h"
 
+#include <algorithm>
 #include <atomic>
 #include <new>
+#include <utility>
 
 namespace mneme::test {
 namespace {
@@ -64,6 +66,34 @@ TEST_SUITE("unit") {
     REQUIRE(queue.flush(kSoon_s));
     CHECK(queue.counts().lost == 3);
     CHECK(queue.counts().failure == "damaged");
+  }
+
+  TEST_CASE("after rows were lost, no more rows are made than a transaction takes") {
+    Rng rng(3);
+    const Experience row = random_rows(rng, 1, 1).front();
+    std::atomic<bool> is_open = false;
+    // Of the queue's thread alone.
+    int made = 0, inserted = 0, most_ahead = 0;
+    bool is_first = true;
+    WriteQueue queue([&](const std::vector<Experience>& batch) -> Result<std::int64_t> {
+      while (!is_open) std::this_thread::yield();
+      most_ahead = std::max(most_ahead, made - inserted);
+      inserted += static_cast<int>(batch.size());
+      if (std::exchange(is_first, false)) return fail(ErrorCode::corrupt, "damaged");
+      return std::ssize(batch);
+    });
+    const auto push_one = [&] {
+      queue.push(1, [&] {
+        ++made;
+        return std::vector{row};
+      });
+    };
+    push_one();
+    for (int i = 0; i < 3000; ++i) push_one();
+    is_open = true;
+    REQUIRE(queue.flush(kSoon_s));
+    CHECK(queue.counts().stored + queue.counts().lost == 3001);
+    CHECK(most_ahead <= 500);
   }
 
   TEST_CASE(
