@@ -69,7 +69,11 @@ class ByteReader {
   }
   template <class Integer>
   void number(Integer& value) {
-    value = static_cast<Integer>(next());
+    const std::uint64_t wide = next();
+    value = static_cast<Integer>(wide);
+    if (static_cast<std::uint64_t>(value) == wide) return;
+    is_good_ = false;  // no such value was written
+    value = Integer{};
   }
   void multiple(float& value, double step, float base = 0) {
     const std::uint64_t doubled = next();
@@ -80,8 +84,10 @@ class ByteReader {
   }
   template <class T, class Each>
   void list(std::vector<T>& items, const Each& each) {
-    items.resize(count());
-    for (T& item : items) each(*this, item);
+    items.clear();
+    for (std::size_t left = count(); left > 0 && is_good_; --left) {
+      each(*this, items.emplace_back());
+    }
   }
   /// A number of items, or 0 if the file is too short for one byte each.
   [[nodiscard]] std::size_t bounded(std::size_t count) {

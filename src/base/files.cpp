@@ -81,6 +81,12 @@ Result<std::string> read_regular_file(const std::string& path, std::size_t max_b
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return read_all(nullptr, path, max_bytes);
   const UniqueFile file(::fdopen(descriptor, "rb"));
+  if (file == nullptr) {
+    const int reason = errno;
+    (void)::close(descriptor);
+    errno = reason;
+    return read_all(nullptr, path, max_bytes);
+  }
   struct stat status {};
   const bool is_known = ::fstat(descriptor, &status) == 0;
   // Reading a directory fails with a message of its own.

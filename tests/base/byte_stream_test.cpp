@@ -57,6 +57,11 @@ TEST_SUITE("unit") {
     reader.field(value);
     CHECK(value == 0);
     const std::string endless(11, '\x80');
+    ByteReader wide(std::string_view("\x80\x80\x04", 3));  // 65536
+    std::uint16_t narrow = 1;
+    wide.number(narrow);
+    CHECK(narrow == 0);
+    CHECK_FALSE(wide.is_complete());
     ByteReader other(endless);
     int number = 1;
     other.number(number);
