@@ -126,8 +126,12 @@ std::string xml_escaped(std::string_view text) {
       result += "&amp;";
     } else if (c == '<') {
       result += "&lt;";
+    } else if (c == '>') {
+      result += "&gt;";
     } else if (c == '"') {
       result += "&quot;";
+    } else if (c == '\'') {
+      result += "&#39;";
     } else {
       result += c;
     }

@@ -41,31 +41,7 @@ std::string clean_text(std::string_view text) {
   return clean;
 }
 
-std::string escape_markup(std::string_view text) {
-  std::string escaped;
-  for (const char c : clean_text(text)) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&#39;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
+std::string escape_markup(std::string_view text) { return xml_escaped(clean_text(text)); }
 
 std::string single_line(std::string_view text) {
   std::string line = clean_text(text);

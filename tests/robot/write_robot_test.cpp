@@ -33,7 +33,7 @@ Transform reread(const Transform& pose) {
 
 TEST_SUITE("unit") {
   TEST_CASE("characters that XML reserves are escaped") {
-    CHECK(xml_escaped("a<b>&\"c'") == "a&lt;b>&amp;&quot;c'");
+    CHECK(xml_escaped("a<b>&\"c'") == "a&lt;b&gt;&amp;&quot;c&#39;");
   }
 
   TEST_CASE("vectors keep all digits and no negative zero") {
