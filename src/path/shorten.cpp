@@ -59,6 +59,12 @@ class Contacts {
   std::array<float, 4> places_ = {-1, -1, -1, -1};
 };
 
+/// True if the subset holds joint `j`. As in the kernels, joints beyond 64 share the bits of
+/// others.
+bool is_among(std::uint64_t joints, int j) {
+  return (joints >> (j < 32 ? j : 32 + j % 32) & 1) != 0;
+}
+
 class Shortener {
  public:
   Shortener(const CollisionChecker& checker, Path& path, std::uint64_t seed,
@@ -278,7 +284,7 @@ bool Shortener::take_relaxed(const Relaxation& relaxation, int candidate) {
   rows_.assign(a, q);
   for (int j = 0; j < joints_ && !is_dropped; ++j) {
     const float whole = a[j] + fraction * (b[j] - a[j]) - q[j];
-    rows_.push_back((joints >> j & 1) != 0 ? q[j] + step * whole : q[j]);
+    rows_.push_back(is_among(joints, j) ? q[j] + step * whole : q[j]);
   }
   rows_.insert(rows_.end(), b, b + joints_);
   if (!is_free(rows_, k - 1, k + 1)) return false;
@@ -298,7 +304,7 @@ void Shortener::write_rows(const Shortcut& shortcut, PathPoint begin, PathPoint 
     const float fraction = (waypoints_.arc_length(begin.motion + i) - shortcut.begin) / length;
     const float* q = waypoints_[begin.motion + i];
     for (int j = 0; j < joints_; ++j) {
-      const bool is_straight = (shortcut.joints >> j & 1) != 0;
+      const bool is_straight = is_among(shortcut.joints, j);
       from[i * joints_ + j] = is_straight ? from[j] + fraction * (to[j] - from[j]) : q[j];
     }
   }
