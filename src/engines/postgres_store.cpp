@@ -90,10 +90,11 @@ class PostgresTransaction final : public StoreTransaction {
   Result<std::vector<KnownRow>> find_contents(std::span<const ContentHash> contents) override {
     std::vector<KnownRow> known;
     MNEME_TRY(connection_.stream(
-        "SELECT e.id, coalesce(m.tool, ''), coalesce(m.settings, ''), coalesce(m.seed, 0), "
-        "coalesce(m.time, ''), e.content FROM mneme_experience e LEFT JOIN mneme_mixture m ON m.id "
-        "= e.id AND m.cell = e.cell WHERE e.content = ANY($1::bytea[]) AND NOT EXISTS (SELECT 1 "
-        "FROM mneme_tombstone t WHERE t.row_id = e.id) ORDER BY e.id DESC",
+        fmt::format("SELECT e.id, coalesce(m.tool, ''), coalesce(m.settings, ''), coalesce(m.seed, "
+                    "0), coalesce(m.time, ''), e.content {} WHERE e.content = ANY($1::bytea[]) AND "
+                    "NOT EXISTS (SELECT 1 FROM mneme_tombstone t WHERE t.row_id = e.id) ORDER BY "
+                    "e.id DESC",
+                    kServerJoin),
         {array_of_contents(contents)}, [&](const PostgresAnswer& answer) {
           ContentHash content{};
           const auto bytes = answer.blob(0, 5);
