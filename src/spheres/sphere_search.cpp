@@ -139,7 +139,10 @@ class SphereSearch {
 
   /// Adds pieces, and covers them by greed.
   void cover(std::span<const Element> pieces) {
-    for (const Element& piece : pieces) add(piece);
+    for (const Element& piece : pieces) {
+      poll_interrupt();
+      add(piece);
+    }
     gains_.resize(proposals_.size(), 0);
     is_marked_.resize(proposals_.size(), false);
     cover_bare(0);

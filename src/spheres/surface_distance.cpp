@@ -3,6 +3,7 @@
 #include "spheres/surface_distance.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 #include "geometry/part_distance.h"
 
 #include <Eigen/Geometry>
@@ -50,6 +51,7 @@ SurfaceDistance::SurfaceDistance(TriangleMesh mesh)
     : facets_(mesh.begin(), mesh.end()), tree_(boxes_of(mesh)) {}
 
 NearestPart SurfaceDistance::find(const Vec3& point, double limit) const {
+  poll_interrupt();
   const auto distance_to = [&](int i) {
     return std::sqrt(facets_[as_index(i)].squared_distance(point));
   };

@@ -81,6 +81,22 @@ TEST_SUITE("law") {
     }
   }
 
+  TEST_CASE("an approximation asks for interrupts all along, and ends at one") {
+    const auto mesh = internal::triangulate(make_box({0.06, 0.05, 0.3}));
+    int polls = 0;
+    {
+      const InterruptScope counting([&] { return ++polls < 0; });
+      static_cast<void>(approximate_solid(mesh, {0.02, 12}));
+    }
+    CHECK(polls > 100);
+    for (const int last : {1, polls / 2, polls - 1}) {
+      int seen = 0;
+      const InterruptScope ending([&] { return ++seen >= last; });
+      CHECK_THROWS_AS(static_cast<void>(approximate_solid(mesh, {0.02, 12})), Interrupted);
+      CHECK(seen == last);
+    }
+  }
+
   TEST_CASE("the same solid gets the same spheres, on round numbers") {
     const TriangleMesh mesh = internal::triangulate(make_box({0.25, 0.1, 0.08}));
     const LinkSpheres first = approximate_solid(mesh, {});
