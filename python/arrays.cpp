@@ -21,17 +21,26 @@ std::string shape_of(const Array& array) {
 }
 
 [[noreturn]] void refuse_numbers(const py::handle& value, const std::string& what) {
-  PyErr_Clear();
-  throw py::type_error(fmt::format("{}: expected an array of real numbers, got {}", what,
-                                   py::repr(value).cast<std::string>().substr(0, 80)));
+  throw py::type_error(
+      fmt::format("{}: expected an array of real numbers, got {}", what, shown(value)));
+}
+
+/// Converts to a kind of array. An exception such as KeyboardInterrupt passes.
+template <class Made>
+Made convert(const py::handle& value, const std::string& what) {
+  try {
+    return Made(py::reinterpret_borrow<py::object>(value));
+  } catch (py::error_already_set& error) {
+    if (!error.matches(PyExc_Exception)) throw;
+  }
+  refuse_numbers(value, what);
 }
 
 }  // namespace
 
 py::array to_real_array(const py::handle& value, const std::string& what) {
   if (value.is_none()) refuse_numbers(value, what);
-  const py::array raw = py::array::ensure(value);
-  if (!raw) refuse_numbers(value, what);
+  const auto raw = convert<py::array>(value, what);
   const char kind = raw.dtype().kind();
   const bool is_real = kind == 'f' || kind == 'i' || kind == 'u';
   if (!is_real && raw.size() > 0) refuse_numbers(value, what);
@@ -39,9 +48,7 @@ py::array to_real_array(const py::handle& value, const std::string& what) {
 }
 
 Array to_numbers(const py::handle& value, const std::string& what) {
-  Array array = Array::ensure(to_real_array(value, what));
-  if (!array) refuse_numbers(value, what);
-  return array;
+  return convert<Array>(to_real_array(value, what), what);
 }
 
 std::vector<double> to_vector(const py::handle& value, int count, const std::string& what) {

@@ -8,6 +8,9 @@
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <filesystem>
 
 namespace mneme::python {
 namespace {
@@ -64,7 +67,8 @@ void bind_base(py::module_& module) {
       },
       "Returns the instruction sets that this machine can run, slowest first.");
   module.def(
-      "find_scene", [](const std::string& name) { return unwrap(find_scene(name)); },
+      "find_scene",
+      [](const std::filesystem::path& name) { return unwrap(find_scene(name.string())); },
       py::arg("name"),
       "Returns the path of a bundled scene or problem, such as 'planar/threaded_b2.yaml'.");
 }

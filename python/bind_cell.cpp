@@ -13,9 +13,11 @@
 #include <fmt/ranges.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -37,7 +39,7 @@ CellTask to_task(const py::object& task) {
   return result;
 }
 
-Cell build(const std::string& path, const py::kwargs& arguments) {
+Cell build(const std::filesystem::path& path, const py::kwargs& arguments) {
   CellSettings settings;
   Keywords keywords("Cell.build", arguments);
   keywords.apply(settings);
@@ -45,8 +47,9 @@ Cell build(const std::string& path, const py::kwargs& arguments) {
   std::atomic<bool> cancel = false;
   settings.cancel = &cancel;
   return unwrap(run_interruptible(cancel, [&]() -> Result<Cell> {
-    return load_region(path).and_then(
-        [&](const CellRegion& region) { return build_cell(region, settings); });
+    return load_region(path.string()).and_then([&](const CellRegion& region) {
+      return build_cell(region, settings);
+    });
   }));
 }
 
@@ -105,8 +108,9 @@ void bind_cell(py::module_& module) {
                       .c_str())
       .def_static(
           "load",
-          [](const std::string& path, const std::string& region) {
-            return unwrap(run_interruptible([&] { return load_cell(path, region); }));
+          [](const std::filesystem::path& path, const std::filesystem::path& region) {
+            return unwrap(
+                run_interruptible([&] { return load_cell(path.string(), region.string()); }));
           },
           py::arg("path"), py::arg("region") = "",
           "Reads a cell, and its region's file: `region`, or the one that it was built from.")
@@ -132,7 +136,10 @@ void bind_cell(py::module_& module) {
            py::arg("threads") = 1,
            "Proves all boxes again, and checks `samples` paths by exact distances.")
       .def(
-          "save", [](const Cell& self, const std::string& path) { unwrap(self.save(path)); },
+          "save",
+          [](const Cell& self, const std::filesystem::path& path) {
+            unwrap(self.save(path.string()));
+          },
           py::arg("path"))
       .def_property_readonly("box_count", &Cell::box_count)
       .def_property_readonly("proven_count", &Cell::proven_count,

@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "errors.h"
 #include "interruptible.h"
 #include "keywords.h"
 #include "memory.h"
@@ -80,7 +81,7 @@ void add_scenes(const py::iterable& scenes, const Robot& robot, const MemorySett
     const bool is_problem = py::isinstance<SharedProblem>(item);
     if (!is_problem && !py::isinstance<Scene>(item)) {
       throw py::type_error("scenes: expected mneme.Scene or mneme.Problem objects, got " +
-                           py::repr(item).cast<std::string>());
+                           shown(item));
     }
     if (is_problem) check_robot("scenes", item.cast<const SharedProblem&>(), robot);
     const Scene& scene =
@@ -123,8 +124,7 @@ LearnSummary learn_problems(const Robot& robot, const Memory& memory, const py::
   std::vector<Problem> problems;
   for (const py::handle item : given) {
     if (!py::isinstance<SharedProblem>(item)) {
-      throw py::type_error("problems: expected mneme.Problem objects, got " +
-                           py::repr(item).cast<std::string>());
+      throw py::type_error("problems: expected mneme.Problem objects, got " + shown(item));
     }
     check_robot("problems", item.cast<const SharedProblem&>(), robot);
     problems.push_back(item.cast<const SharedProblem&>().get());

@@ -25,12 +25,10 @@ namespace mneme::python {
 RateLimits find_limits(const Robot& robot, const TrajectorySettings& timing,
                        const py::object& limits) {
   const std::string file =
-      limits.is_none() ? "" : py::module_::import("os").attr("fspath")(limits).cast<std::string>();
+      limits.is_none() ? ""
+                       : py::module_::import("os").attr("fsencode")(limits).cast<std::string>();
   RateLimits rates = unwrap(find_rate_limits(robot, timing, file));
-  for (const std::string& warning : rates.warnings) {
-    const std::string text = to_text(warning);
-    if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
-  }
+  for (const std::string& warning : rates.warnings) warn(warning);
   return rates;
 }
 

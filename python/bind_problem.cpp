@@ -68,8 +68,8 @@ std::string path_of(const py::object& robot) {
   try {
     return robot.cast<std::filesystem::path>().string();
   } catch (const py::cast_error&) {
-    throw py::type_error(fmt::format("robot: expected a name, a path or a Robot, got {}",
-                                     py::repr(robot).cast<std::string>().substr(0, 80)));
+    throw py::type_error(
+        fmt::format("robot: expected a name, a path or a Robot, got {}", shown(robot)));
   }
 }
 

@@ -40,8 +40,15 @@ Transform pose_of(const py::object& position, const py::object& quat_xyzw) {
   pose.translation = to_point(position, "position");
   if (quat_xyzw.is_none()) return pose;
   const std::vector<double> q = to_vector(quat_xyzw, 4, "quat_xyzw");
-  const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-  if (!(norm > 1e-12 && norm < 1e12)) raise_invalid("quat_xyzw: expected a quaternion, not zero");
+  constexpr double kUnitTolerance = 1e-3, kMostFactor = 10;  // as in files
+  const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
+  if (!(length * kMostFactor >= 1 && length <= kMostFactor)) {
+    raise_invalid(fmt::format(
+        "quat_xyzw: expected a quaternion of length 1, got one of length {:.6g}", length));
+  }
+  if (std::abs(length - 1) > kUnitTolerance) {
+    warn(fmt::format("quat_xyzw: the quaternion of length {:.6g} is scaled to length 1", length));
+  }
   pose.rotation = rotation_from_quaternion(q[3], q[0], q[1], q[2]);
   return pose;
 }
@@ -91,8 +98,11 @@ std::size_t add_points(Scene& scene, const std::string& name, const py::object& 
     }
     if (std::ranges::all_of(p, [](float x) { return std::isfinite(x); })) finite.push_back(p);
   }
-  if (finite.empty()) raise_invalid("points: expected at least one finite point");
   const std::size_t ignored = static_cast<std::size_t>(rows.shape(0)) - finite.size();
+  if (finite.empty()) {
+    warn(fmt::format("obstacle '{}' is not added: no point of {} is finite", name, rows.shape(0)));
+    return ignored;
+  }
   const auto parts = std::make_shared<Parts<CloudPoint>>(std::move(finite));
   add(scene, name, PointCloud{pose_of(position, quat_xyzw), parts, radius});
   prepare(scene, name);
@@ -211,7 +221,7 @@ void bind_shapes(SceneClass& scene) {
       },
       py::arg("name"), py::arg("position"), py::arg("size"), py::arg("quat_xyzw") = py::none(),
       "Adds a box. position: its centre; size: full extents along x, y, z; shape (3,), metres.\n"
-      "quat_xyzw: orientation; it need not have unit length.");
+      "quat_xyzw: orientation; scaled to length 1, with a warning if it is up to 10 times off.");
   scene.def(
       "add_cylinder",
       [](Scene& self, const std::string& name, const py::object& position, double radius,

@@ -14,8 +14,10 @@
 #include <fmt/format.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <atomic>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,8 +40,8 @@ Task make_task(const Robot& robot, const Scene& scene, const py::object& start,
   // NumPy's arrays and numbers become lists and numbers.
   const py::cpp_function plain([](const py::object& value) -> py::object {
     if (py::hasattr(value, "tolist")) return value.attr("tolist")();
-    throw py::type_error(fmt::format("Task: stages: {} is no number, text, list, dict or array",
-                                     py::repr(value).cast<std::string>()));
+    throw py::type_error(
+        fmt::format("Task: stages: {} is no number, text, list, dict or array", shown(value)));
   });
   const auto text = json.attr("dumps")(stages, py::arg("default") = plain).cast<std::string>();
   task.stages = unwrap(parse_stages(text, "stages", robot));
@@ -53,7 +55,7 @@ PlannedTask plan_task(const Task& task, const py::object& database, const py::kw
   own.apply(settings);
   py::kwargs rest;
   for (const auto& argument : arguments) {
-    const auto key = argument.first.cast<std::string>();
+    const std::string key = to_utf8(argument.first);
     bool is_own = false;
     visit_settings(settings, [&](std::string_view flag, auto&, auto, auto, std::string_view) {
       is_own = is_own || keyword_of(flag) == key;
@@ -166,8 +168,8 @@ void bind_task(py::module_& module) {
            "`stages`: a list of dicts with the keys of a task file.")
       .def_static(
           "load",
-          [](const std::string& path) {
-            return unwrap(run_interruptible([&] { return load_task(path); }));
+          [](const std::filesystem::path& path) {
+            return unwrap(run_interruptible([&] { return load_task(path.string()); }));
           },
           py::arg("path"), "Reads a task file.")
       .def_readonly("name", &Task::name)

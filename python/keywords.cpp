@@ -43,7 +43,7 @@ std::string describe_memory_keywords() {
 
 void Keywords::finish() const {
   for (const auto& [name, value] : arguments_) {
-    const auto keyword = name.cast<std::string>();
+    const std::string keyword = to_utf8(name);
     if (std::find(known_.begin(), known_.end(), keyword) != known_.end()) continue;
     const auto close =
         py::module_::import("difflib").attr("get_close_matches")(keyword, py::cast(known_), 1);
@@ -68,10 +68,11 @@ void Keywords::read(const std::string& keyword, const py::object& given, double&
                     double least, double most) const {
   if (py::isinstance<py::bool_>(given)) fail_type(keyword, given, "a number");
   const double number = PyFloat_AsDouble(given.ptr());
-  if (PyErr_Occurred() != nullptr) {
+  if (PyErr_Occurred() != nullptr && PyErr_ExceptionMatches(PyExc_OverflowError) != 0) {
     PyErr_Clear();
-    fail_type(keyword, given, "a number");
+    fail_range(keyword, given, describe(least, most));
   }
+  if (drop_exception()) fail_type(keyword, given, "a number");
   // A NaN is out of range, too.
   if (!(number >= least && number <= most)) fail_range(keyword, given, describe(least, most));
   value = number;
@@ -80,20 +81,20 @@ void Keywords::read(const std::string& keyword, const py::object& given, double&
 py::object Keywords::whole_number(const std::string& keyword, const py::object& given) const {
   PyObject* number = py::isinstance<py::bool_>(given) ? nullptr : PyNumber_Index(given.ptr());
   if (number != nullptr) return py::reinterpret_steal<py::object>(number);
-  PyErr_Clear();
+  static_cast<void>(drop_exception());
   fail_type(keyword, given, "a whole number");
 }
 
 void Keywords::fail_type(const std::string& keyword, const py::object& given,
                          std::string_view expected) const {
-  throw py::type_error(fmt::format("{}: {}={} is not {}", function_, keyword,
-                                   py::repr(given).cast<std::string>(), expected));
+  throw py::type_error(
+      fmt::format("{}: {}={} is not {}", function_, keyword, shown(given), expected));
 }
 
 void Keywords::fail_range(const std::string& keyword, const py::object& given,
                           const std::string& range) const {
   raise_invalid(fmt::format("{}: {}={} is out of range: expected {}", function_, keyword,
-                            py::repr(given).cast<std::string>(), range));
+                            shown(given), range));
 }
 
 SolveSettings read_solve_settings(const std::string& function, const std::string& planner,

@@ -89,3 +89,48 @@ def test_bytes_that_are_not_utf8_are_escaped_in_errors(tmp_path):
 def test_an_error_says_its_code():
     assert issubclass(mneme.Error, Exception)
     assert mneme.Error("x").code == "invalid"
+
+
+@pytest.mark.parametrize("load", [mneme.Robot.load, mneme.Problem.load, mneme.Scene.load, mneme.Task.load,
+                                  mneme.Cell.load, mneme.Database.open, mneme.Database.verify,
+                                  mneme.list_problems, mneme.find_scene])
+def test_file_names_that_are_not_utf8_are_named_in_errors(load, tmp_path):
+    path = os.fsencode(tmp_path) + b"/\xff.yaml"
+    for name in (path, os.fsdecode(path)):
+        with pytest.raises(mneme.Error, match=r"\\xff\.yaml"):
+            load(name)
+
+
+def test_files_whose_names_are_not_utf8_are_read(tmp_path):
+    path = os.fsencode(tmp_path) + b"/\xff.yaml"
+    with open(path, "w") as file:
+        file.write("circles: {a: [1, 2, 3]}")
+    assert len(mneme.Scene.load(path).warnings) == 0
+    assert len(mneme.Scene.load(os.fsdecode(path)).warnings) == 0
+
+
+@pytest.mark.parametrize("number", [10**400, -10**400, 10**5000])
+def test_numbers_beyond_all_ranges_are_refused_in_short_messages(number, problem):
+    for keyword in ("timeout", "seed", "threads"):
+        with pytest.raises(mneme.Error, match="is out of range") as caught:
+            mneme.plan(problem, **{keyword: number})
+        assert len(str(caught.value)) < 300
+    with pytest.raises(TypeError, match="expected an array of real numbers"):
+        mneme.Scene().add_sphere("a", [number, 0, 0], 1)
+
+
+def test_control_c_within_a_conversion_is_not_another_error(problem):
+    class Interrupted:
+        def interrupt(self, *_):
+            raise KeyboardInterrupt
+        __index__ = __float__ = __array__ = __len__ = interrupt
+
+    for call in (lambda: mneme.plan(problem, seed=Interrupted()), lambda: mneme.plan(problem, timeout=Interrupted()),
+                 lambda: problem.robot.link_poses(Interrupted())):
+        with pytest.raises(KeyboardInterrupt):
+            call()
+
+
+def test_unknown_keywords_are_refused_by_any_name(problem):
+    with pytest.raises(TypeError, match="unexpected keyword argument"):
+        mneme.plan(problem, **{"x\udcff": 1})

@@ -279,7 +279,6 @@ def test_wrong_points_and_meshes_are_errors():
     scene = mneme.Scene()
     corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
     for add in (lambda: scene.add_points("a", [[1, 2]], 0.1),
-                lambda: scene.add_points("a", [[1, 2, np.nan]], 0.1),
                 lambda: scene.add_points("a", [[1, 2, 3]], 0),
                 lambda: scene.add_mesh("a", corners, [[0, 1, 3]]),
                 lambda: scene.add_mesh("a", corners, [[0, 1, 1]]),
@@ -342,3 +341,20 @@ def test_a_pair_may_touch_at_the_ends_of_a_path():
     assert mneme.Scene.parse(text).to_yaml() == text
     for wrong in (0, -1, 2, float("nan")):
         assert "at_ends" in raised(scene.allow, "hand", "ball", at_ends=wrong)[1]
+
+
+def test_a_cloud_without_points_is_left_out_with_a_warning():
+    scene = mneme.Scene()
+    for points, ignored in ((np.empty((0, 3)), 0), ([[1, 2, np.nan]], 1)):
+        with pytest.warns(UserWarning, match="'a' is not added"):
+            assert scene.add_points("a", points, 0.1) == ignored
+    assert len(scene) == 0
+
+
+def test_quaternions_of_other_lengths_are_scaled_with_a_warning_or_refused():
+    scene = mneme.Scene()
+    with pytest.warns(UserWarning, match="length 2 is scaled"):
+        scene.add_box("a", [0, 0, 0], [1, 1, 1], [0, 0, 0, 2])
+    for wrong in ([0, 0, 0, 0], [0, 0, 0, 11], [0, 0, 0, 0.05], [0, 0, 0, np.nan]):
+        code, message = raised(scene.add_box, "b", [0, 0, 0], [1, 1, 1], wrong)
+        assert code == "invalid" and "expected a quaternion of length 1" in message
