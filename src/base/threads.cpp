@@ -31,7 +31,7 @@ void poll_interrupt() {
 }
 
 void give_way() {
-#ifdef SCHED_BATCH           // of Linux, where priorities are those of threads
+#ifdef __linux__             // where priorities are those of threads
   constexpr int kNice = 10;  // a tenth of a core beside a busy thread
   const sched_param none{};
   static_cast<void>(sched_setscheduler(0, SCHED_BATCH, &none));
