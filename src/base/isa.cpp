@@ -7,6 +7,7 @@
 #include <hwy/targets.h>
 
 #include <cstdlib>
+#include <optional>
 
 namespace mneme {
 namespace {
@@ -32,8 +33,19 @@ bool is_available(const NamedIsa& entry) {
   return (supported & HWY_TARGETS & entry.target) != 0;
 }
 
+/// The name of the instruction set with four lanes that rounds products before it adds them.
+constexpr std::string_view kPortable = "portable";
+
+std::optional<Isa> portable_isa() {
+  for (const Isa isa : {Isa::sse, Isa::neon, Isa::wasm}) {
+    if (is_available(isa)) return isa;
+  }
+  return std::nullopt;
+}
+
 std::string available_names() {
   std::string names(to_string(Isa::automatic));
+  if (portable_isa()) names.append(", ").append(kPortable);
   for (const Isa isa : available_isas()) names.append(", ").append(to_string(isa));
   return names;
 }
@@ -72,6 +84,9 @@ std::string_view to_string(Isa isa) {
 
 Result<Isa> parse_isa(std::string_view name) {
   if (name == to_string(Isa::automatic)) return Isa::automatic;
+  if (name == kPortable) {
+    if (const auto isa = portable_isa()) return *isa;
+  }
   for (const NamedIsa& entry : kIsas) {
     if (entry.name != name) continue;
     if (is_available(entry)) return entry.isa;

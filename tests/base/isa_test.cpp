@@ -32,6 +32,14 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("portable is the instruction set of four lanes") {
+    const auto parsed = parse_isa("portable");
+    REQUIRE(parsed.has_value());
+    CHECK((*parsed == Isa::sse || *parsed == Isa::neon));
+    const test::EnvironmentVariable variable("MNEME_ISA", "portable");
+    CHECK(default_isa() == *parsed);
+  }
+
   TEST_CASE("an unknown instruction set is an error that lists the known ones") {
     const auto parsed = parse_isa("mmx");
     REQUIRE_FALSE(parsed.has_value());
