@@ -17,7 +17,27 @@
 HWY_BEFORE_NAMESPACE();
 namespace mneme::internal {
 namespace HWY_NAMESPACE {
+#if HWY_TARGET == HWY_NEON
+/// Highway's functions, with products that are rounded before they are added, as SSE4 and
+/// WebAssembly do: all targets of four lanes find the same paths.
+namespace hn {
+using namespace hwy::HWY_NAMESPACE;  // NOLINT(google-build-using-namespace)
+template <class T>
+HWY_INLINE T MulAdd(T a, T b, T c) {
+  return Add(Mul(a, b), c);
+}
+template <class T>
+HWY_INLINE T MulSub(T a, T b, T c) {
+  return Sub(Mul(a, b), c);
+}
+template <class T>
+HWY_INLINE T NegMulAdd(T a, T b, T c) {
+  return Sub(c, Mul(a, b));
+}
+}  // namespace hn
+#else
 namespace hn = hwy::HWY_NAMESPACE;
+#endif
 
 using Tag = hn::ScalableTag<float>;
 using V = hn::Vec<Tag>;
