@@ -17,7 +17,7 @@ constexpr const char* kEnvironment = R"(.SH ENVIRONMENT
 directories, separated by colons, that are searched for robots by name
 .TP
 .B MNEME_ISA
-instruction set of the kernels: scalar, sse, avx2 or avx512
+instruction set of the kernels: scalar, sse, avx2, avx512 or portable
 .TP
 .B ROS_PACKAGE_PATH
 directories of the packages of package:// in robot files

@@ -301,7 +301,8 @@ void add_isa(CLI::App& app) {
     // The one switch that all kernels follow.
     setenv("MNEME_ISA", name.c_str(), 1);
   };
-  add_text(app, "--isa", read, "instruction set of the kernels: scalar, sse, avx2 or avx512")
+  add_text(app, "--isa", read,
+           "instruction set: scalar, sse, avx2 or avx512; portable finds the same path everywhere")
       ->type_name("NAME");
 }
 
