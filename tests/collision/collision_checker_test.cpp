@@ -195,7 +195,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("an instruction set is used if the machine has it and refused otherwise") {
-    for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512}) {
+    for (const Isa isa : {Isa::scalar, Isa::sse, Isa::avx2, Isa::avx512, Isa::neon, Isa::wasm}) {
       const auto checker = CollisionChecker::make(pointer(), {}, {.isa = isa});
       REQUIRE(checker.has_value() == is_available(isa));
       if (checker) {

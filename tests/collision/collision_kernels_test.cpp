@@ -3,8 +3,8 @@
 #include "collision/collision_kernels.h"
 #include "collision/random_worlds.h"
 
-#include <array>
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -88,11 +88,9 @@ Configuration near_contact(const Robot& robot, const Scene& scene, Configuration
 
 TEST_SUITE("unit") {
   TEST_CASE("each instruction set has its own number of lanes") {
-    constexpr std::array<std::pair<Isa, int>, 4> kLanes = {
-        {{Isa::scalar, 1}, {Isa::sse, 4}, {Isa::avx2, 8}, {Isa::avx512, 16}}};
-    for (const auto& [isa, lanes] : kLanes) {
-      if (is_available(isa)) CHECK(lane_count_of(isa) == lanes);
-    }
+    const std::map<Isa, int> lanes = {{Isa::scalar, 1},  {Isa::sse, 4},  {Isa::avx2, 8},
+                                      {Isa::avx512, 16}, {Isa::neon, 4}, {Isa::wasm, 4}};
+    for (const Isa isa : available_isas()) CHECK(lane_count_of(isa) == lanes.at(isa));
   }
 
   TEST_CASE("links that cross in a plane touch, however thin they are") {
