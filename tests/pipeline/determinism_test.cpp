@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The scalar kernels compute the same on every x86-64, so that a path is a matter of problem,
-// planner, sampler and seed alone. A hash that changes says that planners now find other paths:
-// intended, then the new one is put here; or not.
+// The scalar kernels, and the portable ones of four lanes, compute the same on every machine: a
+// path is a matter of problem, planner, sampler and seed alone. A hash that changes says that
+// planners now find other paths: intended, then the new one is put here; or not.
 #include "support/planar_memory.h"
 
 #include <bit>
@@ -13,8 +13,7 @@ namespace mneme::test {
 namespace {
 
 /// FNV-1a (Fowler, Noll and Vo) over the bits of all values.
-std::uint64_t hash_of(const Path& path) {
-  std::uint64_t hash = 0xcbf29ce484222325;
+std::uint64_t hash_of(const Path& path, std::uint64_t hash = 0xcbf29ce484222325) {
   for (const Configuration& q : path) {
     for (const double value : q) {
       const auto bits = std::bit_cast<std::uint64_t>(value);
@@ -102,6 +101,34 @@ Problem shelf_problem() {
   return std::move(*problem);
 }
 
+/// Continues a hash with the paths for each problem of a compact file with 29 seeds. A goal may be
+/// in collision.
+std::uint64_t hash_of_file(const std::string& file, SolveSettings settings, std::uint64_t hash) {
+  ProblemOptions options;
+  options.cache = make_problem_cache();
+  const auto names = list_problems(file);
+  REQUIRE(names.has_value());
+  for (const std::string& name : *names) {
+    const auto problem = load_problem(file + "#" + name, options);
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    for (settings.plan.seed = 1; settings.plan.seed <= 29; ++settings.plan.seed) {
+      const auto result = solve(*problem, nullptr, settings);
+      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+      hash = hash_of(result->plan.path, hash);
+    }
+  }
+  return hash;
+}
+
+/// The settings of a user who wants the same path on all machines.
+SolveSettings portable_settings() {
+  SolveSettings settings = scalar_settings();
+  const auto isa = parse_isa("portable");
+  REQUIRE(isa.has_value());
+  settings.isa = *isa;
+  return settings;
+}
+
 TEST_SUITE("law") {
   TEST_CASE("the scalar build finds these paths, on every machine and for ever") {
     // By planner: with the samplers gl, uniform and halton, with the seeds 1 and 2.
@@ -134,6 +161,25 @@ TEST_SUITE("law") {
     check_hashes("prm into the shelf", hashes_of(shelf, nullptr, "prm", samplers),
                  {15353257639813416777u, 15709377787276092377u, 16447457403971500263u,
                   4822427047001798638u});
+  }
+
+  TEST_CASE("four lanes find these paths on x86-64 and on ARM") {
+    Hashes hashes;
+    for (const Problem& problem : {planar_problem("scenario1"), shelf_problem()}) {
+      hashes.push_back(hash_of(solve_or_fail(problem, nullptr, portable_settings())));
+    }
+    check_hashes("portable", hashes, {9900697082179753274u, 16922945929629456024u});
+  }
+
+  TEST_CASE("four lanes find these 10150 paths for Panda on x86-64 and on ARM") {
+    std::uint64_t hash = hash_of({});
+    for (const char* set : {"bookshelf_small", "bookshelf_tall", "bookshelf_thin", "box", "cage",
+                            "table_pick", "table_under_pick"}) {
+      const auto file = data_file(std::string("mbm/panda/") + set + ".json");
+      if (!file) return;
+      hash = hash_of_file(*file, portable_settings(), hash);
+    }
+    check_hashes("portable for Panda", {hash}, {11658538742398638337u});
   }
 
   TEST_CASE("what one, two and eight threads learn leads to the same path") {
