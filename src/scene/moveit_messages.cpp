@@ -104,7 +104,7 @@ std::vector<double> read_dimensions(const Input& primitive, std::size_t count,
 Shape read_moveit_primitive(const Input& primitive, const Transform& pose, std::string_view owner) {
   primitive.allow_keys({"type", "dimensions", "polygon"});
   const Input type = primitive.at("type");
-  const std::string name = type.is_text() ? type.text() : "";
+  const std::string name = type.is_text() ? lower_case(type.text()) : "";
   if (name == "box" || name == "1") {
     const auto size = read_dimensions(primitive, 3, "full extents along x, y, z in metres");
     return Box{pose, 0.5 * Vec3(size[0], size[1], size[2])};
@@ -112,17 +112,18 @@ Shape read_moveit_primitive(const Input& primitive, const Transform& pose, std::
   if (name == "sphere" || name == "2") {
     return Sphere{pose.translation, read_dimensions(primitive, 1, "a radius in metres")[0]};
   }
-  if (name == "cylinder" || name == "3") {
+  const bool is_cone = name == "cone" || name == "4";
+  if (is_cone) type.warn(std::string(kConeFault));
+  if (is_cone || name == "cylinder" || name == "3") {
     const auto size = read_dimensions(primitive, 2, "height and radius in metres");
     return Cylinder{pose, size[1], size[0]};
   }
-  if (name == "cone" || name == "4" || name == "prism" || name == "5") {
-    const bool is_cone = name == "cone" || name == "4";
+  if (name == "prism" || name == "5") {
     type.fail(ErrorCode::unsupported,
-              "{} has a {}, which is not supported; expected box, sphere or cylinder", owner,
-              is_cone ? "cone" : "prism");
+              "{} has a prism, which is not supported; expected box, sphere, cylinder or cone",
+              owner);
   }
-  type.fail_expecting("box, sphere or cylinder");
+  type.fail_expecting("box, sphere, cylinder or cone");
 }
 
 std::optional<Box> box_of_plane(const std::array<double, 4>& abcd, const Transform& pose) {
@@ -226,7 +227,8 @@ void add_shapes(const Input& object, std::string_view key, std::string_view pose
 
 constexpr std::array<std::string_view, 4> kOperations = {"ADD", "REMOVE", "APPEND", "MOVE"};
 
-/// The index among kOperations. ROS 2 prints this byte as text: as itself, or escaped.
+/// The index among kOperations. ROS 2 prints this byte as text: as itself, escaped, or as Python
+/// writes it.
 std::optional<std::size_t> read_operation(const Input& operation) {
   if (operation.is_nothing()) return 0;
   const auto number = operation.is_number() ? operation.whole_number() : std::nullopt;
@@ -236,7 +238,7 @@ std::optional<std::size_t> read_operation(const Input& operation) {
     const std::string byte(1, static_cast<char>(i));
     if (number == i || text == kOperations[i] || text == lower_case(kOperations[i]) ||
         text == byte || text == fmt::format("{}", i) || text == fmt::format("\\{}", i) ||
-        text == fmt::format("\\x0{}", i)) {
+        text == fmt::format("\\x0{}", i) || text == fmt::format("b'\\x0{}'", i)) {
       return i;
     }
   }

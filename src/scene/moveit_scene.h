@@ -52,7 +52,8 @@ struct MoveitState {
   std::vector<MoveitAttached> attached;
 };
 
-/// A box, sphere or cylinder; errors for other types name the `owner`.
+inline constexpr std::string_view kConeFault = "a cone is taken for the cylinder around it";
+/// A box, sphere or cylinder, also around a cone; errors for other types name the `owner`.
 [[nodiscard]] Shape read_moveit_primitive(const Input& primitive, const Transform& pose,
                                           std::string_view owner);
 /// Returns `frame_id` of the key `header`; empty without it.

@@ -138,7 +138,8 @@ class SceneText {
     } else if (type == "box") {
       const double x = read_size(), y = read_size(), z = read_size();
       shape = Box{{}, 0.5 * Vec3(x, y, z)};
-    } else if (type == "cylinder") {
+    } else if (type == "cylinder" || type == "cone") {
+      if (type == "cone") warn(kConeFault);
       const double radius = read_size();
       shape = Cylinder{{}, radius, read_size()};
     } else if (type == "mesh") {
@@ -147,9 +148,10 @@ class SceneText {
       plane.emplace();
       for (double& coefficient : *plane) coefficient = read_number();
     } else {
-      fail(ErrorCode::unsupported,
-           "object \"{}\" has the shape \"{}\"; expected sphere, box, cylinder, mesh or plane",
-           object, type);
+      fail(
+          ErrorCode::unsupported,
+          "object \"{}\" has the shape \"{}\"; expected sphere, box, cylinder, cone, mesh or plane",
+          object, type);
     }
     const Transform X_RS = X_RO * read_pose();
     if (!plane) return transformed(X_RS, shape);

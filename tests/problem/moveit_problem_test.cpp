@@ -381,7 +381,7 @@ TEST_SUITE("unit") {
         with_scene("frame_id: base", "frame_id: arm") ==
         "scene0001.yaml:5: key world.collision_objects[0]: expected the root link of robot lifter "
         "or one fixed to it, got \"arm\", which joint turn moves");
-    CHECK(with_scene("type: sphere", "type: cone").find("object \"ball\" has a cone") !=
+    CHECK(with_scene("type: sphere", "type: prism").find("object \"ball\" has a prism") !=
           std::string::npos);
     CHECK(
         with_scene("[lift, turn, grip], position: [0.1,", "[wheel, turn, grip], position: [0.1,") ==

@@ -181,9 +181,10 @@ collision_objects:
   }
 
   TEST_CASE("objects that are not boxes, spheres and cylinders are refused by name") {
-    CHECK(object_failure("primitives: [{type: cone, dimensions: [1, 1]}], " + kPose) ==
-          "f:2: key collision_objects[0].primitives[0].type: object \"x\" has a cone, which is not "
-          "supported; expected box, sphere or cylinder");
+    CHECK(
+        object_failure("primitives: [{type: prism, dimensions: [1]}], " + kPose) ==
+        "f:2: key collision_objects[0].primitives[0].type: object \"x\" has a prism, which is not "
+        "supported; expected box, sphere, cylinder or cone");
     CHECK(object_failure("operation: remove") ==
           "f:2: key collision_objects[0].operation: object \"x\": expected the operation add, got "
           "\"remove\"");
@@ -195,8 +196,8 @@ collision_objects:
   }
 
   TEST_CASE("each spelling of the byte ADD adds an object, also one without a scene around it") {
-    for (const char* operation :
-         {"0", "'0'", "add", "ADD", "\"\\0\"", "\"\\x00\"", "'\\0'", "'\\x00'", "''", "\"\""}) {
+    for (const char* operation : {"0", "'0'", "add", "ADD", "\"\\0\"", "\"\\x00\"", "'\\0'",
+                                  "'\\x00'", "''", "\"\"", "b'\\x00'"}) {
       CAPTURE(operation);
       const std::string object =
           fmt::format("{{id: x, header: {{frame_id: base}}, operation: {}, {}}}", operation, kBall);
@@ -267,7 +268,8 @@ collision_objects:
         "f:2: key collision_objects[0].primitives[0].dimensions[0]: expected a number above 0, got "
         "-1");
     CHECK(object_failure("primitives: [{type: cube, dimensions: [1, 1, 1]}], " + kPose) ==
-          "f:2: key collision_objects[0].primitives[0].type: expected box, sphere or cylinder, got "
+          "f:2: key collision_objects[0].primitives[0].type: expected box, sphere, cylinder or "
+          "cone, got "
           "\"cube\"");
     CHECK(object_failure("primitives: [{type: sphere, dimensions: [1]}]") ==
           "f:2: key collision_objects[0]: object \"x\": expected one pose per shape, got 1 "
@@ -424,6 +426,19 @@ TEST_SUITE("unit") {
           "for 0.1 mm (and 1 more)");
     CHECK(scene->warnings[1].find("primitive_poses[1].orientation: the quaternion's length is not "
                                   "1") != std::string::npos);
+  }
+
+  TEST_CASE("a cone is taken for the cylinder around it, and types may be in capitals") {
+    const auto scene = parse_scene(
+        world("{id: a, primitives: [{type: CONE, dimensions: [0.4, 0.1]}], primitive_poses: "
+              "[{position: [1, 0, 0]}]}"),
+        "f");
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    const auto& around = std::get<Cylinder>(scene->obstacles.at(0).shapes.at(0));
+    CHECK(around.length == 0.4);
+    CHECK(around.radius == 0.1);
+    REQUIRE(scene->warnings.size() == 1);
+    CHECK(scene->warnings[0].ends_with("type: a cone is taken for the cylinder around it"));
   }
 
   TEST_CASE("what was read over is told with a scene that has no robot") {

@@ -97,6 +97,14 @@ TEST_SUITE("unit") {
     CHECK(std::get<Sphere>(scene->obstacles[1].shapes[0]).center == Vec3(0.5, -0.25, 0.75));
   }
 
+  TEST_CASE("a cone of scene text is taken for the cylinder around it, with a warning") {
+    const auto scene = parse_scene(replaced_text("cylinder", "cone"), "f.scene");
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
+    CHECK(scene->obstacles == parse_scene(kText, "f.scene").value().obstacles);
+    REQUIRE(scene->warnings.size() == 1);
+    CHECK(scene->warnings[0].ends_with("a cone is taken for the cylinder around it"));
+  }
+
   TEST_CASE("scene text of old versions has no poses of bodies and no subframes") {
     const auto scene = parse_scene(
         "old\n* part\n2\nmesh\n3 1\n0 0 0\n1 0 0\n0 1 0\n0 1 2\n0 0 1\n0 0 0 1\n0 0 0 0\nplane\n"
@@ -114,9 +122,9 @@ TEST_SUITE("unit") {
   TEST_CASE("scene text that is malformed is refused by line") {
     CHECK(scene_text_failure(kText.substr(0, 100)).starts_with("f.scene:"));
     CHECK(
-        scene_text_failure(replaced_text("cylinder", "cone")) ==
-        "f.scene:11: object \"bench top\" has the shape \"cone\"; expected sphere, box, cylinder, "
-        "mesh or plane");
+        scene_text_failure(replaced_text("cylinder", "prism")) ==
+        "f.scene:11: object \"bench top\" has the shape \"prism\"; expected sphere, box, cylinder, "
+        "cone, mesh or plane");
     CHECK(scene_text_failure(replaced_text("0.125\n0.5", "-1\n0.5")) ==
           "f.scene:25: expected a size above 0, got -1");
     CHECK(scene_text_failure(replaced_text("0.125\n0.5", "nan\n0.5")) ==
