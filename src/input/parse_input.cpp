@@ -253,7 +253,9 @@ class YamlListener : public YAML::EventHandler {
   /// `ros2 topic echo` ends each message with ---, which begins an empty document.
   void refuse_second_document(const YAML::Mark& mark) const {
     if (documents_ > 1) {
-      tree_.refuse(line_of(mark), "expected the end of the text after one YAML document");
+      tree_.refuse(line_of(mark),
+                   "expected the end of the text after one YAML document (ros2 topic echo --once "
+                   "prints one)");
     }
   }
 

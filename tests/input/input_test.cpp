@@ -329,7 +329,9 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a second document with contents is refused, an empty one is not") {
-    const std::string refusal = ": expected the end of the text after one YAML document";
+    const std::string refusal =
+        ": expected the end of the text after one YAML document (ros2 topic echo --once prints "
+        "one)";
     CHECK(yaml_failure("a: 1\n---\nb: 2\n") == "f.yaml:3" + refusal);
     CHECK(yaml_failure("a: 1\n---\n[]\n") == "f.yaml:3" + refusal);
     CHECK(yaml_failure("a: 1\n---\n---\nb: 2\n") == "f.yaml:4" + refusal);
