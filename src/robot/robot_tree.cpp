@@ -29,9 +29,11 @@ std::optional<std::string> describe_fault(const std::vector<Joint>& joints, cons
   if (mimic.joint < 0 || as_index(mimic.joint) >= joints.size()) {
     return fmt::format("it follows joint {}, which does not exist", mimic.joint);
   }
-  if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset)) {
-    return fmt::format("its multiplier {} and offset {} are not finite", mimic.multiplier,
-                       mimic.offset);
+  constexpr double kMost = 1e6;
+  // Written so that NaN is refused.
+  if (!(std::abs(mimic.multiplier) <= kMost && std::abs(mimic.offset) <= kMost)) {
+    return fmt::format("its multiplier {} and offset {} are not both within {}", mimic.multiplier,
+                       mimic.offset, kMost);
   }
   return std::nullopt;
 }

@@ -24,6 +24,12 @@ std::string in_quotes(std::string_view text) {
   return fmt::format("'{}{}'", text.substr(0, kMaxQuotedLength), is_long ? "..." : "");
 }
 
+/// Advice for a text that xacro would have computed.
+std::string_view xacro_hint(std::string_view text) {
+  const bool is_left = text.find("${") != text.npos || text.find("$(") != text.npos;
+  return is_left ? "; let xacro compute it: xacro FILE.xacro > FILE" : "";
+}
+
 /// May be infinite, but not NaN.
 std::optional<double> parse_xml_number(std::string_view word) {
   // XML allows a plus sign, which from_chars does not.
@@ -215,7 +221,8 @@ double XmlReader::number_or_infinity(const XmlElement& element, const char* attr
   const auto fields = split_words(value);
   const auto result = fields.size() == 1 ? parse_xml_number(fields[0]) : std::nullopt;
   if (result) return *result;
-  fail(element, "{} is {}, expected a finite number", attribute, in_quotes(value));
+  fail(element, "{} is {}, expected a finite number{}", attribute, in_quotes(value),
+       xacro_hint(value));
 }
 
 double XmlReader::number(const XmlElement& element, const char* attribute) const {
@@ -243,7 +250,8 @@ std::vector<double> XmlReader::numbers(const XmlElement& element, const char* at
   }
   const bool is_count = std::ranges::find(counts, fields.size()) != counts.end();
   if (is_count && numbers.size() == fields.size()) return numbers;
-  fail(element, "{} is {}, expected {}", attribute, in_quotes(value), expected);
+  fail(element, "{} is {}, expected {}{}", attribute, in_quotes(value), expected,
+       xacro_hint(value));
 }
 
 Vec3 XmlReader::vector(const XmlElement& element, const char* attribute,

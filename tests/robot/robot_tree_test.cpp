@@ -207,10 +207,13 @@ TEST_SUITE("unit") {
     CHECK(contains(refusal_of_changed([](auto& j) { j[1].mimic = follow(0, std::nan("")); }),
                    "joint 'j2': its multiplier nan"));
     CHECK(contains(refusal_of_changed([](auto& j) {
-                     j[1].mimic = follow(0, 1e200);
-                     j[2].mimic = follow(1, 1e200);
+                     j[1].mimic = follow(0, 1e4);
+                     j[2].mimic = follow(1, 1e4);
                    }),
-                   "joint 'j3': its multiplier inf"));
+                   "joint 'j3': its multiplier 100000000"));
+    CHECK(
+        contains(refusal_of_changed([](auto& j) { j[1].mimic = follow(0, 1, -1e7); }),
+                 "joint 'j2': its multiplier 1 and offset -10000000 are not both within 1000000"));
   }
 
   TEST_CASE("a follower must not jump where its continuous leader wraps around") {

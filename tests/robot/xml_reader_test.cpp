@@ -85,6 +85,17 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("where a number is left for xacro to compute, messages say so") {
+    for (const char* text : {"${-pi/2}", "$(arg lower)"}) {
+      Fixture f(text);
+      const std::string hint = "; let xacro compute it: xacro FILE.xacro > FILE";
+      CHECK(failure_of([&] { return f.reader.number(*f.root, "a"); }).message.ends_with(hint));
+      CHECK(failure_of([&] {
+              return f.reader.vector(*f.root, "a", Vec3::Zero());
+            }).message.ends_with(hint));
+    }
+  }
+
   TEST_CASE("a fault carries its context") {
     Fixture f("-1");
     f.reader.set_context("link 'x'");
