@@ -155,7 +155,9 @@ void LimitsFile::read(const std::string& file, Rates& rates) {
   const Input joints = input.at("joint_limits");
   ignore_other_keys(input, {"joint_limits", "default_velocity_scaling_factor",
                             "default_acceleration_scaling_factor"});
+  if (joints.is_nothing()) return;
   for (const auto& [name, joint] : joints.entries()) {
+    if (joint.is_nothing()) continue;
     const auto found = rates.find(name);
     if (found != rates.end()) {
       read_joint(joint, found->second);

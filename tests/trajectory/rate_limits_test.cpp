@@ -101,6 +101,12 @@ joint_limits:
     CHECK(require_limits(hand(R"(velocity="1e17")")).velocity[0] == 1e6);
   }
 
+  TEST_CASE("a joint and a list without values limit nothing") {
+    const RateLimits own = require_limits(hand());
+    CHECK(require_limits(hand(), {}, "joint_limits:\n").velocity == own.velocity);
+    CHECK(require_limits(hand(), {}, "joint_limits:\n  a:\n").velocity == own.velocity);
+  }
+
   TEST_CASE("files that cannot be used exactly are refused at their line") {
     struct Case {
       std::string yaml, part;
