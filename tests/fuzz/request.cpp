@@ -16,24 +16,11 @@ namespace {
 
 constexpr internal::RequestLimits kLimits = {.head_bytes = 4096, .body_bytes = 4096};
 
-struct Conversation {
-  std::vector<FramedRequest> requests;
-  bool is_refused = false;
-
-  bool operator==(const Conversation& other) const {
-    const auto is_same = [](const FramedRequest& a, const FramedRequest& b) {
-      return a.size == b.size && a.body == b.body;
-    };
-    return is_refused == other.is_refused &&
-           std::equal(requests.begin(), requests.end(), other.requests.begin(),
-                      other.requests.end(), is_same);
-  }
-};
-
-/// Reads what arrives in pieces of `step` bytes.
+/// Reads the requests of what arrives in pieces of `step` bytes. After a chunk extension with an
+/// open quotation Beast may wait for more or refuse; neither is a request.
 class Connection {
  public:
-  Conversation read(std::string_view said, std::size_t step) {
+  std::vector<FramedRequest> read(std::string_view said, std::size_t step) {
     for (std::size_t at = 0; at < said.size(); at += step) {
       const std::string_view piece = said.substr(at, step);
       boost::asio::buffer_copy(bytes_.prepare(piece.size()),
@@ -42,9 +29,9 @@ class Connection {
       arrived_ += piece.size();
       while (advance()) {
       }
-      if (heard_.is_refused) break;
+      if (is_refused_) break;
     }
-    return heard_;
+    return requests_;
   }
 
  private:
@@ -53,11 +40,11 @@ class Connection {
     if (!reader_) reader_.emplace(kLimits);
     auto refused = reader_->has_head() ? std::nullopt : reader_->read_head(bytes_);
     if (!refused && reader_->has_head()) refused = reader_->read_body(bytes_);
-    heard_.is_refused = refused.has_value();
+    is_refused_ = refused.has_value();
     if (refused && (refused->body.empty() || refused->status < 400)) std::abort();
     if (refused || !reader_->is_done()) return false;
     const std::size_t end = arrived_ - bytes_.size();
-    heard_.requests.push_back({end - begin_, reader_->request().body()});
+    requests_.push_back({end - begin_, reader_->request().body()});
     begin_ = end;
     reader_.reset();
     return bytes_.size() > 0;
@@ -66,7 +53,8 @@ class Connection {
   boost::beast::flat_buffer bytes_;
   std::optional<internal::RequestReader> reader_;
   std::size_t arrived_ = 0, begin_ = 0;
-  Conversation heard_;
+  std::vector<FramedRequest> requests_;
+  bool is_refused_ = false;
 };
 
 }  // namespace
@@ -76,11 +64,10 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace mneme::fuzz;
   if (size < 2) return 0;
   std::string_view said = as_text(data + 1, size - 1);
-  const Conversation heard = Connection().read(said, said.size());
-  if (!(Connection().read(said, 1 + data[0] % 64) == heard)) std::abort();
-  for (const FramedRequest& request : heard.requests) {
-    const auto framed = frame_request(said);
-    if (!framed || framed->size != request.size || framed->body != request.body) std::abort();
+  const auto requests = Connection().read(said, said.size());
+  if (Connection().read(said, 1 + data[0] % 64) != requests) std::abort();
+  for (const FramedRequest& request : requests) {
+    if (frame_request(said) != request) std::abort();
     said.remove_prefix(request.size);
   }
   return 0;

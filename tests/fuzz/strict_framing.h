@@ -19,6 +19,8 @@ namespace mneme::fuzz {
 struct FramedRequest {
   std::size_t size = 0;  ///< bytes of head and body
   std::string body;
+
+  bool operator==(const FramedRequest&) const = default;
 };
 
 /// Takes the text up to the next CR LF, and both; nothing if there is none or the line holds
