@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <memory>
 #include <type_traits>
 #include <utility>
 
@@ -45,8 +46,10 @@ struct CenteredBox {
 
 /// An interval of the motion as the boxes of two solids need it.
 struct Snapshot {
-  Snapshot(const BodyMotion& motion, int index, const SweptSolid& a, const SweptSolid& b)
+  Snapshot(const BodyMotion& motion, int index, const SweptSolid& a, const SweptSolid& b,
+           double finest)
       : interval(index), half(motion.interval(index).half) {
+    if (half <= finest) half = 0;
     const MovingPose& pose = motion.interval(index).pose;
     const Transform X_A = a.pose().inverse();
     X = X_A * pose.X_AB * b.pose();
@@ -62,7 +65,7 @@ struct Snapshot {
   }
 
   int interval;
-  double half;
+  double half;                     ///< 0: only the middle counts.
   Transform X;                     ///< Pose of b's tree in the frame of a's tree.
   Eigen::Matrix3d extent;          ///< Extent of a box of b along the axes of a.
   Vec3 turn, speed;                ///< As in MovingPose, in the frame of a's tree.
@@ -72,13 +75,27 @@ struct Snapshot {
 /// Searches the trees of two solids and the intervals of a motion together.
 class SweptGap {
  public:
-  SweptGap(const SweptSolid& a, const SweptSolid& b, BodyMotion& motion, double margin)
-      : a_(a), b_(b), motion_(motion), margin_(margin), reach_(margin + a.radius() + b.radius()) {}
+  SweptGap(const SweptSolid& a, const SweptSolid& b, BodyMotion& motion, double margin,
+           double finest)
+      : a_(a),
+        b_(b),
+        motion_(motion),
+        margin_(margin),
+        finest_(finest),
+        reach_(margin + a.radius() + b.radius()) {}
 
-  [[nodiscard]] bool stay_apart() { return search(0, 0, snapshot(0)); }
+  [[nodiscard]] bool stay_apart() { return search(0, 0, {motion_, 0, a_, b_, finest_}); }
 
  private:
-  [[nodiscard]] Snapshot snapshot(int interval) const { return {motion_, interval, a_, b_}; }
+  /// Makes each snapshot once.
+  const Snapshot& snapshot(int interval) {
+    const std::size_t i = as_index(interval);
+    if (i >= known_.size()) known_.resize(i + 1);
+    if (known_[i] == nullptr) {
+      known_[i] = std::make_unique<Snapshot>(motion_, interval, a_, b_, finest_);
+    }
+    return *known_[i];
+  }
 
   /// True if the parts below two nodes stay apart on an interval.
   bool search(int i, int k, const Snapshot& at) {
@@ -201,7 +218,8 @@ class SweptGap {
 
   const SweptSolid &a_, &b_;
   BodyMotion& motion_;
-  double margin_, reach_;
+  double margin_, finest_, reach_;
+  std::vector<std::unique_ptr<const Snapshot>> known_;  ///< by interval; null: not made yet
 };
 
 }  // namespace
@@ -274,8 +292,9 @@ double SweptSolid::distance_to(const Triangle& t, int part, double limit) const 
       parts_);
 }
 
-bool stay_apart(const SweptSolid& a, const SweptSolid& b, BodyMotion& motion, double margin) {
-  return SweptGap(a, b, motion, margin).stay_apart();
+bool stay_apart(const SweptSolid& a, const SweptSolid& b, BodyMotion& motion, double margin,
+                double finest) {
+  return SweptGap(a, b, motion, margin, finest).stay_apart();
 }
 
 }  // namespace mneme::internal

@@ -109,7 +109,9 @@ class SweptSolid {
 /// they sweep in an interval of the motion, and halves intervals only for boxes that are close;
 /// microseconds where a few boxes are. After Tang, Kim and Manocha, "C2A: Controlled conservative
 /// advancement", ICRA 2009.
+/// `finest`: intervals whose half is at most this share of the motion are checked in their middle
+/// only, and nothing is proven there.
 [[nodiscard]] bool stay_apart(const SweptSolid& a, const SweptSolid& b, BodyMotion& motion,
-                              double margin);
+                              double margin, double finest = 0);
 
 }  // namespace mneme::internal

@@ -133,6 +133,18 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("between states as fine as they shall be contact may be missed, at them it is not") {
+    const SweptSolid below(disc_at(0, 0.05, 50)), ball(Shape(Sphere{{0, 0, 0}, 0.01}));
+    // Falls through the disc, and touches it for a fiftieth of the motion about its share.
+    for (const double share : {0.3, 0.375}) {
+      Screw motion({Eigen::Matrix3d::Identity(), {0, 0, share}}, {0, 0, 0}, Vec3::UnitZ(), 0.1,
+                   {0, 0, -1});
+      CHECK_FALSE(internal::stay_apart(below, ball, motion, 0));
+      CHECK_FALSE(internal::stay_apart(below, ball, motion, 0, 1.0 / 128));
+      CHECK(internal::stay_apart(below, ball, motion, 0, 1.0 / 8) == (share == 0.3));
+    }
+  }
+
   TEST_CASE("spheres and capsules count with their radii") {
     const std::array capsules = {Capsule{{0, 0, 0}, {0, 0, 0}, 0.1},
                                  Capsule{{1, 0, 0}, {2, 0, 0}, 0.2}};
