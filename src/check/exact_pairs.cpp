@@ -50,40 +50,20 @@ struct ExactPairs::Pair {
     return open;
   }
 
-  /// True if the pair is apart at some states of a share of the motion, from coarse to fine: where
-  /// it touches, one of them mostly tells so long before a sweep does.
-  [[nodiscard]] bool may_stay_apart(std::span<const float> from, std::span<const float> delta,
-                                    MotionShare share, double extra) const {
-    constexpr double kSpacing = 0.5;  // radians or metres
-    constexpr int kMostSplits = 3;
-    float change = 0;
-    for (const auto& step : solids.chain.steps()) {
-      change = std::max(change, std::abs(delta[as_index(step.joint)]));
-    }
-    const double length = change * (share.last - share.first);
-    double spacing = 1;
-    for (int split = 0; split < kMostSplits; ++split) {
-      for (double at = 0.5 * spacing; at < 1; at += spacing) {
-        const double middle = share.first + at * (share.last - share.first);
-        const PartialMotion state(from, delta, {middle, middle});
-        ChainMotion motion(solids.chain, state.from, {});
-        if (!solids.stays_apart(motion, extra)) return false;
-      }
-      spacing *= 0.5;
-      if (length * spacing < kSpacing) break;
-    }
-    return true;
-  }
-
   [[nodiscard]] bool stays_apart(std::span<const float> from, std::span<const float> delta,
                                  MotionShare share, double extra) const {
-    if (share.first == 0 && share.last == 1) {
-      ChainMotion motion(solids.chain, from, delta);
-      return solids.stays_apart(motion, extra);
-    }
     const PartialMotion part(from, delta, share);
     ChainMotion motion(solids.chain, part.from, part.delta);
     return solids.stays_apart(motion, extra);
+  }
+
+  /// True if the pair is apart at states of a share of the motion, `spacing` shares from each
+  /// other.
+  [[nodiscard]] bool is_apart_at_states(std::span<const float> from, std::span<const float> delta,
+                                        MotionShare share, double extra, double spacing) const {
+    const PartialMotion part(from, delta, share);
+    ChainMotion motion(solids.chain, part.from, part.delta);
+    return solids.is_apart_at_states(motion, extra, 0.5 * spacing / (share.last - share.first));
   }
 };
 
@@ -114,19 +94,33 @@ bool ExactPairs::empty() const { return pairs_->empty(); }
 
 bool ExactPairs::are_apart(std::span<const float> q) const { return stay_apart(q, {}, 0); }
 
-/// Single states of all pairs are tried before any pair is swept.
 bool ExactPairs::stay_apart(std::span<const float> from, std::span<const float> delta,
                             double extra) const {
+  return std::ranges::all_of(*pairs_, [&](const Pair& pair) {
+    const auto open = pair.unproven(from, delta, extra);
+    return !open || pair.stays_apart(from, delta, *open, extra);
+  });
+}
+
+/// All pairs are checked at few states before any is at all: contact mostly lasts for long.
+bool ExactPairs::are_apart_at_states(std::span<const float> from, std::span<const float> delta,
+                                     double extra, int count) const {
+  constexpr int kFirst = 4;
+  if (empty()) return true;
+  const PartialMotion end(from, delta, {1, 1});
+  if (count <= 1) return stay_apart(end.from, {}, extra);
   std::vector<std::pair<const Pair*, MotionShare>> open;
   for (const Pair& pair : *pairs_) {
-    const auto share = pair.unproven(from, delta, extra);
-    if (!share) continue;
-    if (!delta.empty() && !pair.may_stay_apart(from, delta, *share, extra)) return false;
-    open.emplace_back(&pair, *share);
+    if (const auto share = pair.unproven(from, delta, extra)) open.emplace_back(&pair, *share);
   }
-  return std::ranges::all_of(open, [&](const auto& part) {
-    return part.first->stays_apart(from, delta, part.second, extra);
-  });
+  const auto are_apart = [&](double spacing) {
+    return std::ranges::all_of(open, [&](const auto& part) {
+      return part.first->is_apart_at_states(from, delta, part.second, extra, spacing);
+    });
+  };
+  if (open.empty()) return true;
+  if (count > kFirst && !are_apart(1.0 / kFirst)) return false;
+  return are_apart(1.0 / count) && stay_apart(end.from, {}, extra);
 }
 
 }  // namespace mneme::internal

@@ -186,6 +186,10 @@ class ExactPairs {
   /// that come closer than `extra` + 5e-5 m may fail.
   [[nodiscard]] bool stay_apart(std::span<const float> from, std::span<const float> delta,
                                 double extra) const;
+  /// True if no pair comes closer than `extra` metres at the motion's end and, by bounds or by
+  /// exact geometry, at about `count` > 0 states on the way. The start is assumed free.
+  [[nodiscard]] bool are_apart_at_states(std::span<const float> from, std::span<const float> delta,
+                                         double extra, int count) const;
 
  private:
   struct Pair;

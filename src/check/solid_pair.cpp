@@ -161,13 +161,16 @@ bool SolidPair::may_be_inside(const Transform& X_AB) const {
 }
 
 bool SolidPair::stays_apart(ChainMotion& motion, double extra) const {
-  for (const SweptSolid& solid : solids) {
-    for (const SweptSolid& theirs : others) {
-      if (!internal::stay_apart(solid, theirs, motion, margin + extra)) return false;
-    }
-  }
   // Surfaces that never meet enclose the same on the whole motion.
-  return !may_be_inside(motion.interval(0).pose.X_AB);
+  return is_apart_at_states(motion, extra, 0) && !may_be_inside(motion.interval(0).pose.X_AB);
+}
+
+bool SolidPair::is_apart_at_states(ChainMotion& motion, double extra, double finest) const {
+  return std::ranges::all_of(solids, [&](const SweptSolid& solid) {
+    return std::ranges::all_of(others, [&](const SweptSolid& theirs) {
+      return internal::stay_apart(solid, theirs, motion, margin + extra, finest);
+    });
+  });
 }
 
 }  // namespace mneme::internal
