@@ -9,8 +9,10 @@
 #include "mneme/robot.h"
 #include "mneme/scene.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -47,6 +49,11 @@ struct MotionDetail {
   /// Added to the margin of moving links, metres, >= 0. Beyond 0.25 every motion near points,
   /// meshes and octrees is invalid.
   double margin = 0;
+  /// Upper limit of `margin` for pairs that are checked by exact geometry, metres: some links are
+  /// closer to each other wherever they move.
+  double most_exact_margin = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] double exact_margin() const { return std::min(margin, most_exact_margin); }
 };
 
 /// Margins of a continuous check.
@@ -189,8 +196,8 @@ struct LimbInfo {
 ///
 /// Ignored contacts: those that no motion can change, such as the base on its table, and those that
 /// an obstacle allows (Obstacle::may_touch). Pairs that are checked by exact geometry
-/// (Obstacle::exact_links, Scene::exact_pairs) are checked in double precision where their spheres
-/// touch: on motions continuously, with 1e-4 m more margin.
+/// (Obstacle::exact_links, Scene::exact_pairs) are checked in double precision: by is_sweep_valid()
+/// continuously, with 5e-5 m more margin.
 ///
 /// Joint limits are not checked (Robot::describe_violation does that). A straight motion between
 /// configurations within limits stays within them. If a prismatic joint is beyond its limits,

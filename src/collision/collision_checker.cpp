@@ -244,7 +244,8 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   const int states = t.count_states(length, detail.refinement);
   return t.kernels->is_motion_free(*t.world.robot, t.world.scene, from.data(), delta.data(), states,
                                    margin, counters) &&
-         t.exact_pairs.stay_apart(from, {delta.data(), from.size()}, detail.margin);
+         t.exact_pairs.are_apart_at_states(from, {delta.data(), from.size()}, detail.exact_margin(),
+                                           states);
 }
 
 bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
@@ -283,8 +284,9 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
       return false;
     }
     for (std::size_t i = 0; i < some && !t.exact_pairs.empty(); ++i) {
-      const std::span<const float> delta(deltas.data() + i * joints, joints);
-      if (!t.exact_pairs.stay_apart({points + i * joints, joints}, delta, detail.margin))
+      const std::span<const float> from(points + i * joints, joints),
+          delta(deltas.data() + i * joints, joints);
+      if (!t.exact_pairs.are_apart_at_states(from, delta, detail.exact_margin(), states[i]))
         return false;
     }
   }
