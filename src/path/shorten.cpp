@@ -21,6 +21,9 @@ constexpr int kBatch = kShortcuts;
 /// Margin of motions next to an end of the path that does not keep the effort's margin but keeps
 /// this one.
 constexpr double kEndMargin = 2.5e-4;  ///< metres
+/// Margin of pairs that are checked by exact geometry: no larger than the spare of their proven
+/// cells, which larger margins would leave unused.
+constexpr double kExactMargin = 2e-4;  ///< metres
 /// Waypoints to relax per two batches of shortcuts.
 constexpr int kRelaxed = 2;
 /// Share of the least gain that a single waypoint must reach.
@@ -141,7 +144,7 @@ class Shortener {
   double margin_at(int i) {
     const std::span<const float> q = waypoints_.rows(i, i + 1);
     for (const double margin : {effort_.margin, kEndMargin}) {
-      if (checker_.is_motion_valid(q, q, counters_, {1, margin})) return margin;
+      if (checker_.is_motion_valid(q, q, counters_, {1, margin, kExactMargin})) return margin;
     }
     return 0;
   }
@@ -171,7 +174,7 @@ class Shortener {
   }
 
   bool is_chain_free(std::span<const float> rows, int first, int last) {
-    const MotionDetail detail{effort_.refinement, margin(first, last)};
+    const MotionDetail detail{effort_.refinement, margin(first, last), kExactMargin};
     if (!checker_.is_chain_valid(rows, counters_, detail, &contact_)) return false;
     const auto joints = as_index(joints_);
     for (std::size_t i = 0; verifier_ != nullptr && i + joints < rows.size(); i += joints) {
