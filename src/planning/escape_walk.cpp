@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/escape_walk.h"
 
+#include "base/lengths.h"
+
 #include <cmath>
 
 namespace mneme::internal {
@@ -82,7 +84,7 @@ void EscapeWalk::sample_jitter() {
   for (int i = 0; i < kCandidates; ++i) {
     const std::span<float> v(jitter_.data() + 3 * i, 3);
     for (float& value : v) value = rng_.bell();
-    const float norm = std::hypot(v[0], v[1], v[2]) + 1e-6f;
+    const float norm = length_of(v[0], v[1], v[2]) + 1e-6f;
     const auto size = static_cast<float>(kJitter * i / (kCandidates - 1));
     for (float& value : v) value *= size / norm;
   }

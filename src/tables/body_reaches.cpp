@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
+#include "base/lengths.h"
 #include "tables/make_tables.h"
 
 #include <algorithm>
@@ -23,16 +24,16 @@ class Reach {
   void add(const BodyRow& body, int ancestor, float* row) const {
     const float* center = body.ball.center;
     // The farthest of the body's points from the frame's axis, and from its origin.
-    float from_axis = std::hypot(center[0], center[1]) + body.ball.radius;
-    float from_origin = std::hypot(center[0], center[1], center[2]) + body.ball.radius;
+    float from_axis = length_of(center[0], center[1]) + body.ball.radius;
+    float from_origin = length_of(center[0], center[1], center[2]) + body.ball.radius;
     for (int frame = body.frame; frame != ancestor;) {
       const FrameRow& joint = tables_.frames[as_index(frame - 1)];
       const float reach = joint.is_prismatic ? 1 : from_axis;
       row[joint.joint] += kRounding * std::abs(joint.multiplier) * reach;
       from_origin += travel_of(joint);
       const float* t = joint.translation;
-      from_axis = std::hypot(t[0], t[1]) + from_origin;
-      from_origin += std::hypot(t[0], t[1], t[2]);
+      from_axis = length_of(t[0], t[1]) + from_origin;
+      from_origin += length_of(t[0], t[1], t[2]);
       frame = joint.parent;
     }
   }
@@ -81,7 +82,7 @@ struct ReachedBall {
 };
 
 ReachedBall reached_ball(const RobotTables& tables, const BodyRow& body) {
-  const auto norm = [](const float* v) { return std::hypot(v[0], v[1], v[2]); };
+  const auto norm = [](const float* v) { return length_of(v[0], v[1], v[2]); };
   ReachedBall ball{nullptr, norm(body.ball.center) + body.ball.radius};
   for (int frame = body.frame; frame > 0; frame = ball.base->parent) {
     if (ball.base != nullptr) ball.radius += norm(ball.base->translation);
