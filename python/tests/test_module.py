@@ -109,7 +109,7 @@ def test_files_whose_names_are_not_utf8_are_read(tmp_path):
     assert len(mneme.Scene.load(os.fsdecode(path)).warnings) == 0
 
 
-@pytest.mark.parametrize("number", [10**400, -10**400, 10**5000])
+@pytest.mark.parametrize("number", [10**400, -10**400, 10**5000], ids=["high", "low", "long"])
 def test_numbers_beyond_all_ranges_are_refused_in_short_messages(number, problem):
     for keyword in ("timeout", "seed", "threads"):
         with pytest.raises(mneme.Error, match="is out of range") as caught:

@@ -13,7 +13,7 @@ def test_a_scene_is_built_from_shapes_and_written_as_yaml():
     scene = mneme.Scene("kitchen")
     scene.add_sphere("ball", [1, 0, 0.5], 0.1)
     scene.add_box("table", (1, 0, 0.4), np.array([0.8, 1.2, 0.04]))
-    scene.add_box("table", (1, 0, 0.2), [0.1, 0.1, 0.36], quat_xyzw=[0, 0, 1, 1])
+    scene.add_box("table", (1, 0, 0.2), [0.1, 0.1, 0.36], quat_xyzw=[0, 0, 0.5**0.5, 0.5**0.5])
     scene.add_cylinder("can", [1, 0.3, 0.5], radius=0.03, length=0.12)
     scene.add_capsule("bar", [0, 0, 1], [1, 0, 1], 0.02)
     assert scene.obstacle_names == ["ball", "table", "can", "bar"]
@@ -81,10 +81,10 @@ def test_obstacles_are_moved_removed_and_copied(robot):
     copy = scene.copy()
     scene.add_box("table", [1, 0, 0.5], [1, 1, 0.1])
     scene.add_cylinder("table", [1, 0, 0.2], 0.05, 0.5)
-    scene.move("table", [2, 0, 0.5], quat_xyzw=[0, 0, 1, 1])
+    scene.move("table", [2, 0, 0.5], quat_xyzw=[0, 0, 0.5**0.5, 0.5**0.5])
     moved = mneme.Scene()
-    moved.add_box("table", [2, 0, 0.5], [1, 1, 0.1], quat_xyzw=[0, 0, 1, 1])
-    moved.add_cylinder("table", [2, 0, 0.2], 0.05, 0.5, quat_xyzw=[0, 0, 1, 1])
+    moved.add_box("table", [2, 0, 0.5], [1, 1, 0.1], quat_xyzw=[0, 0, 0.5**0.5, 0.5**0.5])
+    moved.add_cylinder("table", [2, 0, 0.2], 0.05, 0.5, quat_xyzw=[0, 0, 0.5**0.5, 0.5**0.5])
     scene.remove(copy.obstacle_names[0])
     scene.remove(copy.obstacle_names[1])
     scene.name = moved.name
