@@ -29,19 +29,7 @@ constexpr double kMostBytes = 5e6;
 /// Boxes without a sample that may be served count as if this share of them could.
 constexpr double kLeastLeft = 0.003;
 /// Tasks by which progress is measured.
-constexpr int kTracked = 6000;
-
-/// Tasks at random places of the region.
-std::vector<CellTask> sample_tasks(const TaskFrame& frame, int count, std::uint64_t seed) {
-  Rng rng(seed);
-  std::vector<CellTask> tasks(as_index(count));
-  for (CellTask& task : tasks) {
-    for (const int k : frame.varying()) {
-      task[as_index(k)] = frame.half_extents()[as_index(k)] * rng.uniform(-1, 1);
-    }
-  }
-  return tasks;
-}
+constexpr std::size_t kTracked = 6000;
 
 /// About how many bytes a box takes in a file.
 double bytes_of(const CellBox& box) {
@@ -64,8 +52,11 @@ class CellBuilder {
         seconds_(seconds),
         most_bytes_(most_bytes),
         cell_(std::move(known)),
-        tracked_(sample_tasks(examiner.frame(), kTracked, 4242)),
-        is_tracked_(tracked_.size(), false) {
+        tracked_(kTracked),
+        is_tracked_(kTracked, false) {
+    Rng rng(4242);
+    const TaskFrame& frame = examiner.frame();
+    for (CellTask& task : tracked_) task = frame.whole().sample(frame.varying(), rng);
     for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = static_cast<int>(i);
     for (const CellBox& box : cell_.boxes) {
       track(box);
@@ -242,13 +233,11 @@ class CellBuilder {
       most = weight;
       widest = varying[i];
     }
-    const double half = open.tasks.half[as_index(widest)] / 2;
-    int node = cell_.tree.cut(open.node, widest, open.tasks.center[as_index(widest)]);
-    for (const double side : {-1.0, 1.0}) {
-      OpenBox part{open.tasks, open.share / 2, node++, above, reason};
+    const int below = cell_.tree.cut(open.node, widest, open.tasks.center[as_index(widest)]);
+    for (const int side : {0, 1}) {
+      OpenBox part{cell_.tree.nodes[as_index(open.node)].half(open.tasks, side), open.share / 2,
+                   below + side, above, reason};
       part.priority = part.share * std::max(result.left, kLeastLeft) * chance_of(reason.gap);
-      part.tasks.half[as_index(widest)] = half;
-      part.tasks.center[as_index(widest)] += side * half;
       queue_.push(std::move(part));
     }
   }

@@ -16,8 +16,11 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <queue>
 #include <set>
+#include <utility>
 
 namespace mneme {
 
@@ -64,6 +67,38 @@ void internal::StartCell::drop_hints() {
     const int origin = index[as_index(boxes[i].origin)];
     boxes[i].origin = origin < 0 ? static_cast<int>(i) : origin;
   }
+}
+
+/// A half may seem nearer than its node's box by a rounding error, which kRounding covers.
+std::vector<int> internal::StartCell::nearest(const CellTask& task, const TaskFrame& frame,
+                                              std::size_t most) const {
+  constexpr double kRounding = 1e-9;
+  struct Place {
+    double distance2;
+    int node;
+    TaskBox box;
+    bool operator>(const Place& other) const { return distance2 > other.distance2; }
+  };
+  std::priority_queue<Place, std::vector<Place>, std::greater<>> open;
+  std::priority_queue<std::pair<double, int>> found;  // the farthest on top
+  open.push({frame.distance2(frame.whole(), task), 0, frame.whole()});
+  while (!open.empty()) {
+    const Place place = open.top();
+    open.pop();
+    if (found.size() == most && place.distance2 > (1 + kRounding) * found.top().first) break;
+    const SplitNode& node = tree.nodes[as_index(place.node)];
+    for (int i = node.first; i < node.first + node.count; ++i) {
+      found.emplace(frame.distance2(boxes[as_index(i)].tasks, task), i);
+      if (found.size() > most) found.pop();
+    }
+    for (int side = 0; side < 2 && !node.is_leaf(); ++side) {
+      const TaskBox half = node.half(place.box, side);
+      open.push({frame.distance2(half, task), node.below + side, half});
+    }
+  }
+  std::vector<int> result(found.size());
+  for (auto i = result.rbegin(); i != result.rend(); ++i, found.pop()) *i = found.top().second;
+  return result;
 }
 
 std::string_view to_string(CellTier tier) {
@@ -210,7 +245,7 @@ class PathBender {
   /// Writes the path of the nearest box that can be bent to the task.
   bool run(CellAnswer& answer) {
     int tried = 0;
-    for (const int index : nearest()) {
+    for (const int index : data_.starts[start_].nearest(task_, data_.frame, kNearest)) {
       if (tried == kTries) return false;
       const CellBox& box = data_.starts[start_].boxes[as_index(index)];
       JointVector q;
@@ -230,8 +265,7 @@ class PathBender {
   /// The same with configurations of other branches, which paths of near boxes lead up to.
   bool run(const std::vector<Configuration>& goals, CellAnswer& answer) {
     constexpr std::size_t kMostBoxes = 6;
-    std::vector<int> boxes = nearest();
-    boxes.resize(std::min(boxes.size(), kMostBoxes));
+    const auto boxes = data_.starts[start_].nearest(task_, data_.frame, kMostBoxes);
     for (const Configuration& goal : goals) {
       for (const int index : boxes) {
         const CellBox& box = data_.starts[start_].boxes[as_index(index)];
@@ -264,29 +298,6 @@ class PathBender {
   [[nodiscard]] bool is_seen(const JointVector& q) const {
     return std::ranges::any_of(seen_,
                                [&](const auto& other) { return (other - q).norm() < kSame; });
-  }
-
-  /// Boxes by the distance of the task from them, relative to the region.
-  [[nodiscard]] std::vector<int> nearest() const {
-    const auto& boxes = data_.starts[start_].boxes;
-    std::vector<std::pair<double, int>> order;
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-      double sum = 0;
-      for (const int k : data_.frame.varying()) {
-        const auto at = as_index(k);
-        const double off = std::abs(task_[at] - boxes[i].tasks.center[at]);
-        const double beyond =
-            std::max(0.0, off - boxes[i].tasks.half[at]) / data_.frame.half_extents()[at];
-        sum += beyond * beyond;
-      }
-      order.emplace_back(sum, static_cast<int>(i));
-    }
-    const std::size_t count = std::min(kNearest, order.size());
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
-                      order.end());
-    std::vector<int> result;
-    for (std::size_t i = 0; i < count; ++i) result.push_back(order[i].second);
-    return result;
   }
 
   /// The box's path bent to the goal; then with a motion from its middle to the goal.
@@ -385,18 +396,6 @@ std::optional<CellAnswer> answer_from(const Cell& cell, const Problem& problem) 
   return answer;
 }
 
-namespace {
-
-CellTask random_task(const internal::TaskFrame& frame, Rng& rng) {
-  CellTask task = {};
-  for (const int k : frame.varying()) {
-    task[as_index(k)] = frame.half_extents()[as_index(k)] * rng.uniform(-1, 1);
-  }
-  return task;
-}
-
-}  // namespace
-
 CellCoverage Cell::coverage(std::size_t start, int samples) const {
   CellCoverage coverage;
   coverage.samples = samples;
@@ -405,7 +404,7 @@ CellCoverage Cell::coverage(std::size_t start, int samples) const {
   std::array<int, kCellGaps> gap_counts = {};
   int proven = 0;
   for (int i = 0; i < samples; ++i) {
-    const CellTask task = random_task(data_->frame, rng);
+    const CellTask task = data_->frame.whole().sample(data_->frame.varying(), rng);
     look_up(task, answer, start);
     if (answer.tier == CellTier::certified) {
       ++proven;
@@ -487,16 +486,6 @@ void check_blocked(const internal::CellData& data, internal::SplitTree& tree) {
   }
 }
 
-/// A task of a random box: at a corner for odd `i`.
-CellTask task_in_box(const internal::CellData& data, const CellBox& box, int i, Rng& rng) {
-  std::array<double, kMostParameters> u;
-  for (double& value : u) {
-    const double share = rng.uniform(-1, 1);
-    value = i % 2 == 1 ? std::copysign(1.0, share) : share;
-  }
-  return box.tasks.at(data.frame.varying(), u.data());
-}
-
 }  // namespace
 
 CellVerification Cell::verify(int samples, std::uint64_t seed, int threads) {
@@ -521,7 +510,7 @@ CellVerification Cell::verify(int samples, std::uint64_t seed, int threads) {
     const auto& boxes = data->starts[start].boxes;
     if (boxes.empty()) continue;
     const CellBox& box = boxes[rng.index(static_cast<std::uint32_t>(boxes.size()))];
-    look_up(task_in_box(*data, box, i, rng), answer, start);
+    look_up(box.tasks.sample(data->frame.varying(), rng, i % 2 == 1), answer, start);
     if (answer.tier != CellTier::certified) continue;
     ++result.paths;
     if (!is_path_free(problem.robot, problem.scene, answer.path, kResolution)) ++result.in_contact;

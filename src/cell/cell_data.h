@@ -39,26 +39,25 @@ struct StartCell {
 
   /// Calls `visit(index)` for the boxes around a task, the smallest first, until it returns true.
   template <class Visit>
-  void visit_boxes(const CellTask& task, const Visit& visit) const;
+  void visit_boxes(const CellTask& task, const Visit& visit) const {
+    constexpr std::size_t kMost = 64;
+    std::array<int, kMost> found;
+    std::size_t count = 0;
+    for (int i = 0; i >= 0;) {
+      const SplitNode& node = tree.nodes[as_index(i)];
+      for (int k = 0; k < node.count && count < kMost; ++k) found[count++] = node.first + k;
+      if (node.is_leaf()) break;
+      i = node.half_of(task);
+    }
+    while (count > 0 && !visit(found[--count])) continue;
+  }
+  /// Indices of at most `most` > 0 boxes by the distance of the task from them, relative to the
+  /// region; then by index. Cost: a best-first walk of the tree.
+  [[nodiscard]] std::vector<int> nearest(const CellTask& task, const TaskFrame& frame,
+                                         std::size_t most) const;
   /// Removes boxes that are not proven. Leaves that they served are not examined then.
   void drop_hints();
 };
-
-template <class Visit>
-void StartCell::visit_boxes(const CellTask& task, const Visit& visit) const {
-  constexpr std::size_t kMost = 64;
-  std::array<int, kMost> found;
-  std::size_t count = 0;
-  for (int i = 0; i >= 0;) {
-    const SplitNode& node = tree.nodes[as_index(i)];
-    for (int k = 0; k < node.count && count < kMost; ++k) found[count++] = node.first + k;
-    if (node.is_leaf()) break;
-    i = node.half_of(task);
-  }
-  while (count > 0) {
-    if (visit(found[--count])) return;
-  }
-}
 
 /// True if the path of the box keeps the joint limits for the task, by its model.
 [[nodiscard]] bool serves(const CellBox& box, const CellTask& task, const TaskFrame& frame,

@@ -61,12 +61,7 @@ class MiddleRater {
     Rng rng(seed_);
     int reached = 0;
     for (int i = 0; i < kRatedTasks && reached + kRatedTasks - i > least; ++i) {
-      CellTask task = {};
-      for (const int k : frame.varying()) {
-        const double share = rng.uniform(-1, 1);
-        task[as_index(k)] = frame.half_extents()[as_index(k)] *
-                            (i < kRatedCorners ? std::copysign(1.0, share) : share);
-      }
+      const CellTask task = frame.whole().sample(frame.varying(), rng, i < kRatedCorners);
       if (blocked.look_around({task, {}}, 0).blocked) continue;
       PoseGoal goal;
       goal.link = region.middle().link;

@@ -9,6 +9,14 @@
 
 namespace mneme::internal {
 
+TaskBox SplitNode::half(const TaskBox& whole, int side) const {
+  TaskBox result = whole;
+  const auto k = as_index(parameter);
+  result.half[k] /= 2;
+  result.center[k] += (side == 0 ? -1 : 1) * result.half[k];
+  return result;
+}
+
 const SplitNode& SplitTree::leaf_of(const CellTask& task) const {
   const SplitNode* node = &nodes.front();
   while (!node->is_leaf()) node = &nodes[as_index(node->half_of(task))];
@@ -21,14 +29,8 @@ std::vector<TaskBox> SplitTree::place(const TaskBox& whole) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     SplitNode& node = nodes[i];
     if (node.is_leaf()) continue;
-    const auto k = as_index(node.parameter);
-    node.at = boxes[i].center[k];
-    for (const int side : {0, 1}) {
-      TaskBox& half = boxes[as_index(node.below + side)];
-      half = boxes[i];
-      half.half[k] /= 2;
-      half.center[k] += (side == 0 ? -1 : 1) * half.half[k];
-    }
+    node.at = boxes[i].center[as_index(node.parameter)];
+    for (const int side : {0, 1}) boxes[as_index(node.below + side)] = node.half(boxes[i], side);
   }
   return boxes;
 }

@@ -42,6 +42,8 @@ struct SplitNode {
   static constexpr std::uint8_t kLeaf = kTaskSize;
 
   [[nodiscard]] bool is_leaf() const { return parameter == kLeaf; }
+  /// A half of the node's box `whole`: 0 below the cut, 1 above it.
+  [[nodiscard]] TaskBox half(const TaskBox& whole, int side) const;
   /// The half that holds a task.
   [[nodiscard]] int half_of(const CellTask& task) const {
     return task[as_index(parameter)] <= at ? below : below + 1;

@@ -30,6 +30,15 @@ CellTask TaskBox::at(const std::vector<int>& varying, const double* u) const {
   return task;
 }
 
+CellTask TaskBox::sample(const std::vector<int>& varying, Rng& rng, bool is_corner) const {
+  std::array<double, kTaskSize> u;
+  for (double& value : std::span(u).first(varying.size())) {
+    const double share = rng.uniform(-1, 1);
+    value = is_corner ? std::copysign(1.0, share) : share;
+  }
+  return at(varying, u.data());
+}
+
 std::array<double, kTaskSize> TaskBox::place_of(const std::vector<int>& varying,
                                                 const CellTask& task) const {
   std::array<double, kTaskSize> u = {};
@@ -73,6 +82,17 @@ Eigen::Matrix<double, 6, 1> TaskFrame::twist(const CellTask& task, int parameter
 
 double TaskFrame::displacement(const TaskBox& box, double away) const {
   return std::hypot(box.half[0], box.half[1], box.half[2]) + box.half[kYaw] * away;
+}
+
+double TaskFrame::distance2(const TaskBox& box, const CellTask& task) const {
+  double sum = 0;
+  for (const int k : varying_) {
+    const auto at = as_index(k);
+    const double off = std::abs(task[at] - box.center[at]);
+    const double beyond = std::max(0.0, off - box.half[at]) / half_extents_[at];
+    sum += beyond * beyond;
+  }
+  return sum;
 }
 
 double TaskFrame::share_of(const TaskBox& box) const {

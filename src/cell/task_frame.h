@@ -19,6 +19,9 @@ struct TaskBox {
   [[nodiscard]] bool contains(const CellTask& task) const;
   /// The task at `u`, a value in [-1, 1] per varying parameter.
   [[nodiscard]] CellTask at(const std::vector<int>& varying, const double* u) const;
+  /// A random task; a corner if `is_corner`.
+  [[nodiscard]] CellTask sample(const std::vector<int>& varying, Rng& rng,
+                                bool is_corner = false) const;
   /// The inverse of at().
   [[nodiscard]] std::array<double, kTaskSize> place_of(const std::vector<int>& varying,
                                                        const CellTask& task) const;
@@ -37,6 +40,8 @@ class TaskFrame {
   [[nodiscard]] Eigen::Matrix<double, 6, 1> twist(const CellTask& task, int parameter) const;
   /// Bound on the motion of a point fixed to the link at distance `away` from the pivot, metres.
   [[nodiscard]] double displacement(const TaskBox& box, double away) const;
+  /// Squared distance of a task from a box, relative to the region's half extents.
+  [[nodiscard]] double distance2(const TaskBox& box, const CellTask& task) const;
   /// Share of the region's volume.
   [[nodiscard]] double share_of(const TaskBox& box) const;
   /// Task from one corner of the region to the other for values in [-1, 1].

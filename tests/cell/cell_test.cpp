@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "cell/cell_data.h"
 #include "cell/cells.h"
 #include "cell/split_tree.h"
 
@@ -27,7 +28,60 @@ void check_answer(const CellRegion& region, const CellTask& task, const CellAnsw
   }
 }
 
+/// Boxes in a tree that random leaves are cut from, up to two per node.
+internal::StartCell random_boxes(const internal::TaskFrame& frame, int cuts, Rng& rng) {
+  internal::StartCell cell;
+  const auto& varying = frame.varying();
+  for (int i = 0; i < cuts; ++i) {
+    const auto count = static_cast<std::uint32_t>(cell.tree.nodes.size());
+    const auto node = static_cast<int>(rng.index(count));
+    if (!cell.tree.nodes[static_cast<std::size_t>(node)].is_leaf()) continue;
+    cell.tree.cut(node, varying[rng.index(static_cast<std::uint32_t>(varying.size()))], 0);
+  }
+  const auto places = cell.tree.place(frame.whole());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    internal::SplitNode& node = cell.tree.nodes[i];
+    node.first = static_cast<int>(cell.boxes.size());
+    node.count = static_cast<std::uint16_t>(rng.index(3));
+    for (int k = 0; k < node.count; ++k) cell.boxes.emplace_back().tasks = places[i];
+  }
+  return cell;
+}
+
+/// As StartCell::nearest(), over all boxes.
+std::vector<int> nearest_of_all(const internal::StartCell& cell, const internal::TaskFrame& frame,
+                                const CellTask& task, std::size_t most) {
+  std::vector<std::pair<double, int>> order;
+  for (std::size_t i = 0; i < cell.boxes.size(); ++i) {
+    order.emplace_back(frame.distance2(cell.boxes[i].tasks, task), static_cast<int>(i));
+  }
+  std::ranges::sort(order);
+  std::vector<int> result;
+  for (std::size_t i = 0; i < std::min(most, order.size()); ++i) result.push_back(order[i].second);
+  return result;
+}
+
 }  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("the tree finds the boxes nearest to a task, as a look at all of them does") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    const internal::TaskFrame frame(region);
+    Rng rng(31);
+    for (const int cuts : {0, 3, 40, 2000}) {
+      const internal::StartCell cell = random_boxes(frame, cuts, rng);
+      for (int i = 0; i < 40; ++i) {
+        INFO("seed 31, " << cuts << " cuts, task " << i);
+        CellTask task = random_task_of(region, rng, i % 2 == 1);
+        if (i % 4 >= 2) task[0] *= 1.5;  // beyond the region
+        for (const std::size_t most : {std::size_t{6}, std::size_t{64}}) {
+          REQUIRE(cell.nearest(task, frame, most) == nearest_of_all(cell, frame, task, most));
+        }
+      }
+    }
+  }
+}
 
 TEST_SUITE("flow") {
   TEST_CASE("answers of a cell are free, within limits and at their pose, corners included") {
