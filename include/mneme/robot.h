@@ -180,6 +180,11 @@ class Robot {
   [[nodiscard]] std::span<const std::pair<int, int>> exact_pairs() const {
     return model_->exact_pairs;
   }
+  /// Pairs of link indices, without attached objects, that may touch: those of the SRDF and
+  /// RobotOptions. Without both, also links that one joint of the group connects.
+  [[nodiscard]] std::span<const std::pair<int, int>> allowed_pairs() const {
+    return model_->allowed_pairs;
+  }
   /// The named states of all groups of the SRDF, in its order.
   [[nodiscard]] std::span<const NamedState> named_states() const { return model_->states; }
   /// Warnings from reading, such as names in the SRDF that the URDF lacks.
@@ -254,7 +259,7 @@ class Robot {
     std::vector<Link> links;
     std::vector<Joint> joints;
     std::vector<int> group;
-    std::vector<std::pair<int, int>> self_pairs, exact_pairs;
+    std::vector<std::pair<int, int>> self_pairs, exact_pairs, allowed_pairs;
     std::string hash;
     bool is_planar = false;
     std::vector<std::string> warnings;

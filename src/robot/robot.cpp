@@ -186,12 +186,13 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
     MNEME_TRY(set_fixed_values(sorted.joints, model.group, options.fixed_values, sorted.warnings));
     warn_of_wide_limits(sorted.joints, sorted.warnings);
     warn_of_followers(sorted.joints, model.group, sorted.warnings);
-    const internal::LinkPairs allowed = MNEME_TRY(find_allowed(sorted, model.group, options));
+    model.allowed_pairs = MNEME_TRY(find_allowed(sorted, model.group, options));
     model.exact_pairs =
         MNEME_TRY(find_pairs(sorted.links, sorted.exact_pairs, "checked by exact geometry"));
     model.links = std::move(sorted.links);
     model.joints = std::move(sorted.joints);
-    model.self_pairs = internal::derive_self_pairs(model.links, model.joints, model.group, allowed);
+    model.self_pairs =
+        internal::derive_self_pairs(model.links, model.joints, model.group, model.allowed_pairs);
     std::erase_if(model.exact_pairs, [&](const std::pair<int, int>& pair) {
       return std::ranges::find(model.self_pairs, pair) == model.self_pairs.end();
     });
