@@ -5,6 +5,7 @@
 #include "mneme/spheres.h"
 
 #include "base/as_index.h"
+#include "check/parted_pairs.h"
 #include "planning/end_contacts.h"
 #include "robot/kinematics.h"
 

@@ -3,6 +3,7 @@
 #include "task/gripper_motion.h"
 
 #include "base/as_index.h"
+#include "check/parted_pairs.h"
 #include "path/waypoints.h"
 #include "pipeline/end_exit.h"
 #include "planning/end_contacts.h"
@@ -48,13 +49,22 @@ Configuration widened(const Robot& wide, const Robot& robot, const Configuration
   return all;
 }
 
+/// Fingers may close until they touch, and open from there.
+void let_fingers_meet(const Robot& wide, const Robot& robot, Scene& scene) {
+  constexpr double kStretch = 0.02;  // metres
+  for (const auto& [first, second] : parted_pairs(wide, robot)) {
+    scene.end_contacts.push_back(
+        {wide.links()[as_index(first)].name, wide.links()[as_index(second)].name, kStretch});
+  }
+}
+
 bool is_motion_clear(const CollisionChecker& checker, const Configuration& from,
                      const Configuration& to) {
   const Robot& robot = checker.robot();
   CheckCounters counters;
   return is_clear(checker, from) &&
-         checker.is_motion_valid(to_floats(robot.normalized(from)), to_floats(robot.normalized(to)),
-                                 counters, {1, kVerificationMargin});
+         checker.is_sweep_valid(to_floats(robot.normalized(from)), to_floats(robot.normalized(to)),
+                                counters, {.margin = kVerificationMargin});
 }
 
 /// True if the motion only leaves contact at its start, or only enters contact at its end.
@@ -92,14 +102,15 @@ tl::expected<GripperMotionPtr, Failure> move_gripper(TaskRun& run, const Checked
   if (!wide) return invalid(wide.error());
   const Configuration from = widened(*wide, robot, q, {});
   const Configuration to = widened(*wide, robot, q, stage.values);
-  const Scene& scene = world.checker.scene();
+  Scene scene = world.checker.scene();
+  let_fingers_meet(*wide, robot, scene);
   auto checked = make_query_checker(*wide, scene, run.checker_settings(), {from, {to}});
   if (!checked) return invalid(checked.error());
   const CollisionChecker& checker = checked->checker;
   run.states += kFingerStates;
-  const bool is_free =
-      is_motion_clear(checker, from, to) ||
-      (run.may_touch_at_ends(world.world) && is_only_in_contact_at_an_end(run, checker, from, to));
+  const bool may_touch = run.may_touch_at_ends(world.world) || !scene.end_contacts.empty();
+  const bool is_free = is_motion_clear(checker, from, to) ||
+                       (may_touch && is_only_in_contact_at_an_end(run, checker, from, to));
   if (!is_free) {
     return tl::unexpected(Failure{DropReason::contact, describe_blocked(checker, from, to)});
   }

@@ -6,6 +6,7 @@
 
 #include "base/as_index.h"
 #include "base/fail.h"
+#include "check/parted_pairs.h"
 #include "robot/kinematics.h"
 
 #include <fmt/format.h>
@@ -14,7 +15,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <set>
 #include <tuple>
 #include <utility>
 
@@ -132,18 +132,12 @@ Result<World> with_allowed(const World& world, const Stage& stage) {
   return next;
 }
 
-/// Pairs of links that are not checked: all but `checked`.
-std::vector<std::pair<std::string, std::string>> unchecked_pairs(const Robot& robot) {
-  const std::set<std::pair<int, int>> checked(robot.self_pairs().begin(), robot.self_pairs().end());
-  std::vector<std::pair<std::string, std::string>> pairs;
-  const auto count = static_cast<int>(robot.links().size());
-  for (int i = 0; i < count; ++i) {
-    for (int k = i + 1; k < count; ++k) {
-      if (checked.contains({i, k})) continue;
-      pairs.emplace_back(robot.links()[as_index(i)].name, robot.links()[as_index(k)].name);
-    }
+auto names_of(const Robot& robot, std::span<const std::pair<int, int>> pairs) {
+  std::vector<std::pair<std::string, std::string>> names;
+  for (const auto& [first, second] : pairs) {
+    names.emplace_back(robot.links()[as_index(first)].name, robot.links()[as_index(second)].name);
   }
-  return pairs;
+  return names;
 }
 
 Robot::Parts parts_of(const Robot& bare) {
@@ -151,12 +145,9 @@ Robot::Parts parts_of(const Robot& bare) {
   parts.name = bare.name();
   parts.links.assign(bare.links().begin(), bare.links().end());
   parts.joints.assign(bare.joints().begin(), bare.joints().end());
-  parts.allowed_pairs = unchecked_pairs(bare);
+  parts.allowed_pairs = names_of(bare, bare.allowed_pairs());
   parts.states.assign(bare.named_states().begin(), bare.named_states().end());
-  for (const auto& [first, second] : bare.exact_pairs()) {
-    parts.exact_pairs.emplace_back(bare.links()[as_index(first)].name,
-                                   bare.links()[as_index(second)].name);
-  }
+  parts.exact_pairs = names_of(bare, bare.exact_pairs());
   return parts;
 }
 
@@ -170,6 +161,28 @@ RobotOptions options_of(const Robot& robot) {
     if (is_free(joint) && !is_planned) options.fixed_values.emplace(joint.name, joint.fixed_value);
   }
   return options;
+}
+
+/// The robot with the joints of `values` in its planning group, too. Checks links that only these
+/// joints part, by exact geometry where there is one.
+Result<Robot> make_wide(const Robot& bare, const std::map<std::string, double>& values) {
+  RobotOptions options = options_of(bare);
+  for (const auto& [joint, value] : values) {
+    options.fixed_values.erase(joint);
+    options.joints.push_back(joint);
+  }
+  Robot wide = MNEME_TRY(make_robot(parts_of(bare), options));
+  options.allowed_pairs = names_of(wide, connected_pairs(wide, bare));
+  wide = MNEME_TRY(make_robot(parts_of(bare), options));
+  for (auto& pair : names_of(wide, linked_pairs(wide, bare))) options.allowed_pairs.push_back(pair);
+  Robot::Parts parts = parts_of(bare);
+  for (const auto& [first, second] : parted_pairs(wide, bare)) {
+    const Link &one = wide.links()[as_index(first)], &other = wide.links()[as_index(second)];
+    if (one.approximation || other.approximation) {
+      parts.exact_pairs.emplace_back(one.name, other.name);
+    }
+  }
+  return make_robot(std::move(parts), options);
 }
 
 }  // namespace
@@ -189,12 +202,7 @@ Result<Robot> find_or_make_wide(const World& world, const std::map<std::string, 
            std::ranges::equal(entry.values, values, is_same_joint);
   });
   if (known == made.end()) {
-    RobotOptions options = options_of(bare);
-    for (const auto& [joint, value] : values) {
-      options.fixed_values.erase(joint);
-      options.joints.push_back(joint);
-    }
-    made.push_back({bare, values, MNEME_TRY(make_robot(parts_of(bare), options))});
+    made.push_back({bare, values, MNEME_TRY(make_wide(bare, values))});
     known = std::prev(made.end());
   }
   return with_held(known->to, world.robot);
@@ -271,23 +279,6 @@ std::vector<Transform> link_targets(const World& world, const PoseChoice& choice
   targets.reserve(choice.poses.size());
   for (const Transform& pose : choice.poses) targets.push_back(X_WF * pose * X_OL);
   return targets;
-}
-
-std::vector<int> rigid_with(const Robot& robot, int link) {
-  const std::vector<bool> moving = find_moving(robot.joints(), robot.group());
-  const std::span<const Link> links = robot.links();
-  std::vector<int> body(links.size());
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    const int joint = links[i].parent_joint;
-    const bool is_own = joint < 0 || moving[as_index(joint)];
-    body[i] =
-        is_own ? static_cast<int>(i) : body[as_index(robot.joints()[as_index(joint)].parent_link)];
-  }
-  std::vector<int> rigid;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (body[i] == body[as_index(link)]) rigid.push_back(static_cast<int>(i));
-  }
-  return rigid;
 }
 
 }  // namespace mneme::internal

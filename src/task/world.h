@@ -83,7 +83,4 @@ void let_touch_at_ends(Scene& scene, const std::string& object,
 [[nodiscard]] std::vector<Transform> link_targets(const World& world, const PoseChoice& choice,
                                                   const std::vector<Transform>& start_poses);
 
-/// The links that no joint of the group moves against `link`, and `link` itself: indices.
-[[nodiscard]] std::vector<int> rigid_with(const Robot& robot, int link);
-
 }  // namespace mneme::internal

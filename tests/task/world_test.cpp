@@ -135,6 +135,51 @@ TEST_SUITE("unit") {
     CHECK(blocked.message == "stage 'open': contact ('ball' with 'pin' while the gripper moves)");
   }
 
+  TEST_CASE("fingers may close until they touch, but not pass through each other") {
+    const std::string fingers = R"(<robot name="gripper"><link name="base"/>
+      <link name="palm"/>
+      <link name="left">
+        <collision><geometry><sphere radius="0.02"/></geometry></collision>
+        <collision><origin xyz="0 0 0.15"/><geometry><sphere radius="0.02"/></geometry></collision>
+      </link>
+      <link name="right"><collision><geometry><sphere radius="0.02"/></geometry></collision></link>
+      <link name="rod"><collision><origin xyz="0 0 0.15"/>
+        <geometry><sphere radius="0.09"/></geometry></collision></link>
+      <joint name="turn" type="revolute"><parent link="base"/><child link="palm"/>
+        <axis xyz="0 0 1"/><limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+      <joint name="close_left" type="prismatic"><parent link="palm"/><child link="left"/>
+        <origin xyz="0 -0.05 0"/><axis xyz="0 1 0"/>
+        <limit lower="0" upper="0.2" effort="1" velocity="1"/></joint>
+      <joint name="close_right" type="prismatic"><parent link="palm"/><child link="right"/>
+        <origin xyz="0 0.05 0"/><axis xyz="0 -1 0"/>
+        <limit lower="0" upper="0.2" effort="1" velocity="1"/></joint>
+      <joint name="follow" type="prismatic"><parent link="palm"/><child link="rod"/>
+        <origin xyz="0 -0.05 0"/><axis xyz="0 1 0"/><mimic joint="close_left" multiplier="0.5"/>
+        <limit lower="0" upper="0.1" effort="1" velocity="1"/></joint></robot>)";
+    const TemporaryDirectory directory;
+    write_file(directory / "gripper.urdf", fingers);
+    const auto result_of = [&](double left, double right) {
+      write_file(directory / "task.yaml",
+                 fmt::format("robot: gripper.urdf\ngroup: \"base:palm\"\nstart: [0]\n"
+                             "scene: {{obstacles: []}}\nstages: [{{name: close, gripper: "
+                             "{{close_left: {}, close_right: {}}}}}]\n",
+                             left, right));
+      const auto task = load_task(directory / "task.yaml");
+      REQUIRE_MESSAGE(task.has_value(), (task ? "" : task.error().message));
+      return solved(*task);
+    };
+    const TaskResult open = result_of(0.02, 0.02), closed = result_of(0.03, 0.031);
+    REQUIRE(open.is_solved());
+    CHECK(closed.is_solved());
+    // The rod touches the left finger at any value of their joint.
+    const auto pairs = open.stages[0].gripper->world->robot.self_pairs();
+    CHECK(pairs.size() == 2);
+    const TaskResult crossed = result_of(0.1, 0.1);
+    CHECK_FALSE(crossed.is_solved());
+    CHECK(crossed.message ==
+          "stage 'close': contact ('left' with 'right' while the gripper moves)");
+  }
+
   TEST_CASE("an object goes with the hand and stays where it is detached") {
     const Task task = make_task(kCell + kPickAndPlace);
     World world = internal::first_world(task);
