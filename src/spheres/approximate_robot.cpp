@@ -80,6 +80,7 @@ std::string sphere_key(const TriangleMesh& surface, const SphereSettings& settin
   std::vector<double> numbers = {kSphereVersion, settings.excess,
                                  static_cast<double>(settings.max_spheres)};
   for (const Triangle& triangle : surface) {
+    poll_interrupt();
     for (const Vec3& corner : {triangle.a, triangle.b, triangle.c}) {
       // Adding zero makes -0 the same as 0.
       for (const double coordinate : corner) numbers.push_back(coordinate + 0.0);

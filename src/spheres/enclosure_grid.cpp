@@ -3,6 +3,7 @@
 #include "spheres/enclosure_grid.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 
 #include <Eigen/Geometry>
 
@@ -71,6 +72,7 @@ std::pair<LineGrid::Cell, LineGrid::Cell> LineGrid::cells_of(const Triangle& t) 
 }
 
 std::size_t LineGrid::count_entries(const TriangleMesh& mesh) const {
+  poll_interrupt();
   std::size_t count = 0;
   for (const Triangle& t : mesh) {
     const auto [first, last] = cells_of(t);
@@ -88,6 +90,7 @@ void LineGrid::visit_cells(const Triangle& t, const Visit& visit) const {
 }
 
 Crossings LineGrid::crossings(const TriangleMesh& mesh, const Vec3& point, const Line& line) const {
+  poll_interrupt();
   const Cell at = cell_of(projected(point));
   const std::size_t cell = as_index(at[1] * side_ + at[0]);
   Crossings crossings;

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "spheres/fit_capsule.h"
 
+#include "base/threads.h"
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
@@ -101,6 +103,7 @@ std::optional<Excess> measure(const Capsule& capsule, const Transform& pose,
 
 std::optional<FittedCapsule> fit_capsule(const TriangleMesh& mesh, const SolidModel& solid,
                                          double most) {
+  poll_interrupt();
   const Eigen::Matrix3d axes = principal_axes(mesh);
   Transform pose;
   pose.rotation.col(2) = axes.col(2);

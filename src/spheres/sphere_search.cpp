@@ -62,6 +62,7 @@ std::vector<Element> elements_of(Groups groups) {
 std::vector<Element> cut_surface(const TriangleMesh& mesh, double size) {
   Groups groups;
   for (const Triangle& t : subdivide(mesh, size)) {
+    poll_interrupt();
     std::vector<Sphere>& balls = groups[key_of(t.centroid(), size)].balls;
     for (const Vec3& corner : {t.a, t.b, t.c}) balls.push_back({corner, 0});
   }
@@ -252,6 +253,7 @@ class SphereSearch {
     std::size_t bare = bare_.size();
     bare_.clear();
     while (bare > 0) {
+      poll_interrupt();
       const int best = most_useful(useful, noise);
       for (const int e : held_[as_index(best)]) {
         if (counts_[as_index(e)] > 0) continue;
@@ -362,6 +364,7 @@ std::vector<Pieces> share_out(std::span<const Sphere> spheres, std::span<const E
   std::vector<Pieces> shares(spheres.size());
   std::size_t owner = 0;  // a neighbour's first: it leaves few others to look at
   for (const Element& element : elements) {
+    poll_interrupt();
     double most_room = spheres[owner].radius - element.reach_from(spheres[owner].center);
     for (std::size_t i = 0; i < spheres.size(); ++i) {
       const double more = spheres[i].radius - most_room;

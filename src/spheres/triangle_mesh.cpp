@@ -3,6 +3,7 @@
 #include "spheres/triangle_mesh.h"
 
 #include "base/fail.h"
+#include "base/threads.h"
 #include "geometry/axis_box.h"
 #include "mesh/mesh_file.h"
 
@@ -74,7 +75,10 @@ TriangleMesh triangulate(const Cylinder& cylinder) {
 
 TriangleMesh subdivide(const TriangleMesh& mesh, double length) {
   TriangleMesh result;
-  for (const Triangle& triangle : mesh) add_halves(triangle, length, result);
+  for (const Triangle& triangle : mesh) {
+    poll_interrupt();
+    add_halves(triangle, length, result);
+  }
   return result;
 }
 
@@ -120,6 +124,7 @@ void append(std::span<const Triangle> triangles, TriangleMesh& surface) {
 Result<TriangleMesh> link_surface(const Link& link) {
   TriangleMesh surface;
   for (const Solid& solid : link.solids) {
+    poll_interrupt();
     const TriangleMesh part = MNEME_TRY(
         std::visit(Triangulate{}, solid).map_error(naming(fmt::format("link '{}'", link.name))));
     append(part, surface);
