@@ -19,18 +19,20 @@ const noPanda = skip || (panda && existsSync(panda) ? false : "MNEME_DATA is not
 const portablePath = (where) => JSON.parse(mneme("plan", where, "--isa", "portable", "--json")).path;
 
 describe("the module in node", { skip }, () => {
-  test("plans a problem file as the program does", async () => {
-    const planner = await startPlanner("planar8");
-    const where = "scenes/planar/scenario1.yaml";
-    planner.addFile(`/${where}`, readFileSync(join(root, where), "utf8"));
-    const opened = planner.open(`/${where}`);
-    assert.equal(opened.status, 200, JSON.stringify(opened.json));
-    assert.equal(opened.json.isa, "wasm");
-    const { start, goals } = opened.json;
-    const { json } = planner.call("/v1/plan", { start, goals });
-    assert.equal(json.status, "solved", JSON.stringify(json));
-    assert.deepEqual(json.path, portablePath(join(root, where)));
-  });
+  for (const [robot, where] of [["planar8", "scenes/planar/scenario2.yaml"], ["planar8", "scenes/planar/threaded_b0.yaml"],
+    ["fetch", "scenes/shelf/thin.yaml"]]) {
+    test(`plans ${where} as the program does`, async () => {
+      const planner = await startPlanner(robot);
+      planner.addFile(`/${where}`, readFileSync(join(root, where), "utf8"));
+      const opened = planner.open(`/${where}`);
+      assert.equal(opened.status, 200, JSON.stringify(opened.json));
+      assert.equal(opened.json.isa, "wasm");
+      const { start, goals } = opened.json;
+      const { json } = planner.call("/v1/plan", { start, goals });
+      assert.equal(json.status, "solved", JSON.stringify(json));
+      assert.deepEqual(json.path, portablePath(join(root, where)));
+    });
+  }
 
   test("refuses in words what the service refuses", async () => {
     const planner = await startPlanner("planar8");
