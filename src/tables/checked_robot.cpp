@@ -34,11 +34,14 @@ class Registry {
 Result<CheckedRobot> make_checked_robot(const Robot& robot) {
   if (robot.attached().empty()) {
     RobotTables tables = MNEME_TRY(make_robot_tables(robot));
-    return CheckedRobot{std::move(tables), LinkDistances(robot), reach_of(robot)};
+    return CheckedRobot{
+        std::move(tables), LinkDistances(robot), reach_of(robot),
+        std::make_shared<const std::vector<PairTables>>(MNEME_TRY(make_pair_tables(robot)))};
   }
   const auto bare = MNEME_TRY(share_checked_robot(robot.without_attached()));
   RobotTables tables = MNEME_TRY(add_attached(robot, bare->tables));
-  return CheckedRobot{std::move(tables), LinkDistances(robot, bare->links), reach_of(robot)};
+  return CheckedRobot{std::move(tables), LinkDistances(robot, bare->links), reach_of(robot),
+                      bare->exact_pairs};
 }
 
 }  // namespace

@@ -34,6 +34,14 @@ void store(const Matrix& m, float* out) {
 /// geometry. Error: more moving joints than kMaxFrames.
 [[nodiscard]] Result<RobotTables> make_robot_tables(const Robot& robot);
 
+/// The spheres of a pair of links that is checked by exact geometry.
+struct PairTables {
+  std::pair<int, int> links;
+  RobotTables tables;  ///< check this pair only; without limbs and separation tables
+};
+/// Makes the tables of Robot::exact_pairs. Error: more moving joints than kMaxFrames.
+[[nodiscard]] Result<std::vector<PairTables>> make_pair_tables(const Robot& robot);
+
 /// Makes the tables of a robot with attached objects from the tables of the bare robot.
 [[nodiscard]] Result<RobotTables> add_attached(const Robot& robot, const RobotTables& bare);
 
@@ -92,6 +100,8 @@ struct CheckedRobot {
   RobotTables tables;
   LinkDistances links;
   double reach = 0;  ///< reach_of() the robot
+  /// make_pair_tables() of the robot without attached objects.
+  std::shared_ptr<const std::vector<PairTables>> exact_pairs;
 };
 
 /// Returns the tables that all copies of a robot share. The first call for a robot makes them,

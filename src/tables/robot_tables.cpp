@@ -82,25 +82,20 @@ class RobotTablesBuilder {
   }
 
   Result<RobotTables> build() {
-    place_links();
-    if (tables_.frames.size() > as_index(kMaxFrames)) {
-      return fail(ErrorCode::unsupported, "robot '" + robot_.name() + "' has more than " +
-                                              std::to_string(kMaxFrames) + " joints that move");
-    }
-    add_links();
-    add_bodies();
     std::vector<std::pair<int, int>> pairs;
     std::ranges::copy_if(robot_.self_pairs(), std::back_inserter(pairs), [this](const auto& pair) {
       return std::ranges::find(robot_.exact_pairs(), pair) == robot_.exact_pairs().end();
     });
-    add_pairs(pairs, [this](int link_a, int link_b) {
-      const Linkage linkage(robot_, tables_, placements_[as_index(link_a)].frame,
-                            placements_[as_index(link_b)].frame);
-      return [this, linkage](int a, int b) { return can_groups_meet(linkage, a, b); };
-    });
+    MNEME_TRY(add_bodies_and(pairs));
     add_limbs();
     add_reaches(tables_);
     add_separation_tables(robot_, tables_);
+    return std::move(tables_);
+  }
+
+  /// Without limbs and separation tables.
+  Result<RobotTables> build_of_exact_pairs() {
+    MNEME_TRY(add_bodies_and(robot_.exact_pairs()));
     return std::move(tables_);
   }
 
@@ -124,6 +119,22 @@ class RobotTablesBuilder {
   }
 
  private:
+  Result<void> add_bodies_and(std::span<const std::pair<int, int>> pairs) {
+    place_links();
+    if (tables_.frames.size() > as_index(kMaxFrames)) {
+      return fail(ErrorCode::unsupported, "robot '" + robot_.name() + "' has more than " +
+                                              std::to_string(kMaxFrames) + " joints that move");
+    }
+    add_links();
+    add_bodies();
+    add_pairs(pairs, [this](int link_a, int link_b) {
+      const Linkage linkage(robot_, tables_, placements_[as_index(link_a)].frame,
+                            placements_[as_index(link_b)].frame);
+      return [this, linkage](int a, int b) { return can_groups_meet(linkage, a, b); };
+    });
+    return {};
+  }
+
   /// The frame that carries a link, and the link's pose in it.
   struct Placement {
     int frame = 0;
@@ -475,6 +486,18 @@ class RobotTablesBuilder {
 
 Result<RobotTables> make_robot_tables(const Robot& robot) {
   return RobotTablesBuilder(robot).build();
+}
+
+Result<std::vector<PairTables>> make_pair_tables(const Robot& robot) {
+  std::vector<PairTables> made;
+  if (robot.exact_pairs().empty()) return made;
+  const RobotTables all = MNEME_TRY(RobotTablesBuilder(robot).build_of_exact_pairs());
+  for (const auto& pair : robot.exact_pairs()) {
+    std::set<std::pair<int, int>> others(robot.exact_pairs().begin(), robot.exact_pairs().end());
+    others.erase(pair);
+    made.push_back({pair, without_pairs(all, others)});
+  }
+  return made;
 }
 
 Result<RobotTables> add_attached(const Robot& robot, const RobotTables& bare) {
