@@ -33,7 +33,8 @@ struct PartialMotion {
 
 struct ExactPairs::Pair {
   SolidPair solids;
-  FreeCellsOfPairs::Cells cells = {};  ///< tried before the solids
+  FreeCellsOfPairs::Cells cells = {};             ///< tried before the solids
+  std::optional<std::pair<int, int>> links = {};  ///< unless it is a link and obstacles
 
   /// The share of the motion around what no cell proves, if any.
   [[nodiscard]] std::optional<MotionShare> unproven(std::span<const float> from,
@@ -57,13 +58,16 @@ struct ExactPairs::Pair {
     return solids.stays_apart(motion, extra);
   }
 
-  /// True if the pair is apart at states of a share of the motion, `spacing` shares from each
-  /// other.
+  /// True if the pair is apart at states of a share of the motion, about `spacing` shares of the
+  /// motion from each other.
   [[nodiscard]] bool is_apart_at_states(std::span<const float> from, std::span<const float> delta,
                                         MotionShare share, double extra, double spacing) const {
     const PartialMotion part(from, delta, share);
     ChainMotion motion(solids.chain, part.from, part.delta);
-    return solids.is_apart_at_states(motion, extra, 0.5 * spacing / (share.last - share.first));
+    // Half of an interval: halving gives 0.7 to 1.4 times the spacing.
+    constexpr double kNearest = 0.7072;
+    return solids.is_apart_at_states(motion, extra,
+                                     kNearest * spacing / (share.last - share.first));
   }
 };
 
@@ -85,7 +89,8 @@ ExactPairs::ExactPairs(const Robot& robot, const LinkDistances& links, const Sce
     if (!pair.is_exact) continue;
     pairs.push_back({SolidPair({robot, pair.first, pair.second}, links.exact(pair.first),
                                links.exact(pair.second)),
-                     links.free_cells(robot, pair.first, pair.second)});
+                     links.free_cells(robot, pair.first, pair.second),
+                     std::pair(pair.first, pair.second)});
   }
   pairs_ = std::make_shared<const std::vector<Pair>>(std::move(pairs));
 }
@@ -102,25 +107,48 @@ bool ExactPairs::stay_apart(std::span<const float> from, std::span<const float> 
   });
 }
 
+namespace {
+
+/// The part of a share of a motion around its states that are not known to be apart, if any.
+std::optional<MotionShare> around_unknown(const MotionShare& share,
+                                          std::span<const std::uint8_t> apart) {
+  const auto first = std::ranges::find(apart, 0);
+  if (first == apart.end()) return std::nullopt;
+  const auto last = std::find(apart.rbegin(), apart.rend(), 0);
+  const auto count = static_cast<double>(apart.size());
+  const MotionShare part{
+      std::max(share.first, (static_cast<double>(first - apart.begin()) + 0.5) / count),
+      std::min(share.last, (static_cast<double>(apart.rend() - last) + 0.5) / count)};
+  return part.first <= part.last ? std::optional(part) : std::nullopt;
+}
+
+}  // namespace
+
 /// All pairs are checked at few states before any is at all: contact mostly lasts for long.
 bool ExactPairs::are_apart_at_states(std::span<const float> from, std::span<const float> delta,
-                                     double extra, int count) const {
+                                     double extra, int count, const KnownStates& known) const {
   constexpr int kFirst = 4;
-  if (empty()) return true;
-  const PartialMotion end(from, delta, {1, 1});
-  if (count <= 1) return stay_apart(end.from, {}, extra);
   std::vector<std::pair<const Pair*, MotionShare>> open;
+  std::vector<const Pair*> open_at_end;
+  std::vector<std::uint8_t> apart(known ? as_index(count) : 0);
   for (const Pair& pair : *pairs_) {
-    if (const auto share = pair.unproven(from, delta, extra)) open.emplace_back(&pair, *share);
+    auto share = pair.unproven(from, delta, extra);
+    if (!share) continue;
+    const bool is_known = known && pair.links && known(*pair.links, apart);
+    if (!is_known || apart.back() == 0) open_at_end.push_back(&pair);
+    if (is_known) share = around_unknown(*share, apart);
+    if (share && count > 1) open.emplace_back(&pair, *share);
   }
   const auto are_apart = [&](double spacing) {
     return std::ranges::all_of(open, [&](const auto& part) {
       return part.first->is_apart_at_states(from, delta, part.second, extra, spacing);
     });
   };
-  if (open.empty()) return true;
   if (count > kFirst && !are_apart(1.0 / kFirst)) return false;
-  return are_apart(1.0 / count) && stay_apart(end.from, {}, extra);
+  const PartialMotion end(from, delta, {1, 1});
+  return are_apart(1.0 / count) && std::ranges::all_of(open_at_end, [&](const Pair* pair) {
+           return pair->stays_apart(end.from, {}, {}, extra);
+         });
 }
 
 }  // namespace mneme::internal

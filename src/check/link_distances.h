@@ -11,9 +11,12 @@
 
 #include "base/as_index.h"
 
+#include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace mneme::internal {
@@ -186,10 +189,14 @@ class ExactPairs {
   /// that come closer than `extra` + 5e-5 m may fail.
   [[nodiscard]] bool stay_apart(std::span<const float> from, std::span<const float> delta,
                                 double extra) const;
-  /// True if no pair comes closer than `extra` metres at the motion's end and, by bounds or by
-  /// exact geometry, at about `count` > 0 states on the way. The start is assumed free.
+  /// Writes 1 for each state of a motion at which two links are known to be apart: state k of n is
+  /// at share (k + 1) / n. Returns false if nothing is known of these links.
+  using KnownStates = std::function<bool(std::pair<int, int> links, std::span<std::uint8_t> apart)>;
+  /// True if no pair comes closer than `extra` metres at the motion's end and, as `known`, bounds
+  /// or exact geometry tell, at about `count` > 0 states on the way. The start is assumed free.
+  /// `known` may be empty.
   [[nodiscard]] bool are_apart_at_states(std::span<const float> from, std::span<const float> delta,
-                                         double extra, int count) const;
+                                         double extra, int count, const KnownStates& known) const;
 
  private:
   struct Pair;
