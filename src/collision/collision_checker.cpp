@@ -109,6 +109,7 @@ struct CollisionChecker::Tables {
   internal::FamilyKernel family_kernel = nullptr;
   internal::Cones cones;
   internal::ExactPairs exact_pairs;
+  internal::SceneTables no_obstacles;
 
   [[nodiscard]] std::size_t joints() const { return internal::as_index(space.joint_count()); }
 
@@ -122,6 +123,31 @@ struct CollisionChecker::Tables {
   /// The tables lack parts of compound shapes beyond the robot's reach plus kSpareReach.
   [[nodiscard]] bool can_keep(double extra_margin) const {
     return world.scene.compounds.empty() || extra_margin <= internal::kSpareReach;
+  }
+
+  /// Exact geometry decides at states of the motion where the spheres of a pair touch.
+  [[nodiscard]] bool are_exact_pairs_apart(std::span<const float> from,
+                                           std::span<const float> delta, int count, double extra,
+                                           CheckCounters& counters) const {
+    if (exact_pairs.empty()) return true;
+    // Spheres keep no margin between links.
+    if (count <= 0) return exact_pairs.stay_apart(from, {}, extra);
+    constexpr int kMostKept = 10000;  // others would fill the memory
+    if (count > kMostKept) return exact_pairs.are_apart_at_states(from, delta, extra, count, {});
+    std::vector<float> states;
+    for (int k = 1; k <= count; ++k) {
+      const float share = static_cast<float>(k) / static_cast<float>(count);
+      for (std::size_t j = 0; j < from.size(); ++j) states.push_back(from[j] + share * delta[j]);
+    }
+    const auto known = [&](std::pair<int, int> links, std::span<std::uint8_t> apart) {
+      const auto& pairs = *checked_robot->exact_pairs;
+      const auto pair = std::ranges::find(pairs, links, &internal::PairTables::links);
+      if (pair == pairs.end()) return false;
+      kernels->check_states(pair->tables, no_obstacles, states.data(), count, 0, apart.data(),
+                            counters);
+      return true;
+    };
+    return exact_pairs.are_apart_at_states(from, delta, extra, count, known);
   }
 
   [[nodiscard]] bool is_sweep_free(std::span<const float> from, std::span<const float> delta,
@@ -188,7 +214,8 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
              isa, internal::JointSpace(robot), std::move(checked), std::move(world),
              &internal::collision_kernels(isa), &internal::shortcut_kernels(isa),
              internal::walk_kernel(isa), internal::family_kernel(isa),
-             internal::Cones(robot, settings.constraints), std::move(exact_pairs)});
+             internal::Cones(robot, settings.constraints), std::move(exact_pairs),
+             MNEME_TRY(internal::make_scene_tables({}))});
   return CollisionChecker(std::move(tables));
 }
 
@@ -244,8 +271,8 @@ bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<co
   const int states = t.count_states(length, detail.refinement);
   return t.kernels->is_motion_free(*t.world.robot, t.world.scene, from.data(), delta.data(), states,
                                    margin, counters) &&
-         t.exact_pairs.are_apart_at_states(from, {delta.data(), from.size()}, detail.exact_margin(),
-                                           states);
+         t.are_exact_pairs_apart(from, {delta.data(), from.size()}, states, detail.exact_margin(),
+                                 counters);
 }
 
 bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
@@ -286,7 +313,7 @@ bool CollisionChecker::is_chain_valid(std::span<const float> configurations,
     for (std::size_t i = 0; i < some && !t.exact_pairs.empty(); ++i) {
       const std::span<const float> from(points + i * joints, joints),
           delta(deltas.data() + i * joints, joints);
-      if (!t.exact_pairs.are_apart_at_states(from, delta, detail.exact_margin(), states[i]))
+      if (!t.are_exact_pairs_apart(from, delta, states[i], detail.exact_margin(), counters))
         return false;
     }
   }
