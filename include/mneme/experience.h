@@ -180,6 +180,8 @@ class Database {
   /// Returns how far `kind` has paid: 1 while it has saved what it spent beyond a credit, otherwise
   /// less, down to 0.05.
   [[nodiscard]] double trust(std::string_view kind) const;
+  /// True if `kind` has saved more than it spent.
+  [[nodiscard]] bool pays(std::string_view kind) const;
 
   /// Reads rows that other processes added, and drops rows that they set aside. Results of find()
   /// stay valid. Returns the number of new rows. Cost: one small query if nothing changed. Errors:

@@ -494,6 +494,8 @@ void Database::book(std::string_view kind, std::uint64_t spent, std::uint64_t sa
 
 double Database::trust(std::string_view kind) const { return state_->accounts.trust(kind); }
 
+bool Database::pays(std::string_view kind) const { return state_->accounts.pays(kind); }
+
 Result<std::int64_t> Database::refresh() {
   const std::lock_guard writing(state_->writing);
   return state_->catch_up();

@@ -25,4 +25,10 @@ double KindAccounts::trust(std::string_view kind) const {
   return std::min(1.0, (kCredit + saved) / (kCredit + spent));
 }
 
+bool KindAccounts::pays(std::string_view kind) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = accounts_.find(kind);
+  return known != accounts_.end() && known->second.saved > known->second.spent;
+}
+
 }  // namespace mneme::internal

@@ -21,6 +21,8 @@ class KindAccounts {
   /// Returns 1 while `kind` has saved what it spent beyond kCredit, otherwise less, down to
   /// kCredit / (kCredit + kWindow).
   [[nodiscard]] double trust(std::string_view kind) const;
+  /// True if `kind` has saved more than it spent.
+  [[nodiscard]] bool pays(std::string_view kind) const;
 
  private:
   struct Account {
