@@ -109,10 +109,10 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Needs a kind of memory that learns primitives.");
   visit("remember-after", s.remember_after, 0, 1000000000,
         "Insert what a solved problem teaches once this many iterations have accumulated since the "
-        "last insertion; 0: after each solved problem. Default: never.");
+        "last insertion; 0: always, unless replay would come too late for it. Default: never.");
   visit("replay", s.replay, 0.0, 1e6,
-        "Before any search, try remembered paths whose ends are closer to the query's than this "
-        "(radians), deformed and repaired. 0: none. Default: 0.5 unless a kind is chosen.");
+        "First try remembered paths with ends closer to the query's than this, radians. Default: "
+        "0.5 unless a kind is chosen; rrt_connect then searches for 64 iterations before.");
   visit("resolution", s.resolution, 1e-4, 10.0,
         "Largest L2 joint distance between checked states of a motion, radians. Default: the "
         "robot's (0.02 for a planar arm, 1/32 otherwise).");

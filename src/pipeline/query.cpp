@@ -131,6 +131,15 @@ Result<std::vector<KindSettings>> complete_kinds(const Robot& robot, const Datab
   return completed;
 }
 
+/// Query::ask_after; `query` is complete otherwise.
+std::optional<std::uint64_t> ask_after(const Query& query, bool is_distance_given) {
+  if (is_distance_given || !query.planner.walks) return std::nullopt;
+  const auto kind = std::ranges::find_if(query.kinds, [](const auto& k) { return k.replay > 0; });
+  const bool pays = kind != query.kinds.end() && query.may_change_memory() &&
+                    query.database->pays(kind->kind->version);
+  return pays ? 0 : kAlone;
+}
+
 bool is_memory_used(const SamplerEntry& sampler, const SolveSettings& settings) {
   if (settings.memory_mode == MemoryMode::off) return false;
   return sampler.uses_memory || settings.replay > 0 || settings.remember_after;
@@ -215,7 +224,6 @@ Result<Query> make_query(const Problem& problem, Database* database,
   const PlannerEntry* planner = MNEME_TRY(find_planner(settings.planner));
   MNEME_TRY(check_constraints(*planner, problem));
   Query query{problem, nullptr, with_memory_mode(settings), *planner, *sampler, {}, {}};
-  query.is_replay_asked = settings.replay.has_value();
   if (database == nullptr) return query;
   MNEME_TRY(check_learning(*sampler, settings));
   if (!is_memory_used(*sampler, settings)) return query;
@@ -223,6 +231,7 @@ Result<Query> make_query(const Problem& problem, Database* database,
   query.settings.replay = replay_distance(*database, *sampler, query.settings);
   query.kinds = MNEME_TRY(complete_kinds(problem.robot, database, query.settings));
   query.database = database;
+  query.ask_after = ask_after(query, settings.replay.has_value());
   return query;
 }
 

@@ -6,6 +6,8 @@
 
 #include "mneme/pipeline.h"
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +29,9 @@ struct KindSettings {
   double replay = 0;
 };
 
+/// Iterations of a search before anything dearer begins: asking memory, or other threads.
+inline constexpr std::uint64_t kAlone = 64;
+
 /// Problem, database and settings. Immutable; refers to problem, database, planner and sampler.
 struct Query {
   const Problem& problem;
@@ -37,8 +42,16 @@ struct Query {
   std::vector<KindSettings> kinds;  ///< empty without a database
   /// Measures the time limit. Started by make_query(), and again once the scene is prepared.
   mutable Stopwatch stopwatch = {};
-  bool is_replay_asked = false;  ///< True: the settings name the distance of replay.
+  /// Iterations of the search before memory is asked for a known task. Empty: it is asked before
+  /// the search, because the settings name the distance of replay, or because the planner is slow
+  /// to begin. 0: after the straight motion. Otherwise kAlone: most tasks are planned by then, and
+  /// neither ask nor fill the memory.
+  std::optional<std::uint64_t> ask_after = {};
 
+  /// Only a query that may change the memory changes how later ones are planned.
+  [[nodiscard]] bool may_change_memory() const {
+    return database != nullptr && settings.remember_after.has_value();
+  }
   [[nodiscard]] CheckerSettings checker_settings() const;
   /// True once the time limit is reached or the call is cancelled.
   [[nodiscard]] bool is_over() const;

@@ -14,8 +14,6 @@
 namespace mneme::internal {
 namespace {
 
-/// Iterations of the first search before the others begin; starting threads costs about ten.
-constexpr std::uint64_t kAlone = 64;
 /// Seeds of the other searches, far from all others derived from the query's.
 constexpr std::uint64_t kFirstTask = std::uint64_t{1} << 62;
 constexpr int kIndexBits = 8;
@@ -81,7 +79,7 @@ class Race {
     Entrant& first = winner();
     if (!*first.planned) return tl::unexpected(first.planned->error());
     RaceResult result{**std::move(first.planned), first.samples, std::move(first.found)};
-    if (plan_settings().observer != nullptr) show(first);
+    if (plan_settings().observer != nullptr && !first.is_beaten) show(first);
     return result;
   }
 
@@ -91,7 +89,10 @@ class Race {
    public:
     Entrant(Race& race, int number) : index(number), race_(race) {}
     bool may_go_on(std::uint64_t iterations) override {
-      if (index == 0 && iterations >= kAlone) race_.start_others();
+      if (index == 0 && !race_.may_first_go_on(iterations)) {
+        is_beaten = true;
+        return false;
+      }
       // A path found from now on needs at least one more iteration.
       is_beaten = is_beaten || rank(iterations + 1) > race_.best_.load(std::memory_order_relaxed);
       return !is_beaten;
@@ -152,10 +153,13 @@ class Race {
     }
   }
 
-  /// Called only by the thread of the first search.
-  void start_others() {
-    if (std::exchange(has_started_, true)) return;
-    threads_ = Threads(entrants_.size() - 1, [this] { run_those_left(); });
+  /// Called only by the thread of the first search. Starts the others.
+  bool may_first_go_on(std::uint64_t iterations) {
+    if (task_.limit != nullptr && !task_.limit->may_go_on(iterations)) return false;
+    if (iterations >= kAlone && !std::exchange(has_started_, true)) {
+      threads_ = Threads(entrants_.size() - 1, [this] { run_those_left(); });
+    }
+    return true;
   }
 
   [[nodiscard]] Entrant& winner() {
@@ -195,7 +199,7 @@ Result<RaceResult> race(const RaceTask& task) {
   PlanSettings settings = task.resolved.query.settings.plan;
   settings.timeout_s = task.resolved.query.remaining_s();
   RaceResult result;
-  result.plan = MNEME_TRY(search(task, task.sampler, settings, nullptr, result.found));
+  result.plan = MNEME_TRY(search(task, task.sampler, settings, task.limit, result.found));
   return result;
 }
 

@@ -15,6 +15,8 @@ namespace mneme::internal {
 struct RaceTask {
   const ResolvedQuery& resolved;
   const Sampler& sampler;
+  /// Asked by the first search; ends all searches before others begin. Null: none.
+  SearchLimit* limit = nullptr;
 };
 
 struct RaceResult {

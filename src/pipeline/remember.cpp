@@ -84,7 +84,9 @@ Remembered remember(const ResolvedQuery& resolved, const PlanResult& plan,
   const Stopwatch stopwatch;
   std::vector<KindSettings> kinds = query.kinds;
   std::erase_if(kinds, [&](const KindSettings& kind) {
-    return planning_states + plan.iterations < kind.kind->least_work ||
+    // Memory is not asked for what is planned so fast.
+    const bool is_easy = kind.replay > 0 && plan.iterations < query.ask_after.value_or(0);
+    return is_easy || planning_states + plan.iterations < kind.kind->least_work ||
            (kind.kind->is_placed_by_checking && !query.problem.constraints.empty());
   });
   if (kinds.empty()) return remembered;

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Read this file first. resolve goals -> replay a known task, or: decompose the scene -> retrieve
-// or learn local samplers -> synthesize one sampler -> plan -> shorten, verify -> improve ->
-// remember.
+// Read this file first. resolve goals -> decompose the scene -> retrieve or learn local samplers ->
+// synthesize one sampler -> plan, or replay a known task -> shorten, verify -> improve -> remember.
 #include "mneme/pipeline.h"
 
 #include "base/threads.h"
 #include "pipeline/improve.h"
+#include "pipeline/known_answer.h"
 #include "pipeline/memory_sampler.h"
 #include "pipeline/memory_steps.h"
 #include "pipeline/moving_start.h"
@@ -15,7 +15,6 @@
 #include "pipeline/remember.h"
 #include "pipeline/resolve_goals.h"
 #include "pipeline/unsolved.h"
-#include "replay/replay.h"
 
 #include <algorithm>
 #include <iterator>
@@ -27,6 +26,7 @@ namespace mneme {
 namespace {
 
 using internal::KindSettings;
+using internal::KnownAnswer;
 using internal::MemorySampler;
 using internal::Query;
 using internal::RaceResult;
@@ -52,46 +52,31 @@ Result<Recalled> recall(const Query& query, const MemoryQuery& memory_query,
   return recalled;
 }
 
-/// Only a query that may change the memory changes how later ones are planned.
-bool may_change_memory(const Query& query) {
-  return query.database != nullptr && query.settings.remember_after.has_value();
-}
-
-/// Returns the replayed path of a known task, or the work without a path. Where tasks have not
-/// repeated so far, only nearer ones are tried.
-PlanResult replay(const ResolvedQuery& resolved, Replay& report) {
-  const Query& query = resolved.query;
-  const auto kind = std::ranges::find_if(query.kinds, [](const auto& k) { return k.replay > 0; });
-  if (kind == query.kinds.end() || query.settings.plan.timeout_s <= 0) return {};
-  PlanSettings settings = query.settings.plan;
-  settings.timeout_s = query.remaining_s();
-  const MemoryQuery ends = memory_query(query.problem, resolved.ends.start, resolved.ends.goals);
-  const double distance = kind->replay * query.database->trust(kind->kind->version);
-  PlanResult replayed =
-      internal::replay({*query.database, *kind->kind, kind->max_gap, distance, ends, resolved.ends,
-                        resolved.checker, resolved.cell.get(), settings, !query.is_replay_asked},
-                       report);
-  if (may_change_memory(query)) {
-    const bool is_hit = report.is_hit();
-    query.database->book(kind->kind->version, report.states,
-                         is_hit ? std::max(report.planning_states, report.states) : 0);
-  }
-  return replayed;
-}
-
 /// Keeps what a search has learned about the memory's motions.
 void note_motions(const ResolvedQuery& resolved, const internal::FoundMotions& found) {
   const Query& query = resolved.query;
-  if (!may_change_memory(query)) return;
+  if (!query.may_change_memory()) return;
   if (resolved.cell) resolved.cell->places().add(found.places);
   query.database->book(found.kind, found.states, found.saved);
 }
 
-/// Counts the work of a failed replay as planning; its iterations are in the report.
-void add_work(const PlanResult& replayed, double time_s, PlanResult& plan) {
-  plan.states_checked += replayed.states_checked;
-  plan.motions_checked += replayed.motions_checked;
-  plan.planning_time_s += time_s;
+/// Searches with samples from memory, until `known` answers.
+Result<void> search(const ResolvedQuery& resolved, KnownAnswer& known, SolveResult& result) {
+  MemorySampler memory(resolved, recall);
+  const auto sampler = MNEME_TRY(memory.make());
+  RaceResult planned = MNEME_TRY(internal::race({resolved, *sampler, &known}));
+  result.plan = std::move(planned.plan);
+  if (known.has_answered()) return {};
+  MNEME_TRY(memory.check(planned.samples));
+  const std::uint64_t planning_states = result.plan.states_checked;
+  note_motions(resolved, planned.found);
+  result.plan.planning_time_s += memory.time_s();
+  improve(resolved, *sampler, result);
+  result.gl = memory.take(planned.samples);
+  known.add_work(result.plan);
+  result.remembered = remember(resolved, result.plan, planning_states);
+  remember_unsolved(resolved, result.plan);
+  return {};
 }
 
 /// Adds a goal that was found while planning.
@@ -165,31 +150,18 @@ Result<SolveResult> solve_as_given(const Problem& problem, Database* database,
   const ResolvedQuery& resolved = **made;
   SolveResult result = internal::describe(resolved);
   result.goal_time_s = goal_stopwatch.elapsed_s() - result.preparation_time_s;
+  KnownAnswer known(resolved, result.replay);
   if (resolved.refusal) {
     result.plan = *resolved.refusal;
-  } else if (PlanResult replayed = replay(resolved, result.replay); replayed.is_solved()) {
-    result.plan = std::move(replayed);
+  } else if (known.needs_search()) {
+    MNEME_TRY(search(resolved, known, result));
+  }
+  if (known.has_answered()) {
+    result.plan = known.take(result.plan);
     // Remembered paths are improved already.
-    if (settings.plan.improve > 0) {
+    if (result.plan.is_solved() && settings.plan.improve > 0) {
       improve(resolved, *make_uniform_sampler(problem.robot), result);
     }
-  } else if (auto unsolved = internal::find_unsolved(query)) {
-    result.plan = *std::move(unsolved);
-    add_work(replayed, result.replay.time_s, result.plan);
-  } else {
-    MemorySampler memory(resolved, recall);
-    const auto sampler = MNEME_TRY(memory.make());
-    RaceResult planned = MNEME_TRY(internal::race({resolved, *sampler}));
-    MNEME_TRY(memory.check(planned.samples));
-    const std::uint64_t planning_states = planned.plan.states_checked;
-    note_motions(resolved, planned.found);
-    result.plan = std::move(planned.plan);
-    result.plan.planning_time_s += memory.time_s();
-    improve(resolved, *sampler, result);
-    result.gl = memory.take(planned.samples);
-    add_work(replayed, result.replay.time_s, result.plan);
-    result.remembered = remember(resolved, result.plan, planning_states);
-    remember_unsolved(resolved, result.plan);
   }
   result.plan.path = resolved.given.completed(problem.robot, std::move(result.plan.path));
   result.plan.path = unwrapped(problem.robot, std::move(result.plan.path), problem.start);

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/query.h"
 #include "support/lifting_arm.h"
 #include "support/no_threads.h"
 #include "support/planar_circles.h"
@@ -14,8 +15,9 @@
 namespace mneme::test {
 namespace {
 
-/// Of race.cpp: after so many iterations of the first search the others begin, from these seeds.
-constexpr std::uint64_t kAlone = 64;
+using internal::kAlone;
+
+/// Of race.cpp: the seeds from which the searches begin.
 std::uint64_t seed_of_search(std::uint64_t seed, int index) {
   const auto task = (std::uint64_t{1} << 62) + static_cast<std::uint64_t>(index);
   return index == 0 ? seed : derive_seed(seed, task);
