@@ -25,7 +25,6 @@ struct BlockedPath {
 struct Replay {
   std::int64_t row = 0;              ///< id of the replayed path's row; 0: the path was planned.
   double distance = 0;               ///< of the replayed path's ends from the query's.
-  bool is_straight = false;          ///< the straight motion is free, and nothing was replayed.
   bool is_repaired = false;          ///< parts of the path were replaced to avoid contact.
   std::vector<BlockedPath> blocked;  ///< paths that could not be used, nearest first.
   /// Distance of the nearest known task among the compared keys, if all were too far.
@@ -38,7 +37,7 @@ struct Replay {
   std::uint64_t states = 0;      ///< checked by replay
   /// States that planning the replayed path took when it was stored; 0 if unknown or not replayed.
   std::uint64_t planning_states = 0;
-  double time_s = 0;  ///< 0 if there was no memory to query
+  double time_s = 0;  ///< 0 if memory was not asked
 
   [[nodiscard]] bool is_hit() const { return row != 0; }
 };

@@ -19,7 +19,8 @@ namespace mneme::internal {
 namespace {
 
 constexpr std::size_t kMostPaths = 3;
-constexpr std::int64_t kMostKeys = 1024;  ///< keys compared for all goals of a query: microseconds
+/// Keys compared for all goals of a query, and for the report of a miss: microseconds.
+constexpr std::int64_t kMostKeys = 1024, kMostFarKeys = 128;
 constexpr std::uint64_t kLocalIterations = 200;  ///< iterations of all local plans of a query
 /// A repair may take kShareOfPlanning of the time that planning the remembered path took, counted
 /// in states. The states of a repair are swept and near obstacles: they take kRepairStateCost times
@@ -104,9 +105,9 @@ class Replayer {
   [[nodiscard]] bool must_stop() const { return states_left() == 0 || is_over(); }
 
   Result<std::vector<Known>> find();
-  Result<std::vector<Known>> find(double distance, std::size_t count);
+  Result<std::vector<Known>> find(std::span<const LocalPrimitive> goals, double distance,
+                                  std::size_t count, std::int64_t most_keys);
   void replay(const std::vector<Known>& known);
-  [[nodiscard]] bool is_straight_free();
   [[nodiscard]] bool verify(Draft& draft, MotionEnds ends);
   [[nodiscard]] bool prove(std::span<const float> from, std::span<const float> to, MotionEnds ends);
   void measure(const Path& path);
@@ -136,31 +137,31 @@ class Replayer {
   Stopwatch stopwatch_;
 };
 
+/// The tasks to try.
+Result<std::vector<Known>> Replayer::find() {
+  const auto goals = MNEME_TRY(task_.kind.decompose(task_.memory_query, task_.max_gap));
+  auto known = MNEME_TRY(find(goals, task_.distance, kMostPaths, kMostKeys));
+  if (!known.empty()) return known;
+  const auto far = MNEME_TRY(find(goals, kAnyDistance, 1, kMostFarKeys));
+  if (!far.empty()) report_.nearest = far.front().distance();
+  return known;
+}
+
 /// The known tasks within `distance`, nearest first. Goals share the budget of keys.
-Result<std::vector<Known>> Replayer::find(double distance, std::size_t count) {
-  const auto primitives = MNEME_TRY(task_.kind.decompose(task_.memory_query, task_.max_gap));
+Result<std::vector<Known>> Replayer::find(std::span<const LocalPrimitive> goals, double distance,
+                                          std::size_t count, std::int64_t most_keys) {
   std::vector<Known> known;
-  const auto goals = static_cast<std::int64_t>(primitives.size());
-  for (std::size_t i = 0; i < primitives.size(); ++i) {
-    const std::int64_t keys = std::max(kMostKeys / goals, std::int64_t{1});
+  const auto share = most_keys / std::max(std::ssize(goals), std::ptrdiff_t{1});
+  const std::int64_t keys = std::max(std::int64_t{share}, std::int64_t{1});
+  for (std::size_t i = 0; i < goals.size(); ++i) {
     std::int64_t keys_left = keys;
-    auto matches =
-        MNEME_TRY(find_matches(task_.database, task_.kind, primitives[i], distance * distance,
-                               static_cast<int>(count), &keys_left));
+    auto matches = MNEME_TRY(find_matches(task_.database, task_.kind, goals[i], distance * distance,
+                                          static_cast<int>(count), &keys_left));
     report_.keys += static_cast<std::uint64_t>(keys - keys_left);
     for (Match& match : matches) known.push_back({&task_.ends.goals[i], std::move(match)});
   }
   std::ranges::stable_sort(known, {}, &Known::distance);
   if (known.size() > count) known.resize(count);
-  return known;
-}
-
-/// The tasks to try.
-Result<std::vector<Known>> Replayer::find() {
-  auto known = MNEME_TRY(find(task_.distance, kMostPaths));
-  if (!known.empty()) return known;
-  const auto far = MNEME_TRY(find(kAnyDistance, 1));
-  if (!far.empty()) report_.nearest = far.front().distance();
   return known;
 }
 
@@ -173,8 +174,6 @@ void Replayer::replay(const std::vector<Known>& known) {
   };
   std::optional<Blocked> least;
   if (!known.empty()) {
-    report_.is_straight = task_.is_straight_first && is_straight_free();
-    if (report_.is_straight) return;
     if (task_.cell != nullptr) proven_ = &task_.cell->motions(verification());
     links_ = ProvenMotions::of_links(task_.checker, verification());
   }
@@ -200,14 +199,6 @@ void Replayer::replay(const std::vector<Known>& known) {
   if (!repair(least->draft, least->blocks)) return;
   report_.is_repaired = true;
   take(std::move(least->draft.path), *least->known);
-}
-
-/// True if planning will need no search, because the straight motion to a goal is free.
-bool Replayer::is_straight_free() {
-  const std::vector<float> start = to_floats(task_.ends.start);
-  return std::ranges::any_of(task_.ends.goals, [&](const Configuration& goal) {
-    return task_.checker.is_motion_valid(start, to_floats(goal), counters_);
-  });
 }
 
 /// Verifies the motions that have not passed yet; true if all have then. `ends`: whether the path

@@ -23,7 +23,6 @@ struct ReplayTask {
   const CollisionChecker& checker;
   StaticCell* cell = nullptr;  ///< cell of the checker; may be null
   const PlanSettings& settings;
-  bool is_straight_first = false;  ///< tries nothing if the straight motion to a goal is free
 };
 
 /// Deforms the remembered paths with the nearest ends to the query's ends, and returns the first

@@ -36,7 +36,6 @@ std::vector<Contact> find_what_blocks(const Problem& problem, const Replay& repl
 
 std::string describe_replay(const Problem& problem, const Replay& replay) {
   if (replay.time_s == 0) return {};
-  if (replay.is_straight) return "not replayed: the straight motion is free";
   if (replay.is_hit() && !replay.is_repaired) {
     return fmt::format("replayed row {}, {:.3f} rad away", replay.row, replay.distance);
   }
