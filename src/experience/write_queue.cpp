@@ -38,7 +38,7 @@ void WriteQueue::push(std::int64_t count, Make make) {
   }
   lots_.push_back({count, std::move(make)});
   counts_.waiting += count;
-  changed_.notify_all();
+  if (is_idle_) changed_.notify_all();  // to wake a thread costs more than all the rest
 }
 
 void WriteQueue::drop(std::int64_t count, std::string failure) {
@@ -48,8 +48,12 @@ void WriteQueue::drop(std::int64_t count, std::string failure) {
 
 bool WriteQueue::flush(double timeout_s) {
   std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, std::chrono::duration<double>(timeout_s),
-                           [this] { return counts_.waiting == 0; });
+  ++flushes_;
+  changed_.notify_all();
+  const bool is_done = changed_.wait_for(lock, std::chrono::duration<double>(timeout_s),
+                                         [this] { return counts_.waiting == 0; });
+  --flushes_;
+  return is_done;
 }
 
 QueuedRows WriteQueue::counts() const {
@@ -58,11 +62,14 @@ QueuedRows WriteQueue::counts() const {
 }
 
 void WriteQueue::run() {
-  constexpr std::chrono::milliseconds kRetryAfter(500);
+  constexpr std::chrono::milliseconds kRetryAfter(500), kCollect(5);
   give_way();  // woken on the core of the thread that answers, it would delay that answer
   std::unique_lock lock(mutex_);
   for (;;) {
+    is_idle_ = true;
     changed_.wait(lock, [this] { return is_stopping_ || counts_.waiting > 0; });
+    is_idle_ = false;
+    changed_.wait_for(lock, kCollect, [this] { return is_stopping_ || flushes_ > 0; });
     if (is_stopping_) return;
     make_some(lock);
     const bool is_done = insert_some(lock);

@@ -14,9 +14,9 @@
 
 namespace mneme::internal {
 
-/// Makes rows and inserts them in order, all that wait in one transaction. Rows that cannot be
-/// inserted for an error of code io are tried again. Rows that are refused for another error, or
-/// cannot be made, are lost. Thread-safe.
+/// Makes rows and inserts them in order, all that arrive within milliseconds in one transaction.
+/// Rows that cannot be inserted for an error of code io are tried again. Rows that are refused for
+/// another error, or cannot be made, are lost. Thread-safe.
 class WriteQueue {
  public:
   /// Inserts rows and returns the number of new ones. Called by the queue's thread alone.
@@ -61,7 +61,9 @@ class WriteQueue {
   QueuedRows counts_;
   bool must_retry_ = false;  ///< the last rows could not be inserted
   bool is_stopping_ = false;
-  std::thread thread_;  ///< started with the first rows
+  bool is_idle_ = false;  ///< the thread waits for rows
+  int flushes_ = 0;       ///< callers of flush() that wait
+  std::thread thread_;    ///< started with the first rows
 };
 
 }  // namespace mneme::internal
