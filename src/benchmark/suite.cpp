@@ -203,8 +203,11 @@ class SuiteReader {
     read_common(input, setting);
     visit_all_settings(setting.solve, SettingsReader(input));
     if (const auto memory = input.find("memory")) setting.memory = memory->text();
-    // A suite says what it measures: settings without replay sample from memory.
-    if (!setting.memory.empty() && !setting.solve.replay) setting.solve.replay = 0;
+    // A suite says what it measures: settings without replay sample from memory, unless they
+    // remember, too.
+    if (!setting.memory.empty() && !setting.solve.replay && !setting.solve.remember_after) {
+      setting.solve.replay = 0;
+    }
     if (const auto sets = input.find("sets")) setting.sets = read_texts(*sets);
     return setting;
   }
