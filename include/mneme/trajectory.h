@@ -144,21 +144,29 @@ inline constexpr double kLeastStop = 2e-6;
                                                    const std::vector<double>& velocity,
                                                    const RateLimits& limits);
 
+/// Returns where a run-up to `velocity` at `goal` begins, at rest: the stopping point of the motion
+/// back in time. Errors: as stopping_point().
+[[nodiscard]] Result<Configuration> run_up_point(const Robot& robot, const Configuration& goal,
+                                                 const std::vector<double>& velocity,
+                                                 const RateLimits& limits);
+
 /// Returns a fast motion near `path`, within the path tolerance and `limits`, that passes
 /// `verifier`. At first it follows the path: exactly time-optimal from stop to stop, with rounded
 /// corners where that passes. Then `time_rounds` rounds of a barrier method let it leave the path.
 /// If `verifier` is null it stops at each waypoint. Uses only tolerance and rounds of `settings`:
 /// `limits` are scaled already. Deterministic. Without jerk limits the first motion is that of Pham
-/// and Pham, DOI 10.1109/TRO.2018.2819195. With a `start_velocity` (a value per joint, along the
-/// path's first motion; empty: at rest) it is the faster of two: the path followed from that
-/// velocity on, and a stop followed by the motion from there. Errors: an empty path; a waypoint
-/// that is no configuration of the robot; `limits` or settings out of range; a start velocity that
-/// stopping_point() refuses, or beyond which the first motion is too short to stop.
+/// and Pham, DOI 10.1109/TRO.2018.2819195. `start_velocity` is along the path's first motion and
+/// `end_velocity` along its last one, a value per joint each; empty: at rest. With one of them the
+/// motion is the faster of two: the path followed from velocity to velocity, and stop and run-up
+/// with the motion in between. Errors: an empty path; a waypoint that is no configuration of the
+/// robot; `limits` or settings out of range; velocities that stopping_point() or run_up_point()
+/// refuses, or for which the first or last motion is too short.
 [[nodiscard]] Result<Trajectory> parameterize(const Robot& robot, const Path& path,
                                               const RateLimits& limits,
                                               const TrajectorySettings& settings,
                                               const MotionVerifier* verifier,
-                                              const std::vector<double>& start_velocity = {});
+                                              const std::vector<double>& start_velocity = {},
+                                              const std::vector<double>& end_velocity = {});
 
 /// A motion to be joined with others, which have their own limits and obstacles.
 struct MotionPart {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Motions near a path, from rest or from a velocity.
+/// Motions near a path, from and to rest or a velocity.
 #pragma once
 
 #include "mneme/trajectory.h"
@@ -18,9 +18,12 @@ struct Timing {
   const MotionVerifier* verifier;
 };
 
-[[nodiscard]] Trajectory follow_from_rest(const Timing& timing, const Path& path);
+/// Velocities at both ends of a motion, a value per joint; empty: at rest.
+struct EndVelocities {
+  std::vector<double> start, end;
+};
 /// Errors: as parameterize().
-[[nodiscard]] Result<Trajectory> follow_from_velocity(const Timing& timing, const Path& path,
-                                                      const std::vector<double>& velocity);
+[[nodiscard]] Result<Trajectory> follow_path(const Timing& timing, const Path& path,
+                                             const EndVelocities& velocities);
 
 }  // namespace mneme::internal

@@ -214,6 +214,7 @@ class SmoothMotion {
                const MotionVerifier* verifier)
       : legs_(legs.legs),
         begin_speed_(settings.begin_speed),
+        end_speed_(settings.end_speed),
         is_guide_(settings.is_guide),
         verifier_(verifier) {
     for (const Leg& leg : legs_) along_.push_back(limits_along(leg.direction, limits));
@@ -233,11 +234,7 @@ class SmoothMotion {
     do {
       for (std::size_t i = 0; i < corners_.size(); ++i) slow_down_end(i);
       for (std::size_t i = corners_.size(); i-- > 0;) slow_down_begin(i + 1);
-      // A slower corner may be too slow to be reached from a given speed.
-      if (begin_speed_ > 0 && !corners_.empty() && !can_reach_end(0, corners_.front().share)) {
-        corners_.front().share = 0;
-      }
-    } while (!verify());
+    } while (stop_beside_ends() || !verify());
   }
 
   [[nodiscard]] double duration_s() const {
@@ -268,7 +265,7 @@ class SmoothMotion {
     return leg == 0 ? begin_speed_ : corners_[leg - 1].speed_out(corners_[leg - 1].share);
   }
   [[nodiscard]] double end_speed(std::size_t leg) const {
-    return leg == corners_.size() ? 0 : corners_[leg].speed_in(corners_[leg].share);
+    return leg == corners_.size() ? end_speed_ : corners_[leg].speed_in(corners_[leg].share);
   }
   [[nodiscard]] double begin_reach(std::size_t leg) const {
     return leg == 0 ? 0 : corners_[leg - 1].reach_out(corners_[leg - 1].share);
@@ -286,6 +283,15 @@ class SmoothMotion {
     return (leg > 0 && end <= begin) ||
            along_[leg].reach(begin, end) <= length - corner.reach_in(share);
   }
+  /// The same for the speed of its begin. Faster ends are seen to by the other pass, except the
+  /// speed at the end of the motion.
+  [[nodiscard]] bool can_leave_begin(std::size_t leg, double share) const {
+    const SmoothCorner& corner = corners_[leg - 1];
+    const double begin = corner.speed_out(share), end = end_speed(leg);
+    const double length = legs_[leg].length - end_reach(leg);
+    return (leg < corners_.size() && begin <= end) ||
+           along_[leg].reach(begin, end) <= length - corner.reach_out(share);
+  }
   void slow_down_end(std::size_t leg) {
     SmoothCorner& corner = corners_[leg];
     corner.share =
@@ -293,11 +299,20 @@ class SmoothMotion {
   }
   void slow_down_begin(std::size_t leg) {
     SmoothCorner& corner = corners_[leg - 1];
-    const double end = end_speed(leg), length = legs_[leg].length - end_reach(leg);
-    corner.share = greatest(0, corner.share, [&](double share) {
-      const double begin = corner.speed_out(share);
-      return begin <= end || along_[leg].reach(begin, end) <= length - corner.reach_out(share);
-    });
+    corner.share =
+        greatest(0, corner.share, [&](double share) { return can_leave_begin(leg, share); });
+  }
+
+  /// Stops at the corners beside the ends if they are too slow for the given speeds there. Returns
+  /// true if one was not stopped before.
+  bool stop_beside_ends() {
+    if (corners_.empty()) return false;
+    double &first = corners_.front().share, &last = corners_.back().share;
+    const bool stops_first = begin_speed_ > 0 && first > 0 && !can_reach_end(0, first);
+    const bool stops_last = end_speed_ > 0 && last > 0 && !can_leave_begin(corners_.size(), last);
+    if (stops_first) first = 0;
+    if (stops_last) last = 0;
+    return stops_first || stops_last;
   }
 
   /// Slows down at corners that are not free. Returns true if all are.
@@ -373,7 +388,7 @@ class SmoothMotion {
   }
 
   const std::vector<Leg>& legs_;
-  double begin_speed_;  ///< at the start
+  double begin_speed_, end_speed_;  ///< at the start and at the end
   bool is_guide_;
   const MotionVerifier* verifier_;
   std::vector<LegLimits> along_;
@@ -386,7 +401,8 @@ bool has_jerk_limit(const RateLimits& limits) {
   return std::ranges::any_of(limits.jerk, [](double jerk) { return std::isfinite(jerk); });
 }
 
-Trajectory to_trajectory(const std::vector<JerkPiece>& pieces, const Configuration& end) {
+Trajectory to_trajectory(const std::vector<JerkPiece>& pieces, const Configuration& end,
+                         std::vector<double> end_velocity) {
   std::vector<Trajectory::Stretch> stretches;
   double time_s = 0;
   for (const JerkPiece& piece : pieces) {
@@ -398,7 +414,7 @@ Trajectory to_trajectory(const std::vector<JerkPiece>& pieces, const Configurati
     stretches.push_back(std::move(stretch));
     time_s += piece.duration_s;
   }
-  return {std::move(stretches), end, time_s};
+  return {std::move(stretches), end, time_s, std::move(end_velocity)};
 }
 
 std::vector<JerkPiece> follow_legs(const Legs& legs, const RateLimits& limits,

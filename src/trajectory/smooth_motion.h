@@ -20,18 +20,20 @@ struct JerkPiece {
   std::vector<double> position, velocity, acceleration, jerk;  ///< at the begin
 };
 [[nodiscard]] Trajectory to_trajectory(const std::vector<JerkPiece>& pieces,
-                                       const Configuration& end);
+                                       const Configuration& end,
+                                       std::vector<double> end_velocity = {});
 
 /// How a motion passes along legs.
 struct FollowSettings {
   double tolerance = 0;      ///< largest distance from the legs at corners, L2 joint distance
   bool stops_first = false;  ///< at the first corner
   double begin_speed = 0;    ///< along the first leg; reach_to_stop() is at most the leg's length
+  double end_speed = 0;      ///< along the last leg, likewise
   bool is_estimate = false;  ///< takes all corners as free if there is no verifier
   bool is_guide = false;     ///< checks states of corners only, which proves nothing
 };
 
-/// Returns a motion along `legs` within `limits` that ends at rest. It is time-optimal along each
+/// Returns a motion along `legs` within `limits`. It is time-optimal along each
 /// leg. At a corner, velocities change at once for all joints, with trapezoidal accelerations: the
 /// corner is cut as fast as `verifier` passes. At corners that do not pass, or at all if `verifier`
 /// is null, the motion stops.

@@ -61,10 +61,6 @@ void begin_later(std::vector<double>& coefficients, std::size_t joints, double l
   }
 }
 
-bool is_moving(const std::vector<double>& velocity) {
-  return std::ranges::any_of(velocity, [](double v) { return v != 0; });
-}
-
 }  // namespace
 
 Trajectory::Trajectory(std::vector<Stretch> stretches, Configuration end, double end_s,
@@ -161,16 +157,16 @@ Result<std::vector<Trajectory::Point>> Trajectory::sample(double dt) const {
 
 Result<Trajectory> parameterize(const Robot& robot, const Path& path, const RateLimits& limits,
                                 const TrajectorySettings& settings, const MotionVerifier* verifier,
-                                const std::vector<double>& start_velocity) {
+                                const std::vector<double>& start_velocity,
+                                const std::vector<double>& end_velocity) {
   MNEME_TRY(check_path(robot, path));
   MNEME_TRY(internal::check_rate_limits(robot, limits));
   MNEME_TRY(internal::check_ranges(settings));
   const Configuration turns = whole_turns(robot, path.front());
   const Path near = without_turns(robot, path, turns);
   internal::Timing timing{robot, limits, settings, verifier};
-  Trajectory motion = is_moving(start_velocity)
-                          ? MNEME_TRY(internal::follow_from_velocity(timing, near, start_velocity))
-                          : internal::follow_from_rest(timing, near);
+  Trajectory motion =
+      MNEME_TRY(internal::follow_path(timing, near, {start_velocity, end_velocity}));
   motion.shift(turns);
   return motion;
 }

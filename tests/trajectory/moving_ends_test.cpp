@@ -11,10 +11,11 @@ const RateLimits kTwos = {{2, 2, 2}, {4, 4, 4}, {40, 40, 40}};
 
 Result<Trajectory> timed_from(const EmptyScene& empty, const Path& path,
                               const std::vector<double>& velocity, const RateLimits& limits,
-                              int rounds = 8) {
+                              int rounds = 8, const std::vector<double>& end_velocity = {}) {
   TrajectorySettings settings;
   settings.time_rounds = rounds;
-  return parameterize(empty.robot(), path, limits, settings, &empty.verifier(), velocity);
+  return parameterize(empty.robot(), path, limits, settings, &empty.verifier(), velocity,
+                      end_velocity);
 }
 
 std::string refusal(const Path& path, const std::vector<double>& velocity) {
@@ -22,6 +23,19 @@ std::string refusal(const Path& path, const std::vector<double>& velocity) {
   const auto motion = timed_from(empty, path, velocity, kTwos);
   REQUIRE_FALSE(motion.has_value());
   return motion.error().message;
+}
+
+std::string refusal_of_end(const Path& path, const std::vector<double>& velocity,
+                           const std::vector<double>& end_velocity) {
+  const EmptyScene empty(gantry());
+  const auto motion = timed_from(empty, path, velocity, kTwos, 8, end_velocity);
+  REQUIRE_FALSE(motion.has_value());
+  return motion.error().message;
+}
+
+std::vector<double> negative(std::vector<double> v) {
+  for (double& value : v) value = -value;
+  return v;
 }
 
 /// Share `share` of the greatest velocity along a random direction.
@@ -58,6 +72,64 @@ TEST_SUITE("law") {
       CHECK(largest(motion->at(motion->duration_s()).velocity) == 0);
       const auto flaw = trajectory_flaw(empty.robot(), path, limits, 1, *motion, velocity);
       CHECK_MESSAGE(!flaw, flaw.value_or(""));
+    }
+    CHECK(count > 20);
+  }
+
+  TEST_CASE("a motion with velocities at both ends has them, and keeps all limits") {
+    const EmptyScene empty(planar8());
+    Rng rng(5);
+    int count = 0;
+    for (int i = 0; i < 60; ++i) {
+      CAPTURE(i);
+      const Robot& robot = empty.robot();
+      Path path = random_path(robot, rng);
+      const RateLimits limits =
+          i % 2 == 0 ? random_limits(robot, rng) : random_jerk_limits(robot, rng);
+      const auto end = random_velocity(limits, std::pow(10, rng.uniform(-3, 0)), rng);
+      const auto run_up = run_up_point(robot, path.back(), end, limits);
+      if (!run_up || *run_up == path.back()) continue;
+      path.insert(path.end() - 1, robot.normalized(*run_up));
+      std::vector<double> begin;
+      if (i % 3 > 0) {
+        begin = random_velocity(limits, std::pow(10, rng.uniform(-3, 0)), rng);
+        const auto stop = stopping_point(robot, path.front(), begin, limits);
+        if (!stop) continue;
+        path.insert(path.begin() + 1, robot.normalized(*stop));
+      }
+      ++count;
+      const auto motion = timed_from(empty, path, begin, limits, 8, end);
+      REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+      for (std::size_t j = 0; j < end.size(); ++j) {
+        CHECK(motion->at(motion->duration_s()).velocity[j] ==
+              doctest::Approx(end[j]).epsilon(1e-5).scale(limits.velocity[j]));
+      }
+      const auto flaw = trajectory_flaw(robot, path, limits, 1, *motion, begin);
+      CHECK_MESSAGE(!flaw, flaw.value_or(""));
+    }
+    CHECK(count > 20);
+  }
+
+  TEST_CASE("a motion that ends with a velocity takes as long as the one back in time") {
+    const EmptyScene empty(planar8());
+    Rng rng(7);
+    int count = 0;
+    for (int i = 0; i < 60; ++i) {
+      CAPTURE(i);
+      Path path = random_path(empty.robot(), rng);
+      const RateLimits limits =
+          i % 2 == 0 ? random_limits(empty.robot(), rng) : random_jerk_limits(empty.robot(), rng);
+      const auto velocity = random_velocity(limits, std::pow(10, rng.uniform(-2, 0)), rng);
+      const auto stop = stopping_point(empty.robot(), path.front(), velocity, limits);
+      if (!stop || *stop == path.front()) continue;
+      ++count;
+      CHECK(*stop == run_up_point(empty.robot(), path.front(), negative(velocity), limits).value());
+      path.insert(path.begin() + 1, empty.robot().normalized(*stop));
+      const auto forth = timed_from(empty, path, velocity, limits, 0);
+      const auto back =
+          timed_from(empty, {path.rbegin(), path.rend()}, {}, limits, 0, negative(velocity));
+      REQUIRE_MESSAGE(back.has_value(), (back ? "" : back.error().message));
+      CHECK(back->duration_s() == doctest::Approx(forth->duration_s()).epsilon(1e-4));
     }
     CHECK(count > 20);
   }
@@ -141,12 +213,24 @@ TEST_SUITE("unit") {
         "long");
     CHECK(refusal({{-1, 0, 1}}, {1, 0, 0}).starts_with("start velocity: the path does not move"));
     CHECK(refusal(path, {std::nan(""), 0, 0}).starts_with("start velocity: joint"));
+    CHECK(refusal_of_end(path, {}, {-1, 0, 0})
+              .starts_with("end velocity: expected it along the path's last motion"));
+    CHECK(refusal_of_end({{-1, 0, 1}, {-0.9, 0, 1}}, {}, {2, 0, 0}) ==
+          "end velocity: a run-up takes 0.6 (L2 joint distance), and the path's last motion is "
+          "0.1 long");
+    CHECK(refusal_of_end({{-1, 0, 1}, {0, 0, 1}}, {2, 0, 0}, {2, 0, 0}) ==
+          "start and end velocity: a stop and a run-up take 1.2 (L2 joint distance), and the path "
+          "is 1 long");
     const Robot robot = gantry();
     const Joint& joint = robot.group_joint(0);
     const auto beyond = stopping_point(robot, {joint.upper - 0.1, 0, 1}, {2, 0, 0}, kTwos);
     REQUIRE_FALSE(beyond.has_value());
     CHECK(beyond.error().message.starts_with("start velocity: joint '" + joint.name +
                                              "' would stop at "));
+    const auto before = run_up_point(robot, {joint.upper - 0.1, 0, 1}, {-2, 0, 0}, kTwos);
+    REQUIRE_FALSE(before.has_value());
+    CHECK(before.error().message.starts_with("end velocity: joint '" + joint.name +
+                                             "' would have to start at "));
   }
 }
 
