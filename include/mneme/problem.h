@@ -83,8 +83,13 @@ struct Problem {
   /// Velocity at the start, a value per joint (rad/s, m/s for prismatic joints). Empty: at rest.
   /// Paths then begin with the motion in which the robot can stop.
   std::vector<double> start_velocity = {};
+  /// The same at the goal. Paths then end with the motion in which the robot gets this velocity.
+  std::vector<double> end_velocity = {};
   /// Files that were read, except meshes, clouds, octrees and an SRDF found beside the URDF.
   std::vector<std::string> files = {};
+
+  /// Returns true if there is a velocity at the start or at the goal.
+  [[nodiscard]] bool is_moving() const { return !start_velocity.empty() || !end_velocity.empty(); }
 };
 
 /// Holds the compact file and the robots that were read last.
@@ -103,7 +108,8 @@ struct ProblemOptions {
   RobotOptions robot;
   std::optional<GivenConfiguration> start;
   std::optional<GivenConfiguration> goal;
-  std::optional<std::vector<double>> start_velocity = std::nullopt;  ///< replaces the problem's
+  /// Replace those of the problem.
+  std::optional<std::vector<double>> start_velocity = std::nullopt, end_velocity = std::nullopt;
   /// If `goal` or this field is set, both together replace all goals of the problem. Poses are in
   /// the frame of the problem's scene unless PoseGoal::frame names another.
   std::vector<PoseGoal> pose_goals = {};

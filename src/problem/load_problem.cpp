@@ -62,8 +62,8 @@ Problem read_problem_file(const std::string& path, const ProblemOptions& options
         "take tasks");
   }
   input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
-                    "start", "start_velocity", "goal", "goals", "allow", "attached", "constraints",
-                    "self_filter", "region"});
+                    "start", "start_velocity", "end_velocity", "goal", "goals", "allow", "attached",
+                    "constraints", "self_filter", "region"});
   const std::string name = input.text_or("name", std::filesystem::path(path).stem().string());
   FramedScene scene = internal::read_scene_of_problem(input, path);
   return internal::read_problem(

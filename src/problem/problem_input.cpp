@@ -337,9 +337,12 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
                   {},
                   std::move(robot.warnings)};
   problem.allowed_pairs = std::move(allowing.allowed_pairs);
-  const auto velocity = input.problem.find("start_velocity");
-  if (velocity) problem.start_velocity = velocity->numbers();
-  if (options.start_velocity) problem.start_velocity = *options.start_velocity;
+  const auto velocity = [&](const char* key, const std::optional<std::vector<double>>& given) {
+    const auto found = input.problem.find(key);
+    return given ? *given : found ? found->numbers() : std::vector<double>();
+  };
+  problem.start_velocity = velocity("start_velocity", options.start_velocity);
+  problem.end_velocity = velocity("end_velocity", options.end_velocity);
   problem.files = input.files;
   std::ranges::move(robot.files, std::back_inserter(problem.files));
   if (!take_goals(options, X_RF, problem)) {

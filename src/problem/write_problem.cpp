@@ -103,6 +103,14 @@ Json constraints_json(const Problem& problem) {
   return constraints;
 }
 
+/// The velocities at start and goal, if there are any.
+Json velocities_json(const Problem& problem) {
+  Json velocities = Json::object();
+  if (!problem.start_velocity.empty()) velocities["start_velocity"] = problem.start_velocity;
+  if (!problem.end_velocity.empty()) velocities["end_velocity"] = problem.end_velocity;
+  return velocities;
+}
+
 /// Pairs of links for the key `allow`. A name that a link and an obstacle share comes first, where
 /// it means the link.
 Json allowed_links_json(const Problem& problem) {
@@ -139,8 +147,9 @@ std::string to_yaml(const Problem& problem, const std::string& robot) {
   text += internal::yaml_list("constraints", constraints_json(problem));
   text += fmt::format("scene:\n{}start: {}\n", indented(to_yaml(problem.scene)),
                       yaml_flow(problem.start));
-  if (!problem.start_velocity.empty()) {
-    text += fmt::format("start_velocity: {}\n", yaml_flow(problem.start_velocity));
+  const Json velocities = velocities_json(problem);
+  for (const auto& [key, velocity] : velocities.items()) {
+    text += fmt::format("{}: {}\n", key, yaml_flow(velocity));
   }
   const Json goals = goals_json(problem);
   if (goals.size() == 1) return text + fmt::format("goal: {}\n", yaml_flow(goals.front()));
@@ -185,7 +194,7 @@ std::string to_compact_json(const Problem& problem, const std::string& robot) {
   const Json attached = attached_json(problem.robot, internal::kCompactSpelling);
   if (!attached.empty()) json["attached"] = attached;
   json["start"] = problem.start;
-  if (!problem.start_velocity.empty()) json["start_velocity"] = problem.start_velocity;
+  json.update(velocities_json(problem));
   json["goals"] = goals_json(problem);
   const Json constraints = constraints_json(problem);
   if (!constraints.empty()) json["constraints"] = constraints;

@@ -425,8 +425,8 @@ TEST_SUITE("unit") {
     CHECK(failure(rest) == "p.yaml:1: expected the key scene, which is missing");
     CHECK(failure(rest + "scene: {}\nplanner: rrt") ==
           "p.yaml:5: key planner: unknown key, expected one of name, robot, srdf, group, joints, "
-          "fixed_joints, frame, scene, start, start_velocity, goal, goals, allow, attached, "
-          "constraints, self_filter, region");
+          "fixed_joints, frame, scene, start, start_velocity, end_velocity, goal, goals, allow, "
+          "attached, constraints, self_filter, region");
     CHECK(failure("circles: {a: [1, 2, 1]}") ==
           "p.yaml:1: this is a scene; expected a problem with robot, scene, start and "
           "goal");
