@@ -29,7 +29,8 @@ Result<Trajectory> make_trajectory(const Problem& problem, const SolveSettings& 
   const internal::TrajectoryChecker made =
       MNEME_TRY(internal::make_trajectory_checker(problem, settings, path));
   const MotionVerifier verifier = made.verifier();
-  return parameterize(problem.robot, path, limits, timing, &verifier, problem.start_velocity);
+  return parameterize(problem.robot, path, limits, timing, &verifier, problem.start_velocity,
+                      problem.end_velocity);
 }
 
 }  // namespace mneme

@@ -10,7 +10,7 @@
 #include "pipeline/known_answer.h"
 #include "pipeline/memory_sampler.h"
 #include "pipeline/memory_steps.h"
-#include "pipeline/moving_start.h"
+#include "pipeline/moving_ends.h"
 #include "pipeline/race.h"
 #include "pipeline/remember.h"
 #include "pipeline/resolve_goals.h"
@@ -174,7 +174,7 @@ Result<SolveResult> solve_as_given(const Problem& problem, Database* database,
 
 Result<SolveResult> solve(const Problem& problem, Database* database,
                           const SolveSettings& settings) {
-  if (!problem.start_velocity.empty()) {
+  if (problem.is_moving()) {
     return internal::solve_moving(problem, settings, [&](const Problem& resting) {
       return solve(resting, database, settings);
     });

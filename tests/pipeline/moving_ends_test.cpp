@@ -61,6 +61,56 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("a robot that moves at the goal is planned to where its run-up begins, and timed") {
+    for (const std::vector<double>& start : {std::vector<double>{}, {-0.4, 0.2, 0}}) {
+      Problem problem = arm_beside(kBetween, start);
+      problem.end_velocity = {0.3, -0.2, 0.1};
+      const Configuration far = {1.5, 100, 0.1};  // no configuration: left out
+      problem.goals.push_back(far);
+      const SolveSettings settings = settings_within(problem.robot);
+      const auto result = solve(problem, nullptr, settings);
+      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+      REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
+      const Path& path = result->plan.path;
+      const RateLimits& limits = *settings.plan.limits;
+      const Configuration& goal = problem.goals.front();
+      CHECK(path.front() == problem.start);
+      CHECK(path.back() == goal);
+      CHECK(result->goals == std::vector<Configuration>{goal});
+      CHECK(path[path.size() - 2] ==
+            run_up_point(problem.robot, goal, problem.end_velocity, limits).value());
+      CHECK(is_path_free(problem.robot, problem.scene, path, 0.002));
+      const auto motion = make_trajectory(problem, settings, path, limits);
+      REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+      const auto points = motion->sample(0.01).value();
+      CHECK(points.back().velocity[0] == doctest::Approx(0.3));
+      CHECK(points.back().velocity[1] == doctest::Approx(-0.2));
+      const auto checker = CollisionChecker::make(problem.robot, problem.scene);
+      for (const auto& point : points) CHECK(checker->contacts(point.position).empty());
+    }
+  }
+
+  TEST_CASE("an end velocity is refused if no run-up is free, or with a pose as the goal") {
+    Problem blocked = arm_beside({{2.3, 0.75, 0.3}}, {});
+    blocked.start = {-1.5, 0.1, 0.1};
+    blocked.goals = {{0, 0.1, 0.1}};
+    blocked.end_velocity = {-0.6, 0, 0};
+    const SolveSettings settings = settings_within(blocked.robot);
+    const auto result = solve(blocked, nullptr, settings);
+    CHECK(result->plan.status == PlanStatus::invalid_goal);
+    CHECK(result->plan.message.starts_with("end velocity: the straight run-up takes"));
+    CHECK(result->plan.message.find("touches '") != std::string::npos);
+    blocked.end_velocity = {100, 0, 0};
+    CHECK(solve(blocked, nullptr, settings)->plan.message.find("faster than its limit") !=
+          std::string::npos);
+    PoseGoal pose;
+    pose.link = blocked.robot.links().back().name;
+    blocked.pose_goals = {pose};
+    const auto posed = solve(blocked, nullptr, settings);
+    REQUIRE_FALSE(posed.has_value());
+    CHECK(posed.error().message.starts_with("end velocity: expected configurations as goals"));
+  }
+
   TEST_CASE("a stop in contact is refused with what it touches, and one beyond limits") {
     const Problem into = arm_beside({{2.3, 0.75, 0.3}}, {0.6, 0, 0});
     const SolveSettings settings = settings_within(into.robot);
@@ -92,11 +142,12 @@ TEST_SUITE("flow") {
     }
   }
 
-  TEST_CASE("a start velocity of zeros changes nothing") {
+  TEST_CASE("velocities of zeros change nothing") {
     const Problem still = arm_beside(kBetween, {});
     const SolveSettings settings = settings_within(still.robot);
-    CHECK(solve(arm_beside(kBetween, {0, 0, 0}), nullptr, settings)->plan.path ==
-          solve(still, nullptr, settings)->plan.path);
+    Problem zeros = arm_beside(kBetween, {0, 0, 0});
+    zeros.end_velocity = {0, 0, 0};
+    CHECK(solve(zeros, nullptr, settings)->plan.path == solve(still, nullptr, settings)->plan.path);
   }
 }
 

@@ -1,0 +1,159 @@
+// SPDX-FileCopyrightText: The mneme authors
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/moving_ends.h"
+
+#include "path/waypoints.h"
+#include "base/fail.h"
+#include "replay/proven_motions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace mneme::internal {
+namespace {
+
+SolveResult refused(const SolveSettings& settings, PlanStatus status, std::string message) {
+  SolveResult result;
+  result.plan.status = status;
+  result.plan.message = std::move(message);
+  result.planner = settings.planner;
+  result.sampler = settings.sampler;
+  result.seed = settings.plan.seed;
+  result.isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
+  return result;
+}
+
+/// A straight motion between rest and a given velocity.
+struct EndMotion {
+  Configuration from, to;
+  bool is_stop = true;  ///< at the start of the path; otherwise a run-up to its end
+};
+
+/// Says what the motion touches first; without contact at any state it is too near.
+std::string describe_blocked(const CollisionChecker& checker, const EndMotion& motion) {
+  constexpr int kStates = 64;
+  const auto& [from, to, is_stop] = motion;
+  const std::string takes =
+      fmt::format("{} takes {:.3g} (L2 joint distance), ",
+                  is_stop ? "start velocity: the robot cannot stop in time: its straight stop"
+                          : "end velocity: the straight run-up",
+                  checker.robot().distance(from, to));
+  for (int i = 0; i <= kStates; ++i) {
+    Configuration q = from;
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] += (to[j] - from[j]) * i / kStates;
+    const std::vector<Contact> contacts = checker.contacts(checker.robot().normalized(q));
+    if (contacts.empty()) continue;
+    return fmt::format("{}and after {:.0f} % of it '{}' touches '{}'", takes, 100.0 * i / kStates,
+                       contacts.front().link, contacts.front().other);
+  }
+  return takes + "which is not proven free of contact";
+}
+
+/// Empty if the motion is proven free.
+Result<std::string> find_fault(const Problem& problem, const SolveSettings& settings,
+                               const EndMotion& motion) {
+  const CheckerSettings checked{settings.resolution, settings.margin, settings.isa,
+                                problem.constraints};
+  const QueryChecker made = MNEME_TRY(
+      query_checker_of(problem.robot, problem.scene, checked, {motion.from, {motion.to}}));
+  const auto to_row = [&](const Configuration& q) {
+    return to_floats(problem.robot.normalized(q));
+  };
+  CheckCounters counters;
+  const MotionVerifier verifier(made.checker, settings.plan.verification());
+  const bool is_free = verifier.is_free(to_row(motion.from), to_row(motion.to),
+                                        {motion.is_stop, !motion.is_stop}, counters);
+  return is_free ? std::string() : describe_blocked(made.checker, motion);
+}
+
+/// Where the robot stops, or begins its run-up.
+struct Rest {
+  Configuration q;
+  std::string fault;  ///< why that is impossible; empty if it is not
+};
+
+Result<Rest> find_rest(const Problem& problem, const SolveSettings& settings,
+                       const RateLimits& limits, const Configuration& end, bool is_start) {
+  const Robot& robot = problem.robot;
+  if (auto violation = robot.describe_violation(end, is_start ? "start" : "goal")) {
+    return Rest{end, *std::move(violation)};
+  }
+  const auto rest = is_start ? stopping_point(robot, end, problem.start_velocity, limits)
+                             : run_up_point(robot, end, problem.end_velocity, limits);
+  if (!rest) return Rest{end, rest.error().message};
+  if (*rest == end) return Rest{end, ""};
+  const EndMotion motion = is_start ? EndMotion{end, *rest, true} : EndMotion{*rest, end, false};
+  return Rest{robot.normalized(*rest), MNEME_TRY(find_fault(problem, settings, motion))};
+}
+
+/// A goal and where the run-up to it begins.
+struct RunUp {
+  Configuration from, goal;
+};
+
+/// The run-ups that are free. If there are none, `fault` says why for the last goal. Without an end
+/// velocity there are none and no fault.
+Result<std::vector<RunUp>> find_run_ups(const Problem& problem, const SolveSettings& settings,
+                                        const RateLimits& limits, std::string& fault) {
+  std::vector<RunUp> run_ups;
+  if (problem.end_velocity.empty()) return run_ups;
+  if (!problem.pose_goals.empty()) {
+    return fail(ErrorCode::invalid,
+                "end velocity: expected configurations as goals, got a pose; inverse kinematics "
+                "finds configurations for it");
+  }
+  for (const Configuration& goal : problem.goals) {
+    Rest rest = MNEME_TRY(find_rest(problem, settings, limits, goal, false));
+    fault = std::move(rest.fault);
+    if (fault.empty()) run_ups.push_back({std::move(rest.q), goal});
+  }
+  if (!run_ups.empty()) fault.clear();
+  return run_ups;
+}
+
+/// Adds the run-up that begins at the end of the path.
+void add_run_up(const Robot& robot, const std::vector<RunUp>& run_ups, SolveResult& result) {
+  const auto run_up_from = [&](const Configuration& q) -> const RunUp& {
+    return *std::ranges::min_element(
+        run_ups, {}, [&](const RunUp& run_up) { return robot.distance(run_up.from, q); });
+  };
+  for (Configuration& goal : result.goals) goal = run_up_from(goal).goal;
+  Path& path = result.plan.path;
+  if (path.empty()) return;
+  const RunUp& last = run_up_from(robot.normalized(path.back()));
+  if (last.from != last.goal) path.push_back(last.goal);
+}
+
+}  // namespace
+
+Result<SolveResult> solve_moving(
+    const Problem& problem, const SolveSettings& settings,
+    const std::function<Result<SolveResult>(const Problem&)>& solve_at_rest) {
+  const RateLimits limits = settings.plan.limits != nullptr
+                                ? *settings.plan.limits
+                                : MNEME_TRY(find_rate_limits(problem.robot));
+  Problem resting = problem;
+  resting.start_velocity.clear();
+  resting.end_velocity.clear();
+  if (!problem.start_velocity.empty()) {
+    const Rest stop = MNEME_TRY(find_rest(problem, settings, limits, problem.start, true));
+    if (!stop.fault.empty()) return refused(settings, PlanStatus::invalid_start, stop.fault);
+    resting.start = stop.q;
+  }
+  std::string fault;
+  const auto run_ups = MNEME_TRY(find_run_ups(problem, settings, limits, fault));
+  if (!fault.empty()) return refused(settings, PlanStatus::invalid_goal, std::move(fault));
+  if (!run_ups.empty()) resting.goals.clear();
+  for (const RunUp& run_up : run_ups) resting.goals.push_back(run_up.from);
+  SolveResult result = MNEME_TRY(solve_at_rest(resting));
+  if (!run_ups.empty()) add_run_up(problem.robot, run_ups, result);
+  Path& path = result.plan.path;
+  const bool is_stopped = resting.start != problem.start;
+  if (!path.empty() && is_stopped) path.insert(path.begin(), problem.start);
+  path = unwrapped(problem.robot, std::move(path), problem.start);
+  return result;
+}
+
+}  // namespace mneme::internal
