@@ -136,7 +136,7 @@ void Endpoints::refresh_memory() {
 std::optional<Endpoints::Outcome> Endpoints::ask_cells(const PlanRequest& request) {
   const SolveSettings& settings = request.settings;
   if (request.wants_trace || settings.plan.improve > 0) return std::nullopt;
-  if (!request.problem.start_velocity.empty()) return std::nullopt;
+  if (request.problem.is_moving()) return std::nullopt;
   const Stopwatch stopwatch;
   for (const std::shared_ptr<const Cell>& cell : settings_.cells) {
     if (settings.margin > cell->margin()) continue;

@@ -291,9 +291,9 @@ void read_query(std::string_view query, std::optional<TrajectorySettings>& timin
 PlanRequest read_plan(const Input& input, std::string_view query, const RequestContext& context) {
   input.allow_keys({"name",         "index", "robot",       "joints",         "links",
                     "joint_limits", "frame", "scene",       "obstacles",      "circles",
-                    "attached",     "allow", "start",       "start_velocity", "trajectory",
+                    "attached",     "allow", "start",       "start_velocity", "end_velocity",
                     "goal",         "goals", "constraints", "self_filter",    "settings",
-                    "clearance",    "trace", "remember"});
+                    "trajectory",   "trace", "clearance",   "remember"});
   PlanRequest request{read_problem_of_request(input, {}, context), read_settings(input, context),
                       read_timing(input)};
   read_query(query, request.timing);

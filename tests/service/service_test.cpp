@@ -41,7 +41,7 @@ TEST_SUITE("flow") {
     CHECK(reply.body.size() == keys.size());
   }
 
-  TEST_CASE("a plan with a trajectory is timed, from its start velocity on") {
+  TEST_CASE("a plan with a trajectory is timed, with velocities at its ends") {
     const RunningService running;
     const auto client = running.client();
     Json body = question();
@@ -60,6 +60,10 @@ TEST_SUITE("flow") {
     const Json moving = post(*client, "/v1/plan", body).body;
     REQUIRE_MESSAGE(moving.contains("trajectory"), moving.dump());
     CHECK(moving["trajectory"]["velocities"][0][0].get<double>() == doctest::Approx(-0.1));
+    body["end_velocity"] = std::vector<double>{0, 0.1, 0, 0, 0, 0, 0, 0};
+    const Json ending = post(*client, "/v1/plan", body).body;
+    REQUIRE_MESSAGE(ending.contains("trajectory"), ending.dump());
+    CHECK(ending["trajectory"]["velocities"].back()[1].get<double>() == doctest::Approx(0.1));
 
     body["trajectory"] = {{"dt", 0}};
     CHECK(post(*client, "/v1/plan", body).status == 400);
