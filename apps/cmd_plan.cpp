@@ -111,7 +111,7 @@ struct PlanOptions {
   RobotOptions robot_options;
   std::optional<GivenConfiguration> start;
   std::optional<GivenConfiguration> goal;
-  std::optional<std::vector<double>> start_velocity;
+  std::optional<std::vector<double>> start_velocity, end_velocity;
   std::vector<PoseGoal> goal_poses;
   std::vector<OrientationConstraint> upright;
   std::optional<double> self_filter;
@@ -162,6 +162,7 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   overrides.start = options.start;
   overrides.goal = options.goal;
   overrides.start_velocity = options.start_velocity;
+  overrides.end_velocity = options.end_velocity;
   overrides.pose_goals = options.goal_poses;
   overrides.constraints = options.upright;
   overrides.self_filter = options.self_filter;
@@ -307,9 +308,12 @@ Result<ExitCode> run_stages(const PlanOptions& options) {
   if (!files.svg.empty() || !files.trace.empty() || !files.beside.empty()) {
     print_note("--svg, --trace and --beside have no effect on a task");
   }
-  if (options.start_velocity) {
+  if (options.start_velocity || options.end_velocity) {
+    const bool is_start = options.start_velocity.has_value();
     return fail(ErrorCode::unsupported,
-                "--start-velocity: a task starts at rest; plan the way to its start first");
+                fmt::format("--{}-velocity: a task starts and ends at rest; plan the motion {} it "
+                            "by itself",
+                            is_start ? "start" : "end", is_start ? "before" : "after"));
   }
   TaskRunOptions task;
   task.file = options.problem;
@@ -383,6 +387,12 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
       .add_option("--start-velocity", options.start_velocity,
                   "velocity of each joint at the start, rad/s or m/s: the path begins with the "
                   "motion in which the robot can stop (default: at rest)")
+      ->delimiter(',')
+      ->type_name("X,X,..");
+  command
+      .add_option("--end-velocity", options.end_velocity,
+                  "velocity of each joint at the goal, rad/s or m/s: the path ends with the motion "
+                  "in which the robot gets it (default: at rest)")
       ->delimiter(',')
       ->type_name("X,X,..");
   add_poses(

@@ -91,6 +91,9 @@ TEST_SUITE("flow") {
     run_with("moving.json", {"--start-velocity", "-0.05,0,0,0,0,0,0,0"});
     CHECK(Json::parse(read_file(files / "moving.json"))["velocities"][0][0].get<double>() ==
           doctest::Approx(-0.05));
+    run_with("ending.json", {"--end-velocity", "0,0.04,0,0,0,0,0,0"});
+    CHECK(Json::parse(read_file(files / "ending.json"))["velocities"].back()[1].get<double>() ==
+          doctest::Approx(0.04));
     const ProgramRun told = run_program({"plan", files.problem(), "--trajectory", files / "m.csv"});
     CHECK(has_text(told.out, "\nmotion      "));
     CHECK(has_text(told.out, "\nimproved    in "));

@@ -292,7 +292,7 @@ def test_neither_takes_what_is_wrong(name, path, to, tmp_path):
 def test_a_suite_may_have_every_setting_of_plan():
     help_text = mneme("plan", "--help-all")
     flags = set(re.findall(r"^  (?:-\w,)?--([a-z-]+)", help_text, re.MULTILINE))
-    others = {"help", "help-all", "robot", "srdf", "group", "package-path", "start", "start-velocity", "blend-tolerance", "fix", "goal", "goal-pose", "upright", "self-filter", "db", "db-memory", "planner",
+    others = {"help", "help-all", "robot", "srdf", "group", "package-path", "start", "start-velocity", "end-velocity", "blend-tolerance", "fix", "goal", "goal-pose", "upright", "self-filter", "db", "db-memory", "planner",
               "sampler", "seed", "memory", "kind", "isa", "view", "beside", "svg", "trace", "json", "trajectory", "joint-limits", "dt",
               "velocity-scale", "acceleration-scale", "acceleration-limit", "jerk-limit", "path-tolerance", "time-rounds", "strict", "hard-limits"}
     assert others <= flags
