@@ -42,10 +42,15 @@ Constraints checked(const Robot& robot, Constraints constraints) {
   return constraints;
 }
 
+/// Empty for None: at rest. Any number of values if `joints` is -1.
+std::vector<double> to_velocity(const py::object& velocity, int joints, const char* name) {
+  return velocity.is_none() ? std::vector<double>() : to_vector(velocity, joints, name);
+}
+
 SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& scene,
                            const py::object& start, const py::object& goals, std::string name,
                            std::vector<PoseGoal> pose_goals, Constraints constraints,
-                           const py::object& start_velocity) {
+                           const py::object& start_velocity, const py::object& end_velocity) {
   if (goals.is_none() && pose_goals.empty()) {
     raise_invalid("goals: expected at least one configuration, or pose_goals");
   }
@@ -57,9 +62,8 @@ SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& sce
   Problem problem{std::move(name), robot,           "", {},
                   std::move(from), std::move(rows), {}, std::move(pose_goals)};
   problem.constraints = checked(robot, std::move(constraints));
-  if (!start_velocity.is_none()) {
-    problem.start_velocity = to_vector(start_velocity, joints, "start_velocity");
-  }
+  problem.start_velocity = to_velocity(start_velocity, joints, "start_velocity");
+  problem.end_velocity = to_velocity(end_velocity, joints, "end_velocity");
   return {std::move(problem), scene};
 }
 
@@ -82,7 +86,7 @@ struct ProblemArguments {
   Constraints constraints;
   RobotOptions options;
   std::optional<double> self_filter;
-  py::object start_velocity;
+  py::object start_velocity, end_velocity;
 };
 
 SharedProblem load(const ProblemArguments& arguments) {
@@ -100,6 +104,9 @@ SharedProblem load(const ProblemArguments& arguments) {
   if (!arguments.goal.is_none()) options.goal = to_vector(arguments.goal, -1, "goal");
   if (!arguments.start_velocity.is_none()) {
     options.start_velocity = to_vector(arguments.start_velocity, -1, "start_velocity");
+  }
+  if (!arguments.end_velocity.is_none()) {
+    options.end_velocity = to_vector(arguments.end_velocity, -1, "end_velocity");
   }
   options.pose_goals = arguments.pose_goals;
   options.constraints = arguments.constraints;
@@ -126,17 +133,18 @@ void bind_factories(py::class_<SharedProblem>& problem) {
               py::arg("start"), py::arg("goals") = py::none(), py::arg("name") = "problem",
               py::kw_only(), py::arg("pose_goals") = std::vector<PoseGoal>(),
               py::arg("constraints") = Constraints(), py::arg("start_velocity") = py::none(),
+              py::arg("end_velocity") = py::none(),
               "start: shape (joint_count,), radians. goals: one configuration, or rows of shape\n"
               "(k, joint_count). A path may end at any of the goals and pose_goals. The scene is\n"
               "shared: later edits take effect. Pass scene.copy() to avoid that.\n"
-              "start_velocity: a value per joint, rad/s or m/s; default: at rest.");
+              "start_velocity, end_velocity: a value per joint, rad/s or m/s; default: at rest.");
   problem.def_static(
       "load",
       [](const std::filesystem::path& where, py::object robot, py::object start, py::object goal,
          std::vector<PoseGoal> pose_goals, Constraints constraints,
          const std::filesystem::path& srdf, std::string group,
          std::vector<std::string> package_paths, std::optional<double> self_filter, bool strict,
-         bool hard_limits, py::object start_velocity) {
+         bool hard_limits, py::object start_velocity, py::object end_velocity) {
         RobotOptions options;
         options.strict = strict;
         options.hard_limits = hard_limits;
@@ -145,14 +153,14 @@ void bind_factories(py::class_<SharedProblem>& problem) {
         options.package_paths = std::move(package_paths);
         return load({where.string(), std::move(robot), std::move(start), std::move(goal),
                      std::move(pose_goals), std::move(constraints), std::move(options), self_filter,
-                     std::move(start_velocity)});
+                     std::move(start_velocity), std::move(end_velocity)});
       },
       py::arg("where"), py::kw_only(), py::arg("robot") = "", py::arg("start") = py::none(),
       py::arg("goal") = py::none(), py::arg("pose_goals") = std::vector<PoseGoal>(),
       py::arg("constraints") = Constraints(), py::arg("srdf") = "", py::arg("group") = "",
       py::arg("package_paths") = std::vector<std::string>(), py::arg("self_filter") = py::none(),
       py::arg("strict") = false, py::arg("hard_limits") = false,
-      py::arg("start_velocity") = py::none(),
+      py::arg("start_velocity") = py::none(), py::arg("end_velocity") = py::none(),
       "Reads a problem: a YAML file, FILE.json#NAME for one of a compact file, or a motion plan\n"
       "request of MoveIt. Other arguments replace values of the file.\n\n"
       "robot: a name, the path of a URDF, or a Robot, which is then shared. A Robot also replaces\n"
@@ -167,10 +175,7 @@ void bind_variations(py::class_<SharedProblem>& problem) {
       "with_start",
       [=](SharedProblem self, const py::object& start, const py::object& velocity) {
         self.rest().start = to_vector(start, joints(self), "start");
-        self.rest().start_velocity.clear();
-        if (!velocity.is_none()) {
-          self.rest().start_velocity = to_vector(velocity, joints(self), "start_velocity");
-        }
+        self.rest().start_velocity = to_velocity(velocity, joints(self), "start_velocity");
         return self;
       },
       py::arg("start"), py::arg("start_velocity") = py::none(),
@@ -178,14 +183,15 @@ void bind_variations(py::class_<SharedProblem>& problem) {
       "scene\nare shared.");
   problem.def(
       "with_goal",
-      [=](SharedProblem self, const py::object& goal) {
+      [=](SharedProblem self, const py::object& goal, const py::object& velocity) {
         self.rest().goals = to_goals(goal, joints(self));
+        self.rest().end_velocity = to_velocity(velocity, joints(self), "end_velocity");
         return self;
       },
-      py::arg("goal"),
-      "Returns this problem with another goal, or goals of shape (k, joint_count). Robot and "
-      "scene\n"
-      "are shared.");
+      py::arg("goal"), py::arg("end_velocity") = py::none(),
+      "Returns this problem with another goal, or goals of shape (k, joint_count), reached at "
+      "rest\n"
+      "unless there is a velocity. Robot and scene are shared.");
   problem.def(
       "with_constraints",
       [](SharedProblem self, Constraints constraints) {
@@ -219,6 +225,18 @@ void bind_functions(py::module_& module) {
       "Returns the names of the problems in a compact file, for Problem.load('PATH#NAME').");
 }
 
+void bind_velocities(py::class_<SharedProblem>& problem) {
+  problem
+      .def_property_readonly(
+          "start_velocity",
+          [](const SharedProblem& self) { return read_only(to_array(self.rest().start_velocity)); },
+          "Shape (joint_count,), or (0,) at rest; read-only: see with_start.")
+      .def_property_readonly(
+          "end_velocity",
+          [](const SharedProblem& self) { return read_only(to_array(self.rest().end_velocity)); },
+          "Shape (joint_count,), or (0,) at rest; read-only: see with_goal.");
+}
+
 }  // namespace
 
 void bind_problem(py::module_& module) {
@@ -227,6 +245,7 @@ void bind_problem(py::module_& module) {
       module, "Problem", "A motion planning problem: a robot, a scene, a start and goals.");
   bind_factories(problem);
   bind_variations(problem);
+  bind_velocities(problem);
   refuse_pickling(problem,
                   "load it in each process, or make it there of a robot that was loaded there, and "
                   "of scene, start and goals, which can be pickled");
@@ -241,10 +260,6 @@ void bind_problem(py::module_& module) {
       .def_property_readonly(
           "start", [](const SharedProblem& self) { return read_only(to_array(self.rest().start)); },
           "Shape (joint_count,), radians; read-only: see with_start.")
-      .def_property_readonly(
-          "start_velocity",
-          [](const SharedProblem& self) { return read_only(to_array(self.rest().start_velocity)); },
-          "Shape (joint_count,), or (0,) at rest; read-only: see with_start.")
       .def_property_readonly(
           "goals",
           [](const SharedProblem& self) {

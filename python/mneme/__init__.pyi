@@ -310,6 +310,7 @@ class Problem:
         pose_goals: Sequence[PoseGoal] = ...,
         constraints: Sequence[OrientationConstraint] = ...,
         start_velocity: Optional[npt.ArrayLike] = None,
+        end_velocity: Optional[npt.ArrayLike] = None,
     ) -> None: ...
     @staticmethod
     def load(
@@ -318,6 +319,7 @@ class Problem:
         robot: Union[PathLike, Robot] = "",
         start: Optional[npt.ArrayLike] = None,
         start_velocity: Optional[npt.ArrayLike] = None,
+        end_velocity: Optional[npt.ArrayLike] = None,
         goal: Optional[npt.ArrayLike] = None,
         pose_goals: Sequence[PoseGoal] = ...,
         constraints: Sequence[OrientationConstraint] = ...,
@@ -337,6 +339,8 @@ class Problem:
     @property
     def start_velocity(self) -> Floats: ...
     @property
+    def end_velocity(self) -> Floats: ...
+    @property
     def goals(self) -> Floats: ...
     @property
     def pose_goals(self) -> Sequence[PoseGoal]: ...
@@ -347,7 +351,9 @@ class Problem:
     def with_start(
         self, start: npt.ArrayLike, start_velocity: Optional[npt.ArrayLike] = None
     ) -> Problem: ...
-    def with_goal(self, goal: npt.ArrayLike) -> Problem: ...
+    def with_goal(
+        self, goal: npt.ArrayLike, end_velocity: Optional[npt.ArrayLike] = None
+    ) -> Problem: ...
     def with_scene(self, scene: Scene) -> Problem: ...
     def with_constraints(self, constraints: Sequence[OrientationConstraint]) -> Problem: ...
     def to_yaml(self, robot: str) -> str: ...
@@ -630,6 +636,7 @@ class Client:
         attached: Optional[Sequence[dict[str, Any]]] = None,
         constraints: Optional[Sequence[OrientationConstraint]] = None,
         start_velocity: Optional[npt.ArrayLike] = None,
+        end_velocity: Optional[npt.ArrayLike] = None,
         trajectory: Optional[dict[str, Any]] = None,
         trace: bool = False,
         clearance: bool = False,

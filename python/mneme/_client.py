@@ -186,7 +186,7 @@ class Client:
         self.close()
 
     def plan(self, problem=None, *, scene=None, start=None, goals=None, attached=None, constraints=None,
-             start_velocity=None, trajectory=None, trace=False, clearance=False, remember=True, **settings):
+             start_velocity=None, end_velocity=None, trajectory=None, trace=False, clearance=False, remember=True, **settings):
         """Plans a Problem, or from `start` to one of `goals` in `scene`, a Scene or the id of an uploaded one.
 
         goals: configurations and PoseGoals. attached: a list of attached objects, as in compact files; default: those
@@ -212,8 +212,9 @@ class Client:
             body["attached"] = list(attached)
         if constraints is not None:
             body["constraints"] = [_constraint(each) for each in constraints]
-        if start_velocity is not None:
-            body["start_velocity"] = np.asarray(start_velocity, dtype=float).tolist()
+        for key, velocity in (("start_velocity", start_velocity), ("end_velocity", end_velocity)):
+            if velocity is not None:
+                body[key] = np.asarray(velocity, dtype=float).tolist()
         if trajectory is not None:
             body["trajectory"] = _settings(trajectory)
         body.update(settings=_settings(settings), trace=trace, clearance=clearance, remember=remember)

@@ -113,6 +113,19 @@ def test_a_moving_start_is_timed_from_its_velocity(problem):
     assert refused.status == "invalid_start" and "faster than its limit" in refused.message
 
 
+def test_a_moving_end_is_timed_to_its_velocity(problem):
+    velocity = np.zeros(problem.robot.joint_count)
+    velocity[1] = 0.05
+    moving = problem.with_goal(problem.goals, velocity)
+    np.testing.assert_array_equal(moving.end_velocity, velocity)
+    motion = mneme.plan(moving, trajectory={"acceleration_limit": 2}).trajectory()
+    np.testing.assert_allclose(motion.velocities[-1], velocity, atol=1e-6)
+    np.testing.assert_allclose(motion.positions[-1], problem.goals[0], atol=1e-6)
+    assert moving.with_goal(problem.goals).end_velocity.size == 0
+    refused = mneme.plan(problem.with_goal(problem.goals, velocity * 1e4))
+    assert refused.status == "invalid_goal" and "faster than its limit" in refused.message
+
+
 def test_a_trajectory_needs_a_path_and_settings_in_range(problem, blocked):
     code, message = raised(mneme.plan(blocked, max_iterations=50).trajectory)
     assert code == "invalid" and "there is no path" in message
