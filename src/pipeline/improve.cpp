@@ -13,15 +13,15 @@ namespace {
 
 /// Rough plans per round; the shortest is shortened. The side on which a path passes obstacles
 /// matters more than further shortening, and a rough path shows it.
-constexpr int kPlansPerRound = 3;
+constexpr int kPlansPerRound = 3, kPlansPerTimedRound = 2;
 constexpr int kPatience = 160;      ///< for length; for time, other plans pay more than patience
 constexpr double kRounding = 1e-6;  ///< relative, of single precision
 /// Paths that take longer than this multiple of the straight motion are too far from it for samples
 /// in a box around it to help.
-constexpr double kNearStraight = 1.5;
+constexpr double kNearStraight = 2;
 /// Whatever time there is to improve, a path of a trajectory gets this number of rounds. They plan
 /// until about this number of states is checked: some half a millisecond.
-constexpr std::uint64_t kFreeRounds = 3, kFreeStates = 30000;
+constexpr std::uint64_t kFreeRounds = 3, kFreeStates = 40000;
 
 bool has_free_rounds(const PlanSettings& plan) {
   return plan.simplify && plan.minimizes_time() && plan.limits != nullptr;
@@ -107,7 +107,9 @@ class Improvement {
     double least = 0;
     const std::unique_ptr<Sampler> informed = informed_sampler();
     const Sampler& sampler = informed != nullptr ? *informed : sampler_;
-    for (int i = 0; i < kPlansPerRound && !is_plan_too_much(); ++i) {
+    const bool is_timed = query_.settings.plan.minimizes_time();
+    const int plans = is_timed ? kPlansPerTimedRound : kPlansPerRound;
+    for (int i = 0; i < plans && !is_plan_too_much(); ++i) {
       PlanSettings settings = settings_of(round_ * kPlansPerRound + static_cast<std::uint64_t>(i));
       settings.verify = false;
       settings.simplify = true;
