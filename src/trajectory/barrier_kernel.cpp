@@ -85,11 +85,17 @@ class JointBlock {
   HWY_INLINE void solve(StepDerivatives& step) {
     D gradient = zero(), curvature = zero();
     for (size_t i = 0; i < t_.count; ++i) {
-      add_barriers<1>(i, gradient, curvature);
-      add_barriers<2>(i, gradient, curvature);
-      add_barriers<3>(i, gradient, curvature);
+      const Rooms first = rooms<1>(i), second = rooms<2>(i), third = rooms<3>(i),
+                  box = box_rooms(i);
+      // One division for all of them.
+      const D a = hn::Mul(first.product, second.product), b = hn::Mul(third.product, box.product);
+      const D inverse = hn::Div(all(1), hn::Mul(a, b));
+      const D inverse_a = hn::Mul(inverse, b), inverse_b = hn::Mul(inverse, a);
+      add_barriers<1>(i, first, hn::Mul(inverse_a, second.product), gradient, curvature);
+      add_barriers<2>(i, second, hn::Mul(inverse_a, first.product), gradient, curvature);
+      add_barriers<3>(i, third, hn::Mul(inverse_b, box.product), gradient, curvature);
       if (is_free(i)) {
-        eliminate(i);
+        eliminate(i, box, hn::Mul(inverse_b, third.product));
       } else {
         store(zero(), array(kMove, i));
         store(zero(), array(kBorderMove, i));
@@ -125,8 +131,14 @@ class JointBlock {
   }
 
  private:
-  /// Arrays of rows; kUp and kDown have one for each order.
-  enum { kUp = 0, kDown = 3, kBorder = 6, kMove, kBorderMove, kFirst, kSecond, kThird };
+  /// Arrays of rows; kUp and kDown have one for each order, and one for boxes.
+  enum { kUp = 0, kDown = 4, kBorder = 8, kMove, kBorderMove, kFirst, kSecond, kThird };
+  static constexpr size_t kBox = 3;  // after the orders
+
+  /// The distances to both limits of a barrier.
+  struct Rooms {
+    D above, below, product;
+  };
 
   HWY_INLINE double* array(size_t which, size_t row) const {
     return t_.scratch + (which * t_.count + row) * t_.stride + first_;
@@ -136,17 +148,38 @@ class JointBlock {
     return i >= kFixedPoints && i + kFixedPoints < t_.count;
   }
 
-  /// -log(limit - g) - log(limit + g) of the difference that begins at `i`.
+  /// Of the difference that begins at `i`.
   template <size_t kOrder>
-  HWY_INLINE void add_barriers(size_t i, D& gradient, D& curvature) {
+  HWY_INLINE Rooms rooms(size_t i) const {
     constexpr size_t o = kOrder - 1;
-    if (i + kOrder >= t_.count) return;
+    if (i + kOrder >= t_.count) return {zero(), zero(), all(1)};
     const D g = difference<kOrder>(point(i), t_.stride);
     const D above = hn::Sub(limit_[o], g), below = hn::Add(limit_[o], g);
-    const D inverse = hn::Div(weight_[o], hn::Mul(above, below));
-    const D up = hn::Mul(below, inverse), down = hn::Mul(above, inverse);
-    store(up, array(kUp + o, i));
-    store(down, array(kDown + o, i));
+    return {above, below, hn::Mul(above, below)};
+  }
+  HWY_INLINE Rooms box_rooms(size_t i) const {
+    if (!is_free(i)) return {zero(), zero(), all(1)};
+    const size_t at = i * t_.stride + first_;
+    const D p = load(t_.points + at);
+    const D above = hn::Sub(load(t_.upper + at), p), below = hn::Sub(p, load(t_.lower + at));
+    return {above, below, hn::Mul(above, below)};
+  }
+  /// Stores and returns the slopes of -log(above) and -log(below).
+  HWY_INLINE void store_slopes(size_t which, size_t i, const Rooms& rooms, D inverse, D& up,
+                               D& down) const {
+    up = hn::Mul(rooms.below, inverse);
+    down = hn::Mul(rooms.above, inverse);
+    store(up, array(kUp + which, i));
+    store(down, array(kDown + which, i));
+  }
+
+  /// -log(limit - g) - log(limit + g) of the difference that begins at `i`.
+  template <size_t kOrder>
+  HWY_INLINE void add_barriers(size_t i, const Rooms& rooms, D inverse, D& gradient, D& curvature) {
+    constexpr size_t o = kOrder - 1;
+    if (i + kOrder >= t_.count) return;
+    D up, down;
+    store_slopes(o, i, rooms, hn::Mul(inverse, weight_[o]), up, down);
     const D up2 = hn::Mul(up, up), down2 = hn::Mul(down, down);
     slopes_[o].push(hn::Sub(up, down));
     curves_[o].push(hn::Add(up2, down2));
@@ -168,12 +201,9 @@ class JointBlock {
     }
   }
 
-  HWY_INLINE void eliminate(size_t i) {
-    const size_t at = i * t_.stride + first_;
-    const D p = load(t_.points + at);
-    const D above = hn::Sub(load(t_.upper + at), p), below = hn::Sub(p, load(t_.lower + at));
-    const D inverse_room = hn::Div(all(1), hn::Mul(above, below));
-    const D up = hn::Mul(below, inverse_room), down = hn::Mul(above, inverse_room);
+  HWY_INLINE void eliminate(size_t i, const Rooms& box, D inverse_room) {
+    D up, down;
+    store_slopes(kBox, i, box, inverse_room, up, down);
     D gradient = hn::Sub(up, down), border = zero();
     D band[4] = {hn::MulAdd(up, up, hn::Mul(down, down)), zero(), zero(), zero()};
     add_row<1>(band, gradient, border);
@@ -240,10 +270,9 @@ class JointBlock {
     most = hn::Max(most, hn::Mul(hn::Neg(hn::Add(move, change)), load(array(kDown + o, i))));
   }
   HWY_INLINE void find_lost_room_in_box(size_t i, D& most) const {
-    const size_t at = i * t_.stride + first_;
-    const D p = load(t_.points + at), move = load(array(kMove, i));
-    most = hn::Max(most, hn::Div(move, hn::Sub(load(t_.upper + at), p)));
-    most = hn::Max(most, hn::Div(move, hn::Sub(load(t_.lower + at), p)));
+    const D move = load(array(kMove, i));
+    most = hn::Max(most, hn::Mul(move, load(array(kUp + kBox, i))));
+    most = hn::Max(most, hn::Mul(hn::Neg(move), load(array(kDown + kBox, i))));
   }
 
   const BarrierTables& t_;

@@ -16,7 +16,7 @@ inline constexpr std::size_t kJointLanes = 8;
 /// Control points at each end of a spline that do not move.
 inline constexpr std::size_t kFixedPoints = 3;
 /// Arrays of `count` rows that a Newton step works in.
-inline constexpr std::size_t kBarrierArrays = 12;
+inline constexpr std::size_t kBarrierArrays = 14;
 
 struct BarrierTables {
   std::size_t count = 0;   ///< of control points

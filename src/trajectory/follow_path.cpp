@@ -144,7 +144,7 @@ Trajectory follow_from_rest(const Timing& timing, const Path& path) {
   const TrajectorySettings& settings = timing.settings;
   const MotionVerifier* verifier = timing.verifier;
   const Legs legs = find_legs(robot, path);
-  FollowSettings following{settings.path_tolerance, begins_outside(robot, path)};
+  const FollowSettings following{settings.path_tolerance, begins_outside(robot, path)};
   const bool has_rounds = verifier != nullptr && !following.stops_first && settings.time_rounds > 0;
   const auto follow = [&] {
     return has_jerk_limit(limits)
@@ -153,14 +153,12 @@ Trajectory follow_from_rest(const Timing& timing, const Path& path) {
                                 limits);
   };
   if (!has_rounds) return follow();
-  // Rounds mostly leave the corners, so that those with jerk limits are proven only if they remain.
-  following.is_guide = true;
-  const Trajectory guide = follow();
-  if (auto faster = shorten_time(robot, guide, legs, limits, settings, *verifier)) {
-    return *std::move(faster);
-  }
-  following.is_guide = false;
-  return has_jerk_limit(limits) ? follow() : guide;
+  // Rounds mostly leave the corners, so that these are proven only if they remain.
+  FollowSettings guiding = following;
+  guiding.is_guide = true;
+  const Trajectory guide = to_trajectory(follow_legs(legs, limits, guiding, verifier), legs.end);
+  auto faster = shorten_time(robot, guide, legs, limits, settings, *verifier);
+  return faster ? *std::move(faster) : follow();
 }
 
 /// Stops on the first leg and starts for the end on the last one, as far as there is a speed.

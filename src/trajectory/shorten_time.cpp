@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -22,18 +23,18 @@ namespace mneme::internal {
 namespace {
 
 constexpr double kPieceTime = 0.02;  ///< seconds of a piece, within the numbers of pieces below
-constexpr double kLeastPieces = 32, kMostPieces = 96;
+constexpr double kLeastPieces = 32, kMostPieces = 80;
 /// The first spline is slower by this factor: barriers need room.
-constexpr double kSlower = 1.01;
+constexpr double kSlower = 1.05;
 /// Half of the width of a box, radians or metres, at first and at most.
-constexpr double kRadius = 0.1, kMostRadius = 0.5;
+constexpr double kRadius = 0.2, kMostRadius = 0.5;
 /// Factors on it after a round in which a point's pieces passed, or one did not.
 constexpr double kGrow = 1.5, kShrink = 0.5;
 /// Share of the move of a point whose pieces did not pass that its box leaves for the next round.
 constexpr double kMoveAgain = 0.3;
 constexpr double kLeastRoom = 1e-8;  ///< of a box around a joint's limit
 /// Share of time that barriers may cost, at first and at last.
-constexpr double kGap = 0.05, kLeastGap = 0.01;
+constexpr double kGap = 0.02, kLeastGap = 0.01;
 constexpr double kGapFactor = 0.1;    ///< per round
 constexpr double kLeastGain = 0.001;  ///< relative
 constexpr int kIdleRounds = 3;        ///< without this gain end the search
@@ -43,6 +44,7 @@ constexpr double kNearLeast = 0.002;
 /// Deviation of verified chords from the motion, L2 joint distance: first the greater one, which
 /// needs fewer chords and more clearance.
 constexpr double kChordErrors[] = {2e-3, 1e-4};
+constexpr std::size_t kMostPiecesOfChord = 16;
 /// Clearance of states beyond which rounds do not look closer, metres, and such states per piece.
 constexpr double kGuideMargin = 2e-3;
 constexpr std::size_t kGuides = 2;
@@ -91,14 +93,23 @@ class TimeShortener {
  public:
   TimeShortener(const Robot& robot, const Legs& legs, const RateLimits& limits,
                 const TrajectorySettings& settings, const MotionVerifier& verifier)
-      : robot_(robot),
-        legs_(legs),
+      : legs_(legs),
         joints_(legs.end.size()),
         tolerance_(settings.path_tolerance - kChordErrors[0]),
         rounds_(settings.time_rounds),
         fast_enough_s_((1 + kNearLeast) * least_time(legs, limits)),
         verifier_(verifier),
-        barrier_(limits) {}
+        barrier_(limits) {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    lowest_.assign(PointRows(1, joints_).stride(), -kNone);
+    highest_.assign(lowest_.size(), kNone);
+    for (std::size_t j = 0; j < joints_; ++j) {
+      const Joint& joint = robot.group_joint(static_cast<int>(j));
+      if (joint.type == JointType::continuous) continue;
+      lowest_[j] = joint.lower;
+      highest_[j] = joint.upper;
+    }
+  }
 
   std::optional<Trajectory> shorten(const Trajectory& motion) {
     if (motion.duration_s() <= fast_enough_s_) return std::nullopt;
@@ -122,7 +133,8 @@ class TimeShortener {
     for (int round = 0; round < rounds_ && idle < kIdleRounds; ++round) {
       if (spline_.duration_s() <= fast_enough_s_) return;
       TimeSpline next = spline_;
-      const bool is_centred = barrier_.shorten(next, boxes(), gap);
+      place_boxes();
+      const bool is_centred = barrier_.shorten(next, boxes_, gap);
       const bool has_passed = passes(next);
       change_radii(next);
       if (!has_passed) continue;
@@ -163,24 +175,19 @@ class TimeShortener {
       std::ranges::copy(motion.at(time_s).position, spline_.points[i]);
     }
     radii_.assign(count, kRadius);
+    boxes_ = {PointRows(count, joints_), PointRows(count, joints_)};
   }
 
-  [[nodiscard]] Boxes boxes() const {
-    Boxes boxes{spline_.points, spline_.points};
+  /// Places boxes_ around the control points, within the limits of joints.
+  void place_boxes() {
     for (std::size_t i = 0; i < radii_.size(); ++i) {
-      double *lower = boxes.lower[i], *upper = boxes.upper[i];
-      for (std::size_t j = 0; j < boxes.lower.stride(); ++j) {
-        const double least = lower[j] - kLeastRoom, most = upper[j] + kLeastRoom;
-        lower[j] -= radii_[i];
-        upper[j] += radii_[i];
-        if (j >= joints_) continue;
-        const Joint& joint = robot_.group_joint(static_cast<int>(j));
-        if (joint.type == JointType::continuous) continue;
-        lower[j] = std::min(std::max(lower[j], joint.lower), least);
-        upper[j] = std::max(std::min(upper[j], joint.upper), most);
+      const double* p = spline_.points[i];
+      double *lower = boxes_.lower[i], *upper = boxes_.upper[i];
+      for (std::size_t j = 0; j < lowest_.size(); ++j) {
+        lower[j] = std::min(std::max(p[j] - radii_[i], lowest_[j]), p[j] - kLeastRoom);
+        upper[j] = std::max(std::min(p[j] + radii_[i], highest_[j]), p[j] + kLeastRoom);
       }
     }
-    return boxes;
   }
 
   /// Notes control points of pieces that do not pass; true if there are none.
@@ -193,27 +200,26 @@ class TimeShortener {
     };
     std::vector<std::size_t> pieces(spline.piece_count());
     std::iota(pieces.begin(), pieces.end(), std::size_t{0});
-    for (const std::size_t i : pieces) {
-      if (!is_near(spline, i)) note_failure(i);
-    }
+    states_.clear();
+    for (const std::size_t i : pieces) add_states(spline, i, kGuides);
+    const std::vector<std::size_t> touching = find_touching(pieces, kGuides, kGuideMargin);
+    add_state(spline, pieces.back(), 1);
+    find_far_chords([&](std::size_t chord) { note_failure(chord / kGuides); });
     // The last state of a piece is the first one of the next.
     std::vector<std::size_t> doubtful;
-    for (const std::size_t i : find_touching(spline, pieces, kGuides, kGuideMargin)) {
+    for (const std::size_t i : touching) {
       if (i > 0 && (doubtful.empty() || doubtful.back() + 1 < i)) doubtful.push_back(i - 1);
       doubtful.push_back(i);
     }
-    for (const std::size_t i : find_touching(spline, doubtful, kCloseStates, kCloseMargin)) {
-      note_failure(i);
-    }
+    states_.clear();
+    for (const std::size_t i : doubtful) add_states(spline, i, kCloseStates);
+    for (const std::size_t i : find_touching(doubtful, kCloseStates, kCloseMargin)) note_failure(i);
     return has_passed;
   }
 
-  /// Returns the pieces that lack the margin at one of `count` states.
-  [[nodiscard]] std::vector<std::size_t> find_touching(const TimeSpline& spline,
-                                                       const std::vector<std::size_t>& pieces,
+  /// Returns the pieces that lack the margin at one of their `count` states in states_.
+  [[nodiscard]] std::vector<std::size_t> find_touching(const std::vector<std::size_t>& pieces,
                                                        std::size_t count, double margin) {
-    states_.clear();
-    for (const std::size_t i : pieces) add_states(spline, i, count, 0);
     is_free_.resize(pieces.size() * count);
     verifier_.checker().check_states(states_, is_free_, margin);
     std::vector<std::size_t> touching;
@@ -226,78 +232,126 @@ class TimeShortener {
   }
 
   [[nodiscard]] bool is_proven(const TimeSpline& spline) {
-    for (std::size_t i = 0; i < spline.piece_count(); ++i) {
-      if (!is_proven(spline, i)) return false;
+    find_bends(spline);
+    for (std::size_t i = 0, end = 0; i < spline.piece_count(); i = end) {
+      end = find_chord_end(spline, i);
+      if (end - i > 1 && is_chord_proven(spline, i, end)) continue;
+      for (std::size_t piece = i; piece < end; ++piece) {
+        if (!is_piece_proven(spline, piece)) return false;
+      }
     }
     return true;
   }
 
-  [[nodiscard]] bool is_proven(const TimeSpline& spline, std::size_t piece) {
-    const std::vector<float> whole = bow_of(spline, piece);
-    double norm = 0;
-    for (const float value : whole) norm = std::hypot(norm, double{value});
-    CheckCounters counters;
+  /// Writes the second differences of control points, absolute: those where pieces begin and end.
+  void find_bends(const TimeSpline& spline) {
+    bends_ = PointRows(spline.piece_count() + 1, joints_);
+    for (std::size_t i = 0; i < bends_.count(); ++i) {
+      const double *a = spline.points[i], *b = spline.points[i + 1], *c = spline.points[i + 2];
+      for (std::size_t j = 0; j < bends_.stride(); ++j)
+        bends_[i][j] = std::abs(a[j] - 2 * b[j] + c[j]);
+    }
+  }
+
+  /// The end of a chord from where piece `begin` begins: it spans as many pieces as the greater
+  /// error allows, and at least one.
+  [[nodiscard]] std::size_t find_chord_end(const TimeSpline& spline, std::size_t begin) {
+    std::size_t end = begin + 1;
+    while (end < spline.piece_count() && end - begin < kMostPiecesOfChord &&
+           find_bow(begin, end + 1) <= kChordErrors[0]) {
+      ++end;
+    }
+    return end;
+  }
+
+  /// Writes to bow_ how far pieces are, at most, from the chord between their ends: acceleration is
+  /// linear in time on each. Returns the L2 norm.
+  double find_bow(std::size_t begin, std::size_t end) {
+    bow_.assign(joints_, 0);
+    const auto count = static_cast<double>(end - begin);
+    double sum = 0;
+    for (std::size_t j = 0; j < joints_; ++j) {
+      double most = 0;
+      for (std::size_t i = begin; i <= end; ++i) most = std::max(most, bends_[i][j]);
+      const double bow = most * count * count / 8;
+      bow_[j] = static_cast<float>(bow);
+      sum += bow * bow;
+    }
+    return std::sqrt(sum);
+  }
+
+  [[nodiscard]] bool is_chord_proven(const TimeSpline& spline, std::size_t begin, std::size_t end) {
+    states_.clear();
+    add_state(spline, begin, 0);
+    add_state(spline, end - 1, 1);
+    find_bow(begin, end);
+    return is_near() && verifier_.is_curve_free(states_, bow_, counters_);
+  }
+
+  [[nodiscard]] bool is_piece_proven(const TimeSpline& spline, std::size_t piece) {
     int last = 0;
     for (const double error : kChordErrors) {
+      const double norm = find_bow(piece, piece + 1);
       const int count = std::max(1, static_cast<int>(std::ceil(std::sqrt(norm / error))));
       if (count == last) continue;
       last = count;
       states_.clear();
-      add_states(spline, piece, as_index(count), 1);
+      add_states(spline, piece, as_index(count));
+      add_state(spline, piece, 1);
       if (!is_near()) return false;
-      std::vector<float> bow = whole;
-      for (float& value : bow) value /= static_cast<float>(count * count);
-      if (verifier_.is_curve_free(states_, bow, counters)) return true;
+      for (float& value : bow_) value /= static_cast<float>(count * count);
+      if (verifier_.is_curve_free(states_, bow_, counters_)) return true;
     }
     return false;
   }
 
-  /// Bounds on how far a piece is from the chord between its ends.
-  [[nodiscard]] std::vector<float> bow_of(const TimeSpline& spline, std::size_t piece) const {
-    std::vector<float> bow(joints_);
-    for (std::size_t j = 0; j < joints_; ++j) {
-      const auto c = spline.piece(j, piece);
-      const double begin = 2 * c[2], end = begin + 6 * c[3] * spline.step_s;
-      const double most = std::max(std::abs(begin), std::abs(end));
-      bow[j] = static_cast<float>(most * spline.step_s * spline.step_s / 8);
+  /// Adds to states_ those at the begin of `count` equal parts of a piece.
+  void add_states(const TimeSpline& spline, std::size_t piece, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) {
+      add_state(spline, piece, static_cast<double>(k) / static_cast<double>(count));
     }
-    return bow;
   }
-
-  /// Adds to states_ those at the begin of `count` equal parts of a piece, and `more` after them.
-  void add_states(const TimeSpline& spline, std::size_t piece, std::size_t count,
-                  std::size_t more) {
-    const std::size_t begin = states_.size();
-    states_.resize(begin + (count + more) * joints_);
+  /// Adds the state at a share of a piece.
+  void add_state(const TimeSpline& spline, std::size_t piece, double t) {
+    const double a = (1 - t) * (1 - t) * (1 - t) / 6, d = t * t * t / 6;
+    const double b = 2.0 / 3 - t * t * (2 - t) / 2, c = 1 - a - b - d;
+    const double *p = spline.points[piece], *q = spline.points[piece + 1];
+    const double *r = spline.points[piece + 2], *s = spline.points[piece + 3];
+    states_.resize(states_.size() + joints_);
+    float* state = states_.data() + states_.size() - joints_;
     for (std::size_t j = 0; j < joints_; ++j) {
-      const auto c = spline.piece(j, piece);
-      for (std::size_t k = 0; k < count + more; ++k) {
-        const double t = spline.step_s * static_cast<double>(k) / static_cast<double>(count);
-        states_[begin + k * joints_ + j] =
-            static_cast<float>(c[0] + t * (c[1] + t * (c[2] + t * c[3])));
-      }
+      state[j] = static_cast<float>(a * p[j] + b * q[j] + c * r[j] + d * s[j]);
     }
   }
 
-  [[nodiscard]] bool is_near(const TimeSpline& spline, std::size_t piece) {
-    states_.clear();
-    add_states(spline, piece, kGuides, 1);
-    return is_near();
-  }
-
-  /// True if chords between states_ are near the path. A chord whose ends are near one leg is.
   [[nodiscard]] bool is_near() {
-    for (std::size_t i = joints_; i < states_.size(); i += joints_) {
-      const auto is_near_leg = [&](const Leg& leg) {
-        return internal::is_near(leg, &states_[i - joints_], tolerance_) &&
-               internal::is_near(leg, &states_[i], tolerance_);
-      };
-      if (is_near_leg(legs_.legs[leg_])) continue;
-      const auto found = std::ranges::find_if(legs_.legs, is_near_leg);
-      if (found == legs_.legs.end()) return false;
+    bool is_near = true;
+    find_far_chords([&](std::size_t) { is_near = false; });
+    return is_near;
+  }
+
+  /// Calls `note` for each chord between states_ that is not near the path. A chord whose ends are
+  /// near one leg is.
+  template <class Note>
+  void find_far_chords(Note&& note) {
+    const auto is_near_leg = [&](const Leg& leg, std::size_t state) {
+      return internal::is_near(leg, &states_[state * joints_], tolerance_);
+    };
+    bool is_begin_near = is_near_leg(legs_.legs[leg_], 0);
+    for (std::size_t i = 0; (i + 1) * joints_ < states_.size(); ++i) {
+      const bool is_end_near = is_near_leg(legs_.legs[leg_], i + 1);
+      const bool was_near = std::exchange(is_begin_near, is_end_near);
+      if (was_near && is_end_near) continue;
+      const auto found = std::ranges::find_if(legs_.legs, [&](const Leg& leg) {
+        return is_near_leg(leg, i) && is_near_leg(leg, i + 1);
+      });
+      if (found == legs_.legs.end()) {
+        note(i);
+        continue;
+      }
       leg_ = static_cast<std::size_t>(found - legs_.legs.begin());
+      is_begin_near = true;
     }
-    return true;
   }
 
   [[nodiscard]] Trajectory to_trajectory(const TimeSpline& spline) const {
@@ -314,7 +368,6 @@ class TimeShortener {
     return {std::move(stretches), legs_.end, spline.duration_s()};
   }
 
-  const Robot& robot_;
   const Legs& legs_;
   std::size_t joints_;
   double tolerance_;
@@ -325,6 +378,12 @@ class TimeShortener {
   TimeSpline spline_;
   std::vector<double> radii_;  ///< per control point
   std::vector<bool> has_failed_;
+  std::vector<double> lowest_,
+      highest_;  ///< limits of joints; none where they turn, and of padding
+  Boxes boxes_;
+  PointRows bends_;
+  std::vector<float> bow_;
+  CheckCounters counters_;
   std::vector<float> states_;
   std::vector<std::uint8_t> is_free_;  ///< of states_
   std::size_t leg_ = 0;                ///< the leg that was found last

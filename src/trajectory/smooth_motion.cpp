@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trajectory/smooth_motion.h"
 
-#include "base/as_index.h"
 #include "trajectory/speed_profile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -14,7 +14,8 @@
 namespace mneme::internal {
 namespace {
 
-constexpr int kBisections = 60;
+/// Share of a value to which equations are solved, on the safe side.
+constexpr double kAccuracy = 1e-11;
 /// Factor on the speed at a corner for the next attempt if it is not free; deviations shrink with
 /// its square.
 constexpr double kSlowerCorner = 0.6;
@@ -31,11 +32,15 @@ struct Change {
   [[nodiscard]] Change slowed(double factor) const {
     return {factor * duration_s, factor * ramp_s};
   }
-  /// The distance, after half of the change, from where the velocity before would have led, divided
-  /// by the change of velocity.
-  [[nodiscard]] double half_way() const {
-    const double t = duration_s;
-    return duration_s > 0 ? t / 4 - steepness() * (t * t / 8 - ramp_s * ramp_s / 6) : 0;
+  /// The distance, after `t` seconds, from where the velocity before would have led, divided by the
+  /// change of velocity. The second half is the first one turned about its middle.
+  [[nodiscard]] double moved(double t) const {
+    const double late = std::max(0.0, t - duration_s / 2);
+    t -= 2 * late;
+    const double ramp = std::min(t, ramp_s), steady = t - ramp;
+    const double growing = ramp > 0 ? ramp * ramp * ramp / (6 * ramp_s) : 0;
+    if (!(duration_s > 0)) return late;
+    return late + steepness() * (growing + steady * (ramp_s + steady) / 2);
   }
 };
 
@@ -74,13 +79,27 @@ LegLimits limits_along(const std::vector<double>& direction, const RateLimits& l
   return along;
 }
 
-/// The greatest value in [least, most] for which `holds`, which must hold for `least`.
-template <class Predicate>
-double greatest(double least, double most, Predicate&& holds) {
-  if (holds(most)) return most;
-  for (int i = 0; i < kBisections && most - least > 1e-12 * most; ++i) {
-    const double middle = 0.5 * (least + most);
-    (holds(middle) ? least : most) = middle;
+/// About the greatest value in [least, most] whose `excess`, a continuous function, is at most 0,
+/// as it must be for `least`. The method ITP (Oliveira and Takahashi, DOI 10.1145/3423597): a
+/// secant, moved towards the middle so that it takes hardly longer than bisection.
+template <class Excess>
+double greatest(double least, double most, Excess&& excess) {
+  double above = excess(most);
+  if (above <= 0) return most;
+  double below = std::min(0.0, excess(least));
+  const double accuracy = kAccuracy * most, range = most - least;
+  double radius = accuracy * std::exp2(std::ceil(std::log2(std::max(1.0, range / accuracy))));
+  while (most - least > accuracy) {
+    const double width = most - least, middle = least + 0.5 * width;
+    const double secant = least + width * (below / (below - above));
+    const double shift = std::min(0.2 * width * width / range, std::abs(middle - secant));
+    const double nearer = secant + std::copysign(shift, middle - secant);
+    const double most_away = std::max(0.0, radius - 0.5 * width);
+    const double x = std::clamp(nearer, middle - most_away, middle + most_away);
+    const double value = excess(x);
+    (value <= 0 ? least : most) = x;
+    (value <= 0 ? below : above) = value;
+    radius *= 0.5;
   }
   return least;
 }
@@ -101,14 +120,26 @@ class SmoothCorner {
   }
 
   /// Limits the share so that the corner takes at most half of each leg and deviates by at most
-  /// `tolerance`.
+  /// `tolerance`. Closed forms: shares whose acceleration stays for a while, otherwise smaller
+  /// ones.
   void keep_near(double tolerance) {
-    share = greatest(0, 1, [&](double value) {
-      const Change change = change_at(value);
-      return speed_in_ * value * change.duration_s <= in_.length &&
-             speed_out_ * value * change.duration_s <= out_.length &&
-             norm(turn_) * value * change.half_way() <= tolerance;
-    });
+    const double turn = norm(turn_);
+    if (!(turn > 0)) return;
+    const double steady_s = acceleration_s_ / kRoom, ramp_s = jerk_s2_ / acceleration_s_;
+    const auto share_within = [&](double time_s) {
+      const double large =
+          (std::sqrt(ramp_s * ramp_s + 4 * steady_s * time_s) - ramp_s) / (2 * steady_s);
+      return steady_s * large >= ramp_s ? large
+                                        : std::cbrt(time_s * time_s / (4 * steady_s * ramp_s));
+    };
+    const double aside_s = tolerance / turn;
+    const double large =
+        std::sqrt(std::max(0.0, 8 / steady_s * (aside_s - ramp_s * ramp_s / (24 * steady_s))));
+    const double near = steady_s * large >= ramp_s
+                            ? large
+                            : std::cbrt(36 * aside_s * aside_s / (steady_s * ramp_s));
+    share = std::min(
+        {1.0, near, share_within(in_.length / speed_in_), share_within(out_.length / speed_out_)});
   }
 
   [[nodiscard]] Change change_at(double value) const {
@@ -148,6 +179,30 @@ class SmoothCorner {
     pieces.push_back(piece);
   }
 
+  /// Points on the curve, and how far it is, at most, from the chords between them.
+  struct Chords {
+    std::vector<float> states, bow;
+  };
+  /// Empty for a corner at rest.
+  [[nodiscard]] Chords chords() const {
+    const Change change = change_at(share);
+    if (!(change.duration_s > 0)) return {};
+    Chords chords;
+    const double dt = change.duration_s / kChords, before = in_.length - reach_in(share);
+    for (int i = 0; i <= kChords; ++i) {
+      const double along = before + speed_in(share) * i * dt, aside = share * change.moved(i * dt);
+      for (std::size_t j = 0; j < turn_.size(); ++j) {
+        const double q = in_.begin[j] + along * in_.direction[j] + aside * turn_[j];
+        chords.states.push_back(static_cast<float>(q));
+      }
+    }
+    for (const double turn : turn_) {
+      const double acceleration = share * change.steepness() * std::abs(turn);
+      chords.bow.push_back(static_cast<float>(acceleration * dt * dt / 8));
+    }
+    return chords;
+  }
+
   double share = 1;  ///< of the greatest speeds of both legs
   double verified_share = 0;
   int failures = 0;
@@ -172,39 +227,16 @@ class SmoothCorner {
   double acceleration_s_ = 0, jerk_s2_ = 0;
 };
 
-bool are_free(std::span<const float> states, const MotionVerifier& verifier) {
-  const auto joints = as_index(verifier.checker().robot().joint_count());
-  std::vector<std::uint8_t> is_free(states.size() / joints);
-  verifier.checker().check_states(states, is_free);
-  return std::ranges::find(is_free, 0) == is_free.end();
-}
-
-/// A chord of the corner deviates by at most acceleration dt^2 / 8.
+/// As a guide, a corner is free if its states are, without a proof.
 bool is_free(const SmoothCorner& corner, const MotionVerifier& verifier, bool is_guide) {
-  std::vector<JerkPiece> pieces;
-  corner.add_to(pieces);
-  if (pieces.empty()) return true;
-  double duration_s = 0;
-  std::vector<double> most(pieces.front().jerk.size());
-  for (const JerkPiece& piece : pieces) {
-    duration_s += piece.duration_s;
-    for (std::size_t j = 0; j < most.size(); ++j) {
-      most[j] = std::max(most[j], std::abs(piece.acceleration[j]));
-    }
-  }
-  const double dt = duration_s / kChords;
-  const Trajectory motion = to_trajectory(pieces, pieces.front().position);
-  std::vector<float> states, bow;
-  for (int i = 0; i <= kChords; ++i) {
-    const Configuration q = motion.at(std::min(i * dt, duration_s * (1 - 1e-12))).position;
-    states.insert(states.end(), q.begin(), q.end());
-  }
-  if (is_guide) return are_free(states, verifier);
-  for (const double acceleration : most) {
-    bow.push_back(static_cast<float>(acceleration * dt * dt / 8));
-  }
+  const auto [states, bow] = corner.chords();
+  if (states.empty()) return true;
   CheckCounters counters;
-  return verifier.is_curve_free(states, bow, counters);
+  if (!is_guide) return verifier.is_curve_free(states, bow, counters);
+  // The first state is on a leg.
+  std::array<std::uint8_t, kChords> passes;
+  verifier.checker().check_states(std::span(states).subspan(bow.size()), passes, counters);
+  return std::ranges::find(passes, 0) == passes.end();
 }
 
 /// Legs and the corners between them.
@@ -274,33 +306,33 @@ class SmoothMotion {
     return leg == corners_.size() ? 0 : corners_[leg].reach_in(corners_[leg].share);
   }
 
-  /// True if the leg is long enough to change to the speed of its end at this share. The other
+  /// At most 0 if the leg is long enough to change to the speed of its end at this share. The other
   /// pass sees to it that slower ends can be reached, except from the speed at the start.
-  [[nodiscard]] bool can_reach_end(std::size_t leg, double share) const {
+  [[nodiscard]] double excess_at_end(std::size_t leg, double share) const {
     const SmoothCorner& corner = corners_[leg];
     const double begin = begin_speed(leg), end = corner.speed_in(share);
     const double length = legs_[leg].length - begin_reach(leg);
-    return (leg > 0 && end <= begin) ||
-           along_[leg].reach(begin, end) <= length - corner.reach_in(share);
+    const double excess = along_[leg].reach(begin, end) - (length - corner.reach_in(share));
+    return leg > 0 ? std::min(end - begin, excess) : excess;
   }
   /// The same for the speed of its begin. Faster ends are seen to by the other pass, except the
   /// speed at the end of the motion.
-  [[nodiscard]] bool can_leave_begin(std::size_t leg, double share) const {
+  [[nodiscard]] double excess_at_begin(std::size_t leg, double share) const {
     const SmoothCorner& corner = corners_[leg - 1];
     const double begin = corner.speed_out(share), end = end_speed(leg);
     const double length = legs_[leg].length - end_reach(leg);
-    return (leg < corners_.size() && begin <= end) ||
-           along_[leg].reach(begin, end) <= length - corner.reach_out(share);
+    const double excess = along_[leg].reach(begin, end) - (length - corner.reach_out(share));
+    return leg < corners_.size() ? std::min(begin - end, excess) : excess;
   }
   void slow_down_end(std::size_t leg) {
     SmoothCorner& corner = corners_[leg];
     corner.share =
-        greatest(0, corner.share, [&](double share) { return can_reach_end(leg, share); });
+        greatest(0, corner.share, [&](double share) { return excess_at_end(leg, share); });
   }
   void slow_down_begin(std::size_t leg) {
     SmoothCorner& corner = corners_[leg - 1];
     corner.share =
-        greatest(0, corner.share, [&](double share) { return can_leave_begin(leg, share); });
+        greatest(0, corner.share, [&](double share) { return excess_at_begin(leg, share); });
   }
 
   /// Stops at the corners beside the ends if they are too slow for the given speeds there. Returns
@@ -308,8 +340,9 @@ class SmoothMotion {
   bool stop_beside_ends() {
     if (corners_.empty()) return false;
     double &first = corners_.front().share, &last = corners_.back().share;
-    const bool stops_first = begin_speed_ > 0 && first > 0 && !can_reach_end(0, first);
-    const bool stops_last = end_speed_ > 0 && last > 0 && !can_leave_begin(corners_.size(), last);
+    const bool stops_first = begin_speed_ > 0 && first > 0 && excess_at_end(0, first) > 0;
+    const bool stops_last =
+        end_speed_ > 0 && last > 0 && excess_at_begin(corners_.size(), last) > 0;
     if (stops_first) first = 0;
     if (stops_last) last = 0;
     return stops_first || stops_last;
@@ -349,8 +382,11 @@ class SmoothMotion {
     if (needed > 0 && length <= (1 + kSameLength) * needed) {
       return {begin, least, end, from, 0, std::max(1.0, length / needed)};
     }
-    const double peak =
-        greatest(least, along.speed, [&](double speed) { return reach(speed) <= length; });
+    // Without a limit of jerk.
+    const double fastest =
+        std::sqrt(along.acceleration * length + 0.5 * (begin * begin + end * end));
+    const double most = std::clamp((1 - kAccuracy) * fastest, least, along.speed);
+    const double peak = greatest(least, most, [&](double speed) { return reach(speed) - length; });
     return {begin, peak, end, from, std::max(0.0, length - reach(peak))};
   }
 

@@ -16,9 +16,10 @@ constexpr double kFarLimit = 1e12;
 /// Factors of the control points i, i + 1, .. in a difference of first to third order.
 constexpr double kFactors[3][4] = {{-1, 1, 0, 0}, {1, -2, 1, 0}, {-1, 3, -3, 1}};
 
-double difference(const PointRows& points, std::size_t joint, std::size_t i, std::size_t order) {
+/// The difference of `order` that begins at a row of control points, for a joint.
+double difference(const double* row, std::size_t stride, std::size_t order) {
   double sum = 0;
-  for (std::size_t k = 0; k <= order; ++k) sum += kFactors[order - 1][k] * points[i + k][joint];
+  for (std::size_t k = 0; k <= order; ++k) sum += kFactors[order - 1][k] * row[k * stride];
   return sum;
 }
 
@@ -51,13 +52,16 @@ bool TimeBarrier::admits(const TimeSpline& spline) const {
   for (std::size_t o = 0; o < limits_.size(); ++o) {
     power *= spline.step_s;
     for (std::size_t j = 0; j < spline.joint_count(); ++j) {
-      if (weights_[o][j] == 0) continue;
-      const double limit = limits_[o][j] * power;
-      if (!(limit >= kLeastDifference)) return false;
-      for (std::size_t i = 0; i + o + 1 < spline.count(); ++i) {
-        if (!(std::abs(difference(spline.points, j, i, o + 1)) < limit)) return false;
+      if (!(limits_[o][j] * power >= kLeastDifference) && weights_[o][j] > 0) return false;
+    }
+    bool is_within = true;
+    for (std::size_t i = 0; i + o + 1 < spline.count() && is_within; ++i) {
+      for (std::size_t j = 0; j < spline.joint_count(); ++j) {
+        const double change = difference(spline.points[i] + j, spline.points.stride(), o + 1);
+        is_within &= std::abs(change) < limits_[o][j] * power;
       }
     }
+    if (!is_within) return false;
   }
   return true;
 }

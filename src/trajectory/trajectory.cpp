@@ -87,21 +87,29 @@ void Trajectory::shift(const Configuration& offset) {
 }
 
 Trajectory::Point Trajectory::at(double time_s) const {
-  const std::vector<double> still(end_.size(), 0.0);
-  if (stretches_.empty() || time_s >= end_s_) {
-    return {time_s, end_, time_s > duration_s() ? still : end_velocity_, still};
+  const std::size_t joints = end_.size();
+  Point point{time_s, end_, std::vector<double>(joints), std::vector<double>(joints)};
+  const double duration = duration_s();  // by rounding, it may be less than end_s_
+  if (stretches_.empty() || time_s >= std::min(end_s_, duration)) {
+    if (time_s <= duration) point.velocity = end_velocity_;
+    return point;
   }
-  Point point{time_s, still, still, still};
+  std::ranges::fill(point.position, 0);
   const auto after = std::ranges::upper_bound(stretches_, time_s, {}, &Stretch::begin_s);
   const Stretch& stretch = after == stretches_.begin() ? *after : *std::prev(after);
   const double t = std::max(0.0, time_s - stretch.begin_s);
-  for (std::size_t i = stretch.coefficients.size(); i-- > 0;) {
-    const std::size_t j = i % end_.size();
-    point.acceleration[j] = point.acceleration[j] * t + 2 * point.velocity[j];
-    point.velocity[j] = point.velocity[j] * t + point.position[j];
-    point.position[j] = point.position[j] * t + stretch.coefficients[i];
+  for (std::size_t first = stretch.coefficients.size(); first > 0;) {
+    first -= joints;
+    for (std::size_t j = 0; j < joints; ++j) {
+      point.acceleration[j] = point.acceleration[j] * t + 2 * point.velocity[j];
+      point.velocity[j] = point.velocity[j] * t + point.position[j];
+      point.position[j] = point.position[j] * t + stretch.coefficients[first + j];
+    }
   }
-  if (time_s < 0) point.velocity = point.acceleration = still;
+  if (time_s < 0) {
+    std::ranges::fill(point.velocity, 0);
+    std::ranges::fill(point.acceleration, 0);
+  }
   return point;
 }
 
@@ -146,6 +154,7 @@ Result<std::vector<Trajectory::Point>> Trajectory::sample(double dt) const {
   std::vector<Point> points;
   const double duration = duration_s();
   const int steps = duration > 0 ? std::max(1, static_cast<int>(std::lround(duration / dt))) : 0;
+  points.reserve(static_cast<std::size_t>(steps) + 1);
   for (int i = 0; i < steps; ++i) {
     constexpr int kPollInterval = 1024;
     if (i % kPollInterval == 0) internal::poll_interrupt();
