@@ -20,8 +20,9 @@ constexpr double kRounding = 1e-6;  ///< relative, of single precision
 /// in a box around it to help.
 constexpr double kNearStraight = 2;
 /// Whatever time there is to improve, a path of a trajectory gets this number of rounds. They plan
-/// until about this number of states is checked: some half a millisecond.
-constexpr std::uint64_t kFreeRounds = 3, kFreeStates = 40000;
+/// until about this number of states is checked: some half a millisecond. A plan has so many
+/// iterations more than the first: there may be no path among its samples.
+constexpr std::uint64_t kFreeRounds = 3, kFreeStates = 40000, kFreeIterations = 1000;
 
 bool has_free_rounds(const PlanSettings& plan) {
   return plan.simplify && plan.minimizes_time() && plan.limits != nullptr;
@@ -36,6 +37,7 @@ class Improvement {
         verifier_(resolved.checker),
         best_(result.plan),
         curve_(result.improvements),
+        first_iterations_(result.plan.iterations),
         cost_(cost_of(result.plan.path, &verifier_)) {
     note(0);
     const auto straight_to = [&](const Configuration& goal) {
@@ -69,10 +71,12 @@ class Improvement {
     const bool is_asked = query_.settings.plan.improve > 0;
     if (is_asked) curve_.push_back({time_s, path_length(query_.problem.robot, best_.path)});
   }
+  [[nodiscard]] bool is_free_round() const {
+    return has_free_rounds(query_.settings.plan) && round_ < kFreeRounds;
+  }
   [[nodiscard]] double remaining_s() const {
-    const PlanSettings& plan = query_.settings.plan;
-    const bool is_free = has_free_rounds(plan) && round_ < kFreeRounds;
-    return is_free ? query_.remaining_s() : plan.improve - stopwatch_.elapsed_s();
+    return is_free_round() ? query_.remaining_s()
+                           : query_.settings.plan.improve - stopwatch_.elapsed_s();
   }
   /// True also if no path can be shorter.
   [[nodiscard]] bool is_over() const {
@@ -90,6 +94,10 @@ class Improvement {
     settings.seed = derive_seed(query_.settings.plan.seed, kFirstTask + task);
     settings.timeout_s = std::max(0.0, remaining_s());
     settings.observer = nullptr;
+    if (is_free_round()) {
+      const std::uint64_t most = first_iterations_ + kFreeIterations;
+      settings.max_iterations = std::min(settings.max_iterations.value_or(most), most);
+    }
     return settings;
   }
 
@@ -119,9 +127,10 @@ class Improvement {
       const auto valid_states = query_.sampler.samples_valid_states ? query_.sampler.name : "";
       auto planned = query_.planner.plan(
           {resolved_.checker, resolved_.ends, sampler, settings, finisher, valid_states});
-      if (!planned || !planned->is_solved()) continue;
+      if (!planned) continue;
       best_.iterations += planned->iterations;
       count({planned->states_checked, planned->motions_checked});
+      if (!planned->is_solved()) continue;
       const double cost = cost_of(planned->path);
       if (!shortest.empty() && cost >= least) continue;
       shortest = std::move(planned->path);
@@ -173,6 +182,7 @@ class Improvement {
   std::uint64_t round_ = 0;
   PlanResult& best_;
   std::vector<Improved>& curve_;
+  std::uint64_t first_iterations_;
   double cost_;                     ///< of the best path: seconds or length
   double least_cost_ = 0;           ///< lower bound for any path
   double verification_time_s_ = 0;  ///< longest verification so far; this time is reserved for the

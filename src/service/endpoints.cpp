@@ -45,7 +45,14 @@ Answer no_turn(bool is_cancelled) {
 Json scene_json(const std::string& id, const Scene& scene) {
   Json names = Json::array();
   for (const Obstacle& obstacle : scene.obstacles) names.push_back(obstacle.name);
-  return {{"id", id}, {"obstacles", names}};
+  Json json = {{"id", id}, {"obstacles", names}};
+  if (!scene.warnings.empty()) json["warnings"] = scene.warnings;
+  return json;
+}
+
+/// Notes of an answer begin with what was said of its request.
+void add_warnings(std::vector<std::string>& notes, const std::vector<std::string>& warnings) {
+  notes.insert(notes.begin(), warnings.begin(), warnings.end());
 }
 
 Json contacts_json(const std::vector<Contact>& contacts) {
@@ -280,7 +287,8 @@ Answer Endpoints::plan_in_turn(const Call& call, Work& work) {
 
 Answer Endpoints::answer_plan(PlanRequest request, Outcome outcome, PlanRecorder recorder,
                               const PathMeasures* measures, const TimedPath& timed) {
-  const SolveResult& result = outcome.result;
+  SolveResult& result = outcome.result;
+  add_warnings(result.notes, request.problem.warnings);
   const Remembered& remembered = result.remembered;
   metrics_.add_plan(to_string(result.plan.status), result.gl.retrieved_count());
   if (remembered.is_queued || !remembered.failure.empty()) {
@@ -329,8 +337,9 @@ Answer Endpoints::task_in_turn(const Call& call, Work& work) {
   settings.plan.cancel = &call.is_cancelled;
   if (request->may_remember) settings.remember_after = settings_.remember_after;
   work.go_on();
-  const Result<TaskResult> result = solve_remembering(*request);
+  Result<TaskResult> result = solve_remembering(*request);
   if (!result) return refusal(result.error());
+  add_warnings(result->notes, request->task.warnings);
   metrics_.add_plan(to_string(result->status), 0);
   const Task& task = request->task;
   if (!request->timing || !result->is_solved()) return {200, to_json(task, *result) + "\n"};

@@ -153,8 +153,7 @@ void LimitsFile::read(const std::string& file, Rates& rates) {
   const InputValue value = parse_yaml(text, file);
   const Input input = find_limits(Input(value, file));
   const Input joints = input.at("joint_limits");
-  ignore_other_keys(input, {"joint_limits", "default_velocity_scaling_factor",
-                            "default_acceleration_scaling_factor"});
+  ignore_other_keys(input, {"joint_limits"});
   if (joints.is_nothing()) return;
   for (const auto& [name, joint] : joints.entries()) {
     if (joint.is_nothing()) continue;

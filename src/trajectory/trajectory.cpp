@@ -76,7 +76,7 @@ double Trajectory::duration_s() const {
   // Rounding of the product must not add a nanosecond.
   constexpr double kRounding = 1e-5;
   const double nanoseconds = end_s_ * kNanosecondsPerSecond;
-  return std::ceil(nanoseconds - kRounding) / kNanosecondsPerSecond;
+  return std::max(0.0, std::ceil(nanoseconds - kRounding)) / kNanosecondsPerSecond;
 }
 
 void Trajectory::shift(const Configuration& offset) {

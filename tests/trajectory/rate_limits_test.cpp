@@ -149,6 +149,7 @@ joint_limits:
     };
     const std::string yaml = R"(
 robot_description_planning:
+  default_velocity_scaling_factor: 0.1
   joint_limits:
     a: {has_jerk: false, max_velocity: 1.5, has_position_limits: true, max_power: 9}
     elbow: {max_velocity: 1}
@@ -158,11 +159,14 @@ robot_description_planning:
     CHECK(limits->velocity[0] == 1.5);
     const std::string key = "robot_description_planning.joint_limits.";
     CHECK(limits->warnings ==
-          std::vector<std::string>{file + ": ignored 4 keys (an error if strict): " + key +
-                                   "a.has_jerk, " + key + "a.max_power, " + key +
+          std::vector<std::string>{file + ": ignored 5 keys (an error if strict): " +
+                                   "robot_description_planning.default_velocity_scaling_factor, " +
+                                   key + "a.has_jerk, " + key + "a.max_power, " + key +
                                    "a.has_position_limits (the URDF limits positions), " + key +
                                    "elbow (no such joint)"});
-    CHECK(contains(read(yaml, true).error().message, "a.has_jerk: unknown key"));
+    CHECK(contains(read(yaml, true).error().message, "scaling_factor: unknown key"));
+    CHECK(contains(read("joint_limits: {a: {has_jerk: false}}", true).error().message,
+                   "a.has_jerk: unknown key"));
     CHECK(contains(read("joint_limits: {elbow: {max_velocity: 1}}", true).error().message,
                    "robot 'hand' has no such joint"));
     for (const std::string& ignored :
