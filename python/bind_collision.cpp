@@ -122,10 +122,12 @@ void bind_collision(py::module_& module) {
       .def_property_readonly(
           "isa", [](const CollisionChecker& self) { return std::string(to_string(self.isa())); })
       .def("is_valid", &is_valid, py::arg("q"),
-           "Returns True if q, shape (joint_count,), is free. For rows of shape (n, joint_count):\n"
-           "an array of n booleans.")
+           "Returns True if q, shape (joint_count,), is free of contact; joint limits are not\n"
+           "checked. For rows of shape (n, joint_count): an array of n booleans.")
       .def("is_motion_valid", &is_motion_valid, py::arg("start"), py::arg("end"),
-           "Returns True if the straight motion from start to end is free. start is not checked.")
+           "Returns True if the straight motion from start to end is free of contact. start and "
+           "joint\n"
+           "limits are not checked.")
       .def("contacts", &contacts, py::arg("q"),
            "Returns all contacts at q: dictionaries with link, other, is_self and distance "
            "(metres,\n"

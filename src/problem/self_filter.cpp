@@ -78,9 +78,9 @@ Result<std::vector<std::string>> drop_own_points(Scene& scene, const Robot& robo
       return left == 0;
     });
     if (dropped == 0) continue;
-    notes.push_back(
-        fmt::format("obstacle {}: {} of {} points are nearer than {} m to the robot and ignored",
-                    obstacle.name, dropped, total, distance));
+    notes.push_back(fmt::format(
+        "obstacle {}: {} of {} points are nearer than {} m to the robot's spheres and ignored",
+        obstacle.name, dropped, total, distance));
   }
   std::erase_if(scene.obstacles, [](const Obstacle& o) { return o.shapes.empty(); });
   return notes;
