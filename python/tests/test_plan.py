@@ -120,7 +120,7 @@ def test_a_moving_end_is_timed_to_its_velocity(problem):
     np.testing.assert_array_equal(moving.end_velocity, velocity)
     motion = mneme.plan(moving, trajectory={"acceleration_limit": 2}).trajectory()
     np.testing.assert_allclose(motion.velocities[-1], velocity, atol=1e-6)
-    np.testing.assert_allclose(motion.positions[-1], problem.goals[0], atol=1e-6)
+    assert problem.robot.distance(motion.positions[-1], problem.goals[0]) < 1e-6  # up to whole turns
     assert moving.with_goal(problem.goals).end_velocity.size == 0
     refused = mneme.plan(problem.with_goal(problem.goals, velocity * 1e4))
     assert refused.status == "invalid_goal" and "faster than its limit" in refused.message

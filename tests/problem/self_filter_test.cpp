@@ -43,8 +43,8 @@ TEST_SUITE("unit") {
     const Problem touching = require_problem(problem_with("self_filter: 0\n"));
     CHECK(points_in(touching.scene) == 2);
     CHECK(touching.warnings ==
-          std::vector<std::string>{"obstacle cloud: 2 of 4 points are nearer than 0 m to the robot "
-                                   "and ignored"});
+          std::vector<std::string>{"obstacle cloud: 2 of 4 points are nearer than 0 m to the "
+                                   "robot's spheres and ignored"});
     CHECK(points_in(require_problem(problem_with("self_filter: 0.004\n")).scene) == 2);
     CHECK(points_in(require_problem(problem_with("self_filter: 0.006\n")).scene) == 1);
   }

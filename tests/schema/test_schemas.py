@@ -170,7 +170,7 @@ RIGHT = {"scene": SCENE, "problem": PROBLEM, "compact": COMPACT, "grid": GRID, "
 # What is put where, by the path of keys; None takes the key away.
 WRONG = [
     ("scene", ["obstacls"], []),
-    ("scene", ["obstacles", 0, "radius"], 0),
+    ("scene", ["obstacles", 0, "radius"], -0.1),
     ("scene", ["obstacles", 0, "radius"], None),
     ("scene", ["obstacles", 0, "size"], [1, 1, 1]),
     ("scene", ["obstacles", 0, "name"], None),
