@@ -302,7 +302,7 @@ void add_isa(CLI::App& app) {
     setenv("MNEME_ISA", name.c_str(), 1);
   };
   add_text(app, "--isa", read,
-           "instruction set: scalar, sse, avx2 or avx512; portable finds the same path everywhere")
+           "instruction set: scalar, sse, avx2 or avx512; portable finds the same path in browsers")
       ->type_name("NAME");
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Known tasks: what became of the remembered paths that were tried before any search.
+/// Known tasks: what became of the remembered paths that were tried instead of a search.
 #pragma once
 
 #include "mneme/base.h"

@@ -194,7 +194,7 @@ class ExactPairs {
   using KnownStates = std::function<bool(std::pair<int, int> links, std::span<std::uint8_t> apart)>;
   /// True if no pair comes closer than `extra` metres at the motion's end and, as `known`, bounds
   /// or exact geometry tell, at about `count` > 0 states on the way. The start is assumed free.
-  /// `known` may be empty.
+  /// `known` may be empty; states that it knows keep no `extra`.
   [[nodiscard]] bool are_apart_at_states(std::span<const float> from, std::span<const float> delta,
                                          double extra, int count, const KnownStates& known) const;
 

@@ -70,6 +70,8 @@ void InputFindings::add(const std::string& what, const std::string& place) {
     ++known->others;
   } else if (findings_.size() < kMostKinds) {
     findings_.push_back({what, place});
+  } else {
+    ++dropped_;
   }
 }
 
@@ -79,6 +81,7 @@ void InputFindings::append_to(std::vector<std::string>& warnings) const {
         finding.others == 0 ? "" : fmt::format(" (and {} more)", finding.others);
     warnings.push_back(finding.first + others);
   }
+  if (dropped_ > 0) warnings.push_back(fmt::format("and {} more warnings", dropped_));
 }
 
 std::string Input::place(const std::string& what) const {

@@ -58,6 +58,7 @@ class InputFindings {
     std::size_t others = 0;
   };
   std::vector<Finding> findings_;
+  std::size_t dropped_ = 0;
 };
 
 /// Access to a value. The value, the name of its source and findings must outlive it. Throws
@@ -161,9 +162,8 @@ class Input {
 
 /// Parses the one document of `yaml`; empty ones may follow. `source` names it in messages. The
 /// tags !degrees and !radians of an angle such as 30 or pi/6, and deg(ANGLE) and rad(ANGLE), give
-/// radians; merge keys << are
-/// expanded. Throws InputFailure, also for other tags, a repeated key and more than 4 million
-/// values with aliases expanded.
+/// radians; merge keys << are expanded. Throws InputFailure, also for other tags, a repeated key
+/// and more than 4 million values with aliases expanded.
 [[nodiscard]] InputValue parse_yaml(std::string_view yaml, const std::string& source);
 
 /// Parses JSON with lines; `source` names it in messages. Throws InputFailure.

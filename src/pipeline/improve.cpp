@@ -20,8 +20,8 @@ constexpr double kRounding = 1e-6;  ///< relative, of single precision
 /// in a box around it to help.
 constexpr double kNearStraight = 2;
 /// Whatever time there is to improve, a path of a trajectory gets this number of rounds. They plan
-/// until about this number of states is checked: some half a millisecond. A plan has so many
-/// iterations more than the first: there may be no path among its samples.
+/// until about this number of states is checked: some half a millisecond. Each of their plans ends
+/// after so many more iterations than the first plan took: there may be no path among its samples.
 constexpr std::uint64_t kFreeRounds = 3, kFreeStates = 40000, kFreeIterations = 1000;
 
 bool has_free_rounds(const PlanSettings& plan) {

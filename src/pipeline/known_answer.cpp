@@ -41,6 +41,10 @@ bool KnownAnswer::may_go_on(std::uint64_t iterations) {
   return !has_answered();
 }
 
+void KnownAnswer::ask_at_last() {
+  if (!is_asked_) ask();
+}
+
 void KnownAnswer::ask() {
   is_asked_ = true;
   const auto kind = std::ranges::find_if(query_.kinds, [](const auto& k) { return k.replay > 0; });
@@ -51,7 +55,9 @@ void KnownAnswer::ask() {
   }
   if (has_answered()) return;
   answer_ = find_unsolved(query_);
-  if (has_answered()) add_counts(in_vain_, *answer_);
+  if (!has_answered()) return;
+  add_counts(in_vain_, *answer_);
+  answer_->planning_time_s = report_.time_s;
 }
 
 PlanResult KnownAnswer::replay(const KindSettings& kind) {

@@ -22,6 +22,8 @@ class KnownAnswer final : public SearchLimit {
   [[nodiscard]] bool needs_search();
   /// Asks memory once it is due. Returns false from then on if it has answered.
   [[nodiscard]] bool may_go_on(std::uint64_t iterations) override;
+  /// Asks memory if it was not yet, as when a search ended before it was due.
+  void ask_at_last();
   [[nodiscard]] bool has_answered() const { return answer_.has_value(); }
   /// Returns the answer, with the work of the search that it has ended.
   [[nodiscard]] PlanResult take(const PlanResult& search);

@@ -71,27 +71,28 @@ Solved copy_of(const ResolvedQuery& resolved, const Path& path, std::uint64_t pl
 }  // namespace
 
 Remembered remember(const ResolvedQuery& resolved, const PlanResult& plan,
-                    std::uint64_t planning_states) {
+                    const PlanningWork& work) {
   const Query& query = resolved.query;
   const std::optional<int> after = query.settings.remember_after;
   Remembered remembered;
   // Paths with OMPL's defaults are not verified: they teach nothing.
   const bool is_wanted =
-      after && plan.is_solved() && query.database != nullptr &&
-      !query.settings.plan.ompl_defaults &&
-      query.database->earns_row(plan.iterations, static_cast<std::uint64_t>(*after));
+      after && plan.is_solved() && query.database != nullptr && !query.settings.plan.ompl_defaults;
   if (!is_wanted) return remembered;
   const Stopwatch stopwatch;
   std::vector<KindSettings> kinds = query.kinds;
   std::erase_if(kinds, [&](const KindSettings& kind) {
     // Memory is not asked for what is planned so fast.
-    const bool is_easy = kind.replay > 0 && plan.iterations < query.ask_after.value_or(0);
-    return is_easy || planning_states + plan.iterations < kind.kind->least_work ||
+    const bool is_easy = kind.replay > 0 && work.iterations < query.ask_after.value_or(0);
+    return is_easy || work.states + work.iterations < kind.kind->least_work ||
            (kind.kind->is_placed_by_checking && !query.problem.constraints.empty());
   });
-  if (kinds.empty()) return remembered;
+  if (kinds.empty() ||
+      !query.database->earns_row(work.iterations, static_cast<std::uint64_t>(*after))) {
+    return remembered;
+  }
   const auto queued = query.database->insert_later(
-      [solved = copy_of(resolved, plan.path, planning_states), kinds = std::move(kinds)](
+      [solved = copy_of(resolved, plan.path, work.states), kinds = std::move(kinds)](
           const std::atomic<bool>& stop) { return make_all_rows(solved, kinds, stop); });
   remembered.is_queued = queued.has_value();
   if (!queued) remembered.failure = queued.error().message;

@@ -10,10 +10,14 @@
 
 namespace mneme::internal {
 
+/// What planning a path took, without improving it.
+struct PlanningWork {
+  std::uint64_t states = 0, iterations = 0;
+};
+
 /// Queues the experience of a solved problem if `remember_after` allows it: the database's thread
-/// makes the rows. `planning_states`: number of states checked for planning the path, without
-/// improvement.
+/// makes the rows.
 [[nodiscard]] Remembered remember(const ResolvedQuery& resolved, const PlanResult& plan,
-                                  std::uint64_t planning_states);
+                                  const PlanningWork& work);
 
 }  // namespace mneme::internal

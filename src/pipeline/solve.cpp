@@ -66,15 +66,16 @@ Result<void> search(const ResolvedQuery& resolved, KnownAnswer& known, SolveResu
   const auto sampler = MNEME_TRY(memory.make());
   RaceResult planned = MNEME_TRY(internal::race({resolved, *sampler, &known}));
   result.plan = std::move(planned.plan);
+  result.plan.planning_time_s += memory.time_s();
+  if (result.plan.status == PlanStatus::iteration_limit) known.ask_at_last();
   if (known.has_answered()) return {};
   MNEME_TRY(memory.check(planned.samples));
-  const std::uint64_t planning_states = result.plan.states_checked;
+  const internal::PlanningWork work{result.plan.states_checked, result.plan.iterations};
   note_motions(resolved, planned.found);
-  result.plan.planning_time_s += memory.time_s();
   improve(resolved, *sampler, result);
   result.gl = memory.take(planned.samples);
   known.add_work(result.plan);
-  result.remembered = remember(resolved, result.plan, planning_states);
+  result.remembered = remember(resolved, result.plan, work);
   remember_unsolved(resolved, result.plan);
   return {};
 }

@@ -90,7 +90,7 @@ int PlannerRun::begin_iterations(int most) {
   }
   if (must_stop()) return 0;
   if (limit_ != nullptr && !limit_->may_go_on(result_.iterations)) {
-    refuse(PlanStatus::cancelled, "another search was first");
+    refuse(PlanStatus::cancelled, "the limit of the search ended it");
     is_stopped_ = true;
     return 0;
   }

@@ -43,7 +43,7 @@ std::string describe(const tinyxml2::XMLDocument& document) {
   if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING) return "an element that does not end";
   if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING_TEXT) return "text that no tag follows";
   if (document.ErrorID() == tinyxml2::XML_ERROR_PARSING_DECLARATION) {
-    return "an instruction <?..?> that is not at the beginning; remove it";
+    return "an instruction <?..?> that is not at the beginning or does not end; remove it";
   }
   std::string_view name = document.ErrorName();
   constexpr std::string_view kPrefix = "XML_ERROR_";

@@ -440,6 +440,7 @@ Result<Scene> edit_scene(std::string_view body, const Scene& scene, const Reques
     Scene added =
         moved(read_frame(input, context.robot), read_framed_scene(input, scene.name, context));
     for (Obstacle& obstacle : added.obstacles) set_obstacle(std::move(obstacle), edited);
+    edited.warnings = std::move(added.warnings);
     check_count(input, edited, context);
     return with_allowed(input, std::move(edited));
   });

@@ -285,7 +285,16 @@ class TimeShortener {
     add_state(spline, begin, 0);
     add_state(spline, end - 1, 1);
     find_bow(begin, end);
-    return is_near() && verifier_.is_curve_free(states_, bow_, counters_);
+    return !has_long_turn() && is_near() && verifier_.is_curve_free(states_, bow_, counters_);
+  }
+
+  /// True if a joint turns so far between two states that a sweep may take the other way around.
+  [[nodiscard]] bool has_long_turn() const {
+    constexpr float kMostTurn = 3;  // radians
+    for (std::size_t j = 0; j < joints_; ++j) {
+      if (std::abs(states_[joints_ + j] - states_[j]) > kMostTurn) return true;
+    }
+    return false;
   }
 
   [[nodiscard]] bool is_piece_proven(const TimeSpline& spline, std::size_t piece) {

@@ -385,7 +385,7 @@ class SmoothMotion {
     // Without a limit of jerk.
     const double fastest =
         std::sqrt(along.acceleration * length + 0.5 * (begin * begin + end * end));
-    const double most = std::clamp((1 - kAccuracy) * fastest, least, along.speed);
+    const double most = std::max(least, std::min((1 - kAccuracy) * fastest, along.speed));
     const double peak = greatest(least, most, [&](double speed) { return reach(speed) - length; });
     return {begin, peak, end, from, std::max(0.0, length - reach(peak))};
   }

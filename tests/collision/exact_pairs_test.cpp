@@ -240,11 +240,11 @@ void compare_states(const SolidWorld& world, double margin, Rng& rng, StateTally
   }
 }
 
-/// The least of both at states of a motion.
 struct MotionGaps : Gaps {
   double longest_contact = 0;  ///< radians, of solids at states that follow each other
 };
 
+/// The least of both at states of a motion.
 MotionGaps least_gaps(const SolidWorld& world, const Configuration& from, const Configuration& to) {
   constexpr int kStates = 300;
   const Configuration delta = world.robot().difference(from, to);

@@ -529,6 +529,21 @@ TEST_SUITE("unit") {
     CHECK(read.scene.obstacles.empty());
   }
 
+  TEST_CASE("velocities at start and goal read back from both kinds of file") {
+    Problem problem{"p", planar8(), "", {"", {}}, Configuration(8, 0.1), {Configuration(8, 0.2)},
+                    {}};
+    problem.start_velocity = Configuration(8, 0.25);
+    problem.end_velocity = Configuration(8, -0.5);
+    const TemporaryDirectory directory;
+    write_file(directory / "p.json", to_compact_json(problem, "planar8"));
+    const auto compact = load_problem(directory / "p.json#p");
+    REQUIRE_MESSAGE(compact.has_value(), (compact ? "" : compact.error().message));
+    for (const Problem& read : {read_back(problem, "planar8"), *compact}) {
+      CHECK(read.start_velocity == problem.start_velocity);
+      CHECK(read.end_velocity == problem.end_velocity);
+    }
+  }
+
   TEST_CASE("the group and the fixed joints read back") {
     const TemporaryDirectory directory;
     write_file(directory / "lifter.urdf", kLiftUrdf);
