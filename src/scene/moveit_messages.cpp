@@ -266,7 +266,8 @@ MoveitObject read_object(const Input& object, bool may_be_empty = false) {
   refuse_operation(object, id);
   const auto pose = object.find("pose");
   const Transform X_FO = pose ? read_moveit_pose(*pose) : Transform{};
-  MoveitObject result{{id, {}}, read_frame_id(object), object};
+  std::string frame = read_frame_id(object);
+  MoveitObject result{{id, {}}, std::move(frame), object};
   const auto primitive = [&](const Input& input, const Transform& X_FS) {
     return read_moveit_primitive(input, X_FS, fmt::format("object \"{}\"", id));
   };

@@ -311,6 +311,8 @@ TaskRequest read_task(const Input& input, std::string_view query, const RequestC
   ProblemOptions options;
   options.goal = Configuration();
   Problem problem = read_problem_of_request(input, options, context);
+  // Read before: g++ 12 destroys what is within inner braces twice if what follows throws.
+  std::optional<TrajectorySettings> timing = read_timing(input);
   TaskRequest request{{std::move(problem.name),
                        std::move(problem.robot),
                        std::move(problem.robot_path),
@@ -320,7 +322,7 @@ TaskRequest read_task(const Input& input, std::string_view query, const RequestC
                        std::move(problem.constraints),
                        std::move(problem.warnings)},
                       {},
-                      read_timing(input)};
+                      std::move(timing)};
   request.settings.solve = read_settings(input, context, &request.settings);
   read_query(query, request.timing);
   request.may_remember = read_switch(input, "remember", true);

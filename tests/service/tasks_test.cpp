@@ -103,6 +103,9 @@ TEST_SUITE("flow") {
     wrong = task_question();
     wrong["settings"]["timeout"] = 1e5;
     refused(wrong, "the limit of this service");
+    wrong = task_question();
+    wrong["trajectory"] = {{"dd", 0.1}};
+    refused(wrong, "key trajectory.dd: unknown key");
   }
 
   TEST_CASE("a task that is cancelled ends") {
