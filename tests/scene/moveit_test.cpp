@@ -285,7 +285,7 @@ collision_objects:
     CHECK(failure_of("collision_objects: [{id: a name that is longer than others, header: "
                      "{frame_id: []}}]",
                      read_moveit_objects) ==
-          "f:1: key collision_objects[0].header.frame_id: expected text, got a list of 0");
+          "f:1: key collision_objects[0].header.frame_id: expected a text, got a list of 0");
     const std::string ball =
         "{id: x, primitives: [{type: sphere, dimensions: [1]}], " + kPose + "}";
     CHECK(failure_of("collision_objects: [" + ball + ", " + ball + "]", read_moveit_objects) ==
