@@ -182,8 +182,8 @@ enum class Isa { automatic, scalar, sse, avx2, avx512, neon, wasm };
 /// Returns true if this machine can run `isa`.
 [[nodiscard]] bool is_available(Isa isa);
 [[nodiscard]] std::string_view to_string(Isa isa);
-/// The inverse of to_string. Errors: invalid for an unknown name; unsupported if this machine lacks
-/// the instruction set.
+/// The inverse of to_string; "portable" is sse, neon or wasm. Errors: invalid for an unknown name;
+/// unsupported if this machine lacks the instruction set.
 [[nodiscard]] Result<Isa> parse_isa(std::string_view name);
 
 /// Returns the existing directories with robots/ and scenes/ in search order: share/mneme beside

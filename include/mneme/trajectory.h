@@ -151,10 +151,10 @@ inline constexpr double kLeastStop = 2e-6;
                                                  const RateLimits& limits);
 
 /// Returns a fast motion near `path`, within the path tolerance and `limits`, that passes
-/// `verifier`. At first it follows the path: exactly time-optimal from stop to stop, with rounded
-/// corners where that passes. Then `time_rounds` rounds of a barrier method let it leave the path.
+/// `verifier`. `time_rounds` rounds of a barrier method let it leave the path. If they find nothing
+/// that passes, it follows the path: time-optimal from stop to stop, with corners as proven.
 /// If `verifier` is null it stops at each waypoint. Uses only tolerance and rounds of `settings`:
-/// `limits` are scaled already. Deterministic. Without jerk limits the first motion is that of Pham
+/// `limits` are scaled already. Deterministic. Without jerk limits and rounds it is that of Pham
 /// and Pham, DOI 10.1109/TRO.2018.2819195. `start_velocity` is along the path's first motion and
 /// `end_velocity` along its last one, a value per joint each; empty: at rest. With one of them the
 /// motion is the faster of two: the path followed from velocity to velocity, and stop and run-up

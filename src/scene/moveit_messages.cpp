@@ -266,6 +266,7 @@ MoveitObject read_object(const Input& object, bool may_be_empty = false) {
   refuse_operation(object, id);
   const auto pose = object.find("pose");
   const Transform X_FO = pose ? read_moveit_pose(*pose) : Transform{};
+  // Read before: g++ 12 destroys what is within inner braces twice if what follows throws.
   std::string frame = read_frame_id(object);
   MoveitObject result{{id, {}}, std::move(frame), object};
   const auto primitive = [&](const Input& input, const Transform& X_FS) {
