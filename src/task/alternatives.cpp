@@ -185,11 +185,9 @@ void Alternatives::make_bodies() {
   }
 }
 
-/// Tests the hand, and the object in it, at the next few targets in order: first at remembered
-/// ones.
+/// Tests the hand, and the object in it, at the next few targets in order.
 void Alternatives::filter_block() {
-  const std::size_t remembered = tested_ == 0 ? as_index(remembered_) : 0;
-  tested_ = std::min(order_.size(), tested_ + (remembered > 0 ? remembered : kBlock));
+  tested_ = std::min(order_.size(), tested_ + kBlock);
   if (targets_.empty()) return;
   std::vector<int> block;
   for (std::size_t i = position_; i < tested_; ++i) {
@@ -322,12 +320,13 @@ void Alternatives::sort(const Ranker& rank) {
   std::vector<std::uint8_t> is_listed(is_left_.size(), 0);
   const Remembered remembered =
       targets_.empty() ? Remembered() : rank(touched_->world, targets_, first_target(), link_);
-  for (const auto& [alternative, q] : remembered.choices) {
+  for (const auto& [alternative, q] : remembered) {
     if (as_index(alternative) >= is_left_.size() || !is_left_[as_index(alternative)]) continue;
     if (std::exchange(is_listed[as_index(alternative)], 1)) continue;
     order_.emplace_back(alternative, q);
   }
-  remembered_ = static_cast<int>(order_.size());
+  // Remembered ones mostly are free: the arm and its line are checked at once.
+  tested_ = order_.size();
   std::vector<std::pair<double, int>> rest;
   Transform from;
   if (!targets_.empty()) {

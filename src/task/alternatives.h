@@ -43,10 +43,8 @@ struct Candidate {
   double time_s = 0;      ///< of the lines
 };
 
-/// Configurations and poses that worked before, best first.
-struct Remembered {
-  std::vector<std::pair<int, Configuration>> choices;  ///< alternative and configuration near it
-};
+/// Alternatives that worked before, best first, each with a configuration near it.
+using Remembered = std::vector<std::pair<int, Configuration>>;
 
 /// Ranks the poses of a group's anchor: targets of a link, the number of alternatives before them.
 using Ranker = std::function<Remembered(const World& world, const std::vector<Transform>& targets,
@@ -136,9 +134,8 @@ class Alternatives {
   std::vector<std::uint8_t> is_left_;  ///< per alternative: 0 once dropped
   std::vector<std::pair<int, std::optional<Configuration>>> order_;
   std::size_t position_ = 0;  ///< next entry of `order_`
-  std::size_t tested_ = 0;    ///< entries of `order_` whose hand was tested
+  std::size_t tested_ = 0;    ///< entries of `order_` that are remembered, or whose hand was tested
   int alternative_ = -1;      ///< the one that is being tried
-  int remembered_ = 0;        ///< entries of `order_` that come from memory
   bool has_looked_ahead_ = false;
   std::optional<FloatingBody> hand_, object_;
   std::optional<LookAhead> ahead_;

@@ -101,7 +101,7 @@ Remembered TaskMemory::rank(std::size_t group, const World& world,
     }
     const std::size_t kept = std::min(kRankedPerRow, ranked.size());
     std::ranges::partial_sort(ranked, ranked.begin() + static_cast<std::ptrdiff_t>(kept));
-    for (std::size_t i = 0; i < kept; ++i) remembered.choices.emplace_back(ranked[i].second, q);
+    for (std::size_t i = 0; i < kept; ++i) remembered.emplace_back(ranked[i].second, q);
   }
   return remembered;
 }

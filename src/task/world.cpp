@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <tuple>
@@ -106,16 +107,19 @@ Result<Robot> with_held(const Robot& robot, const Robot& other) {
   return robot.with_attached({other.attached().begin(), other.attached().end()});
 }
 
-/// As with_joint_values(), once for each robot and values.
-Result<Robot> find_or_make_gripper(const World& world,
-                                   const std::map<std::string, double>& values) {
+/// The robot that `make` makes of the world's robot without held objects, kept in `made` for robots
+/// and values that are the same.
+template <class Make, class IsSame>
+Result<Robot> find_or_make(const World& world, const std::map<std::string, double>& values,
+                           std::vector<GripperRobots::Entry>& made, const Make& make,
+                           const IsSame& is_same) {
   const Robot bare = world.robot.without_attached();
-  std::vector<GripperRobots::Entry>& made = world.grippers->made;
   auto known = std::ranges::find_if(made, [&](const GripperRobots::Entry& entry) {
-    return entry.from.identity().lock() == bare.identity().lock() && entry.values == values;
+    return entry.from.identity().lock() == bare.identity().lock() &&
+           std::ranges::equal(entry.values, values, is_same);
   });
   if (known == made.end()) {
-    made.push_back({bare, values, MNEME_TRY(with_joint_values(bare, values))});
+    made.push_back({bare, values, MNEME_TRY(make(bare, values))});
     known = std::prev(made.end());
   }
   return with_held(known->to, world.robot);
@@ -194,18 +198,8 @@ Result<Robot> with_joint_values(const Robot& robot, const std::map<std::string, 
 }
 
 Result<Robot> find_or_make_wide(const World& world, const std::map<std::string, double>& values) {
-  const Robot bare = world.robot.without_attached();
-  std::vector<GripperRobots::Entry>& made = world.grippers->wide;
   const auto is_same_joint = [](const auto& a, const auto& b) { return a.first == b.first; };
-  auto known = std::ranges::find_if(made, [&](const GripperRobots::Entry& entry) {
-    return entry.from.identity().lock() == bare.identity().lock() &&
-           std::ranges::equal(entry.values, values, is_same_joint);
-  });
-  if (known == made.end()) {
-    made.push_back({bare, values, MNEME_TRY(make_wide(bare, values))});
-    known = std::prev(made.end());
-  }
-  return with_held(known->to, world.robot);
+  return find_or_make(world, values, world.grippers->wide, make_wide, is_same_joint);
 }
 
 Transform pose_of(const Shape& shape) {
@@ -248,7 +242,8 @@ Result<World> after_stage(const World& world, const Stage& stage, const Configur
       return with_allowed(world, stage);
     case StageKind::gripper: {
       World next = world;
-      next.robot = MNEME_TRY(find_or_make_gripper(world, stage.values));
+      next.robot = MNEME_TRY(find_or_make(world, stage.values, world.grippers->made,
+                                          with_joint_values, std::equal_to<>()));
       return next;
     }
     case StageKind::move:
