@@ -58,6 +58,17 @@ Result<std::vector<Group>> make_groups(const Task& task) {
     group.anchor = *line;
     group.is_line_anchor = true;
   }
+  for (const Group& group : groups) {
+    for (const int i : group.local) {
+      const Stage& at = task.stages[as_index(i)];
+      const bool leads_anywhere = at.kind == StageKind::line && !at.poses.poses.empty();
+      if (!leads_anywhere || at.distance == 0 || i == group.anchor) continue;
+      return fail(ErrorCode::invalid,
+                  "stage '{}': the line begins where the stage before ends, so that its direction "
+                  "and distance have no effect; remove them, or put 'move: next' before it",
+                  stage_name(task, i));
+    }
+  }
   return groups;
 }
 

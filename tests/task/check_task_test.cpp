@@ -50,6 +50,11 @@ TEST_SUITE("unit") {
           "key stages[0].move.any: expected at least one goal, or move: next");
     fails("{move: {link: panda_hand, to: {frame: cup, quat_xyzw: [0, 2, 0, 0]}}}",
           "expected a quaternion of length 1, got one of length 2");
+    fails(
+        "{move: [0, 0, 0, -1, 0, 1, 0]}, {name: in, line: {direction: [0, 0, 1], distance: 0.1, "
+        "to: {frame: cup}}}",
+        "stage 'in': the line begins where the stage before ends, so that its direction and "
+        "distance have no effect; remove them, or put 'move: next' before it");
     fails("{name: nothing}", "expected one of the keys move, line, attach");
     fails(
         "{name: a, move: next}, {name: b, attach: cup}, {line: {direction: [0, 0, 1], distance: "
