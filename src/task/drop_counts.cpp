@@ -38,6 +38,4 @@ bool DropCounts::wants_what(int stage, DropReason reason) const {
   return stages_[as_index(stage)][static_cast<std::size_t>(reason)].times < kNamed;
 }
 
-bool DropCounts::has_any(int stage) const { return !of_stage(stage).empty(); }
-
 }  // namespace mneme::internal

@@ -23,7 +23,6 @@ class DropCounts {
   void add(int stage, const Failure& failure, int alternative);
   /// Leaves `chosen` out: it was dropped together with other choices only.
   [[nodiscard]] std::vector<Dropped> of_stage(int stage, int chosen = -1) const;
-  [[nodiscard]] bool has_any(int stage) const;
   /// True for the first few of a stage and reason: naming bodies costs more than most tests.
   [[nodiscard]] bool wants_what(int stage, DropReason reason) const;
 

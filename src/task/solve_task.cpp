@@ -69,7 +69,7 @@ class TaskSearch {
 
   Result<End> search_in_rounds();
   Result<End> search();
-  bool push_level();
+  void push_level();
   bool advance();
   Result<bool> plan_moves();
   Result<bool> plan_move(std::size_t level);
@@ -123,7 +123,7 @@ const Configuration& TaskSearch::end_before(std::size_t level) const {
   return level == 0 ? run_.task.start : levels_[level - 1].candidate->end;
 }
 
-bool TaskSearch::push_level() {
+void TaskSearch::push_level() {
   const std::size_t level = levels_.size();
   deepest_ = std::max(deepest_, level);
   const Group* next = level + 1 < groups_.size() ? &groups_[level + 1] : nullptr;
@@ -135,7 +135,6 @@ bool TaskSearch::push_level() {
   pushed.alternatives = std::make_unique<Alternatives>(
       run_, drops_, groups_[level], next, world_before(level), end_before(level), rank);
   levels_.push_back(std::move(pushed));
-  return true;
 }
 
 /// Takes the next candidate of the last level, or drops levels until one has a next. Returns false
@@ -145,10 +144,9 @@ bool TaskSearch::advance() {
     Level& last = levels_.back();
     last.entry.reset();
     last.candidate = last.alternatives->next();
-    if (last.candidate && (!best_ || bound() < best_->path_time_s)) {
-      last.has_candidates = true;
-      return true;
-    }
+    // Also one that takes too long: it says nothing about what comes before.
+    last.has_candidates = last.has_candidates || last.candidate;
+    if (last.candidate && (!best_ || bound() < best_->path_time_s)) return true;
     if (last.candidate) continue;
     const bool is_hopeless = !last.has_candidates;
     levels_.pop_back();
@@ -346,8 +344,11 @@ void TaskSearch::improve_until_over() {
   if (advance()) compare_plans(limit ? (most + 1) / 2 : most);
   run_.end_s = end_s;
   polish_best();
-  levels_.clear();
-  compare_plans(most);
+  // The second round tries branches and lines that the first one leaves out.
+  do {
+    levels_.clear();
+    compare_plans(most);
+  } while (run_.round++ == 0 && !run_.is_over() && plans_ < most);
 }
 
 int TaskSearch::count_of(int stage) const {
@@ -399,8 +400,8 @@ std::string TaskSearch::describe_drops(const Group& group) const {
 
 void TaskSearch::describe_stages(TaskResult& result) const {
   for (int i = 0; i < static_cast<int>(run_.task.stages.size()); ++i) {
-    if (!drops_.has_any(i)) continue;
-    result.stages.push_back(describe_stage(i, -1));
+    StageResult stage = describe_stage(i, -1);
+    if (!stage.dropped.empty()) result.stages.push_back(std::move(stage));
   }
 }
 
