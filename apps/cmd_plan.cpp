@@ -308,17 +308,15 @@ Result<ExitCode> run_stages(const PlanOptions& options) {
   if (!files.svg.empty() || !files.trace.empty() || !files.beside.empty()) {
     print_note("--svg, --trace and --beside have no effect on a task");
   }
-  if (options.start_velocity || options.end_velocity) {
-    const bool is_start = options.start_velocity.has_value();
+  if (options.end_velocity) {
     return fail(ErrorCode::unsupported,
-                fmt::format("--{}-velocity: a task starts and ends at rest; plan the motion {} it "
-                            "by itself",
-                            is_start ? "start" : "end", is_start ? "before" : "after"));
+                "--end-velocity: a task ends at rest; plan the motion after it by itself");
   }
   TaskRunOptions task;
   task.file = options.problem;
   task.reading = MNEME_TRY(problem_options(options.robot, options.robot_options));
   task.reading.start = options.start;
+  task.reading.start_velocity = options.start_velocity;
   task.reading.constraints = options.upright;
   task.reading.self_filter = options.self_filter;
   task.robot = options.robot_options;

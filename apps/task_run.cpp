@@ -104,10 +104,14 @@ struct TimedTask {
   RateLimits limits;
 };
 
+Result<RateLimits> limits_of(const TaskRunOptions& options, const Task& task) {
+  return find_rate_limits(task.robot, options.trajectory.settings, options.trajectory.limits,
+                          options.robot.strict);
+}
+
 Result<TimedTask> time_plan(const TaskRunOptions& options, const Task& task,
                             const TaskResult& result, const SolveSettings& settings) {
-  RateLimits limits = MNEME_TRY(find_rate_limits(task.robot, options.trajectory.settings,
-                                                 options.trajectory.limits, options.robot.strict));
+  RateLimits limits = MNEME_TRY(limits_of(options, task));
   for (const std::string& warning : limits.warnings) print_warning(warning);
   TaskMotion motion =
       MNEME_TRY(time_task(task, result, settings, limits, options.trajectory.settings));
@@ -120,6 +124,10 @@ Result<ExitCode> run_task(const TaskRunOptions& options) {
   const Task task = MNEME_TRY(read_task(options));
   TaskSettings settings = options.settings;
   settings.solve.plan.cancel = interrupt_flag();
+  if (!task.start_velocity.empty()) {  // they say where the robot can stop
+    settings.solve.plan.limits =
+        std::make_shared<const RateLimits>(MNEME_TRY(limits_of(options, task)));
+  }
   std::optional<Database> database;
   const bool is_off = settings.solve.memory_mode == MemoryMode::off;
   if (!options.db.empty() && !is_off) {

@@ -84,6 +84,8 @@ struct Task {
   Configuration start;
   std::vector<Stage> stages;
   std::vector<OrientationConstraint> constraints = {};  ///< hold in each move
+  /// As Problem::start_velocity: the first stage is a move then.
+  std::vector<double> start_velocity = {};
   std::vector<std::string> warnings = {};
   std::vector<std::string> files = {};
 };

@@ -170,7 +170,7 @@ inline constexpr double kLeastStop = 2e-6;
 
 /// A motion to be joined with others, which have their own limits and obstacles.
 struct MotionPart {
-  Trajectory motion;  ///< from rest to rest, from where the part before ends
+  Trajectory motion;  ///< to rest, from where the part before ends; only the first may begin moving
   RateLimits limits;
   const MotionVerifier* verifier = nullptr;  ///< null: no blends
   bool stops = false;                        ///< true: ends at rest, without a blend

@@ -336,6 +336,12 @@ Answer Endpoints::task_in_turn(const Call& call, Work& work) {
   if (!wait_for_threads(settings, work)) return no_turn(call.is_cancelled);
   settings.plan.cancel = &call.is_cancelled;
   if (request->may_remember) settings.remember_after = settings_.remember_after;
+  const auto limits =
+      find_rate_limits(request->task.robot, request->timing.value_or(TrajectorySettings()));
+  if (request->timing && !limits) return refusal(limits.error());
+  if (limits && !request->task.start_velocity.empty()) {
+    settings.plan.limits = std::make_shared<const RateLimits>(*limits);
+  }
   work.go_on();
   Result<TaskResult> result = solve_remembering(*request);
   if (!result) return refusal(result.error());
@@ -344,8 +350,6 @@ Answer Endpoints::task_in_turn(const Call& call, Work& work) {
   const Task& task = request->task;
   if (!request->timing || !result->is_solved()) return {200, to_json(task, *result) + "\n"};
   work.go_on();
-  const auto limits = find_rate_limits(task.robot, *request->timing);
-  if (!limits) return refusal(limits.error());
   const auto motion = time_task(task, *result, settings, *limits, *request->timing);
   if (!motion) return refusal(motion.error());
   const auto points = motion->trajectory.sample(request->timing->dt);

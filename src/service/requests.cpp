@@ -305,8 +305,8 @@ PlanRequest read_plan(const Input& input, std::string_view query, const RequestC
 
 TaskRequest read_task(const Input& input, std::string_view query, const RequestContext& context) {
   input.allow_keys({"name", "robot", "joints", "frame", "scene", "obstacles", "circles", "attached",
-                    "allow", "start", "trajectory", "constraints", "self_filter", "settings",
-                    "remember", "stages"});
+                    "allow", "start", "start_velocity", "trajectory", "constraints", "self_filter",
+                    "settings", "remember", "stages"});
   // Stages take the place of the goals.
   ProblemOptions options;
   options.goal = Configuration();
@@ -320,6 +320,7 @@ TaskRequest read_task(const Input& input, std::string_view query, const RequestC
                        std::move(problem.start),
                        {},
                        std::move(problem.constraints),
+                       std::move(problem.start_velocity),
                        std::move(problem.warnings)},
                       {},
                       std::move(timing)};

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -35,6 +36,12 @@ class TaskCheck {
   Result<void> check() {
     if (task_.stages.empty()) {
       return fail(ErrorCode::invalid, "task '{}' has no stages; expected at least one", task_.name);
+    }
+    if (!task_.start_velocity.empty() && task_.stages.front().kind != StageKind::move) {
+      return fail(ErrorCode::invalid,
+                  "stage '{}': the robot moves at the start (start velocity), expected a move as "
+                  "the first stage, got {}",
+                  stage_name(task_, 0), to_string(task_.stages.front().kind));
     }
     for (std::size_t i = 0; i < task_.stages.size(); ++i) {
       const Result<void> checked = check_stage(task_.stages[i]);
@@ -226,43 +233,21 @@ Result<void> check_task(const Task& task) {
 }
 
 std::string_view to_string(StageKind kind) {
-  switch (kind) {
-    case StageKind::move:
-      return "move";
-    case StageKind::line:
-      return "line";
-    case StageKind::attach:
-      return "attach";
-    case StageKind::detach:
-      return "detach";
-    case StageKind::allow:
-      return "allow";
-    case StageKind::gripper:
-      return "gripper";
-  }
-  return "";
+  constexpr std::array<std::string_view, 6> kNames = {"move",   "line",  "attach",
+                                                      "detach", "allow", "gripper"};
+  return kNames.at(static_cast<std::size_t>(kind));
 }
 
 std::string_view to_string(DropReason reason) {
-  switch (reason) {
-    case DropReason::reach:
-      return "out of reach";
-    case DropReason::kinematics:
-      return "no inverse kinematics";
-    case DropReason::contact:
-      return "contact";
-    case DropReason::place:
-      return "no place";
-    case DropReason::line:
-      return "no straight line";
-    case DropReason::attach:
-      return "not at the object";
-    case DropReason::world:
-      return "no valid robot or scene";
-    case DropReason::path:
-      return "no path";
-  }
-  return "";
+  constexpr std::array<std::string_view, kDropReasons> kNames = {"out of reach",
+                                                                 "contact",
+                                                                 "no place",
+                                                                 "no inverse kinematics",
+                                                                 "no straight line",
+                                                                 "not at the object",
+                                                                 "no valid robot or scene",
+                                                                 "no path"};
+  return kNames.at(static_cast<std::size_t>(reason));
 }
 
 }  // namespace mneme

@@ -229,6 +229,7 @@ Problem TaskSearch::problem_of(std::size_t level, const Configuration& goal) con
     const Stage& stage = task.stages[as_index(*groups_[level].move)];
     problem.constraints.insert(problem.constraints.end(), stage.constraints.begin(),
                                stage.constraints.end());
+    if (level == 0) problem.start_velocity = task.start_velocity;
   }
   return problem;
 }
@@ -503,7 +504,8 @@ Result<bool> TaskSearch::refuse_start(TaskResult& result) {
   if (!moves) return false;
   const Problem stay = problem_of(0, run_.task.start);
   ++run_.states;
-  if (stay.constraints.empty() && is_clear(first_world_->checker, stay.start)) return false;
+  const bool is_free = !stay.is_moving() && stay.constraints.empty();
+  if (is_free && is_clear(first_world_->checker, stay.start)) return false;
   SolveSettings settings = run_.settings.solve;
   settings.remember_after.reset();
   const SolveResult solved = MNEME_TRY(mneme::solve(stay, database_, settings));

@@ -254,7 +254,8 @@ Task read_task(const std::string& path, const ProblemOptions& options) {
   const InputValue value = parse_yaml(text, path);
   const Input input(value, path);
   input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
-                    "start", "allow", "attached", "constraints", "self_filter", "stages"});
+                    "start", "start_velocity", "allow", "attached", "constraints", "self_filter",
+                    "stages"});
   const std::string name = input.text_or("name", std::filesystem::path(path).stem().string());
   FramedScene scene = read_scene_of_problem(input, path);
   // Stages take the place of the goals.
@@ -270,6 +271,7 @@ Task read_task(const std::string& path, const ProblemOptions& options) {
             std::move(problem.start),
             {},
             std::move(problem.constraints),
+            std::move(problem.start_velocity),
             std::move(problem.warnings),
             std::move(problem.files)};
   const Input stages = input.at("stages");

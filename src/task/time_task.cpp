@@ -99,8 +99,8 @@ struct MovingStages {
     checkers.push_back(MNEME_TRY(internal::make_trajectory_checker(world, settings, planned.path)));
     verifiers.push_back(checkers.back().verifier());
     const MotionVerifier* verifier = &verifiers.back();
-    Trajectory motion =
-        MNEME_TRY(parameterize(world.robot, planned.path, slower, near_path, verifier));
+    Trajectory motion = MNEME_TRY(
+        parameterize(world.robot, planned.path, slower, near_path, verifier, world.start_velocity));
     parts.push_back({std::move(motion), std::move(slower), verifier, false});
     return {};
   }

@@ -91,9 +91,9 @@ TEST_SUITE("flow") {
     const ProgramRun run = run_program({"plan", task, "--goal", "0,0,0,0,0,0,0"});
     CHECK(run.exit_code == 0);
     CHECK(run.err.find("--goal and --goal-pose have no effect") != std::string::npos);
-    const ProgramRun moving = run_program({"plan", task, "--start-velocity", "0,0,0,0,0,0,0.1"});
+    const ProgramRun moving = run_program({"plan", task, "--end-velocity", "0,0,0,0,0,0,0.1"});
     CHECK(moving.exit_code != 0);
-    CHECK(moving.err.find("--start-velocity: a task starts and ends at rest") != std::string::npos);
+    CHECK(moving.err.find("--end-velocity: a task ends at rest") != std::string::npos);
     const ProgramRun learnt = run_program({"bench", "run", task, "--seeds", "1"});
     CHECK(learnt.exit_code != 0);
     CHECK(learnt.err.find("key stages: this is a task; expected a problem with a goal. `mneme "

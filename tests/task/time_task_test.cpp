@@ -99,6 +99,30 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("a task replaces a motion that runs: it begins with the robot's velocity") {
+    Task task = make_task(kCell + "start_velocity: [0.3, 0, 0, -0.2, 0, 0, 0]\n" + kPickAndPlace);
+    const TaskResult result = solved(task);
+    check_plan(task, result);
+    const TaskMotion motion = timed(task, result, {});
+    const Trajectory::Point begin = motion.trajectory.at(0);
+    REQUIRE(begin.velocity.size() == task.start_velocity.size());
+    for (std::size_t j = 0; j < begin.velocity.size(); ++j) {
+      CHECK(begin.velocity[j] == doctest::Approx(task.start_velocity[j]).epsilon(1e-6));
+    }
+    const RateLimits limits = find_rate_limits(task.robot, {}).value();
+    for (int i = 0; i <= 2000; ++i) {
+      const auto point = motion.trajectory.at(motion.trajectory.duration_s() * i / 2000);
+      CHECK(excess(point.velocity, limits.velocity) <= 1e-6);
+      CHECK(excess(point.acceleration, limits.acceleration) <= 1e-6);
+    }
+    task.start_velocity[1] = 2;  // towards the table
+    const TaskResult fast = solved(task);
+    CHECK(fast.status == PlanStatus::invalid_start);
+    CHECK_MESSAGE(fast.message.find("stage 'reach': start velocity: ") == 0, fast.message);
+    task.start_velocity = {0.1};
+    CHECK(solved(task).message.find("stage 'reach': start velocity: ") == 0);
+  }
+
   TEST_CASE("a stage that is told to stop does so") {
     const Task task = make_task(kCell + replaced(kPickAndPlace, "{name: reach, move: next}",
                                                  "{name: reach, move: next, stop: true}"));
