@@ -81,18 +81,18 @@ void WriteQueue::make_some(std::unique_lock<std::mutex>& lock) {
   // While rows cannot be inserted, all are made: a lot may hold a scene, rows are small.
   const auto is_wanted = [this] { return rows_.size() < kRowsAtOnce || must_retry_; };
   while (!lots_.empty() && is_wanted() && !is_stopping_) {
-    const Lot lot = std::move(lots_.front());
+    Lot lot = std::move(lots_.front());
     lots_.pop_front();
+    // Rows are kept and lots freed without the lock: push() in a thread that answers waits for it
+    // as long as this thread, of low priority, is not scheduled.
     lock.unlock();
     auto made = without_ending(lot.make);
+    lot.make = nullptr;
+    const std::int64_t count = made ? std::ssize(*made) : 0;
+    if (made) std::ranges::move(*made, std::back_inserter(rows_));
     lock.lock();
-    counts_.waiting -= lot.count;
-    if (!made) {
-      drop(lot.count, made.error().message);
-      continue;
-    }
-    counts_.waiting += std::ssize(*made);
-    std::ranges::move(*made, std::back_inserter(rows_));
+    counts_.waiting += count - lot.count;
+    if (!made) drop(lot.count, made.error().message);
   }
   changed_.notify_all();
 }
@@ -104,11 +104,12 @@ bool WriteQueue::insert_some(std::unique_lock<std::mutex>& lock) {
   const auto added = without_ending([&] {
     return insert_({rows_.begin(), rows_.begin() + count});
   });
+  const bool must_retry = !added && added.error().code == ErrorCode::io;
+  if (!must_retry) rows_.erase(rows_.begin(), rows_.begin() + count);
   lock.lock();
   counts_.failure = added ? "" : added.error().message;
-  must_retry_ = !added && added.error().code == ErrorCode::io;
-  if (must_retry_) return false;
-  rows_.erase(rows_.begin(), rows_.begin() + count);
+  must_retry_ = must_retry;
+  if (must_retry) return false;
   counts_.waiting -= count;
   (added ? counts_.stored : counts_.lost) += added ? *added : count;
   changed_.notify_all();

@@ -6,7 +6,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <future>
+#include <memory>
 #include <new>
+#include <thread>
 #include <utility>
 
 namespace mneme::test {
@@ -46,6 +50,31 @@ TEST_SUITE("unit") {
     for (std::size_t i = 0; i < 30; ++i) CHECK(seeds[i] == rows[i].provenance.seed);
     CHECK(queue.counts().stored == 30);
     CHECK(queue.counts().failure.empty());
+  }
+
+  TEST_CASE("rows may be pushed while what a lot holds is freed") {
+    Rng rng(5);
+    const auto rows = random_rows(rng, 2, 1);
+    WriteQueue queue([](const std::vector<Experience>& batch) -> Result<std::int64_t> {
+      return std::ssize(batch);
+    });
+    bool is_pushed = false;
+    std::thread other;
+    std::promise<void> pushed;
+    std::shared_ptr<int> held(new int, [&](int* number) {
+      delete number;
+      other = std::thread([&] {
+        push(queue, {rows[1]});
+        pushed.set_value();
+      });
+      is_pushed = pushed.get_future().wait_for(std::chrono::duration<double>(kSoon_s)) ==
+                  std::future_status::ready;
+    });
+    queue.push(1, [&rows, held = std::move(held)] { return std::vector{rows[0]}; });
+    REQUIRE(queue.flush(kSoon_s));
+    other.join();
+    CHECK(is_pushed);
+    CHECK(queue.counts().stored == 2);
   }
 
   TEST_CASE("rows are tried again after io errors, and lost after others, by number") {
