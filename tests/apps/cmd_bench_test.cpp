@@ -25,9 +25,8 @@ std::string write_problems(const PlanarFiles& files) {
 }
 
 std::vector<BenchmarkRow> rows_of(const std::string& path) {
-  const auto runs = parse_csv(read_file(path), path);
-  REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
-  return runs->rows;
+  const auto runs = require(parse_csv(read_file(path), path));
+  return runs.rows;
 }
 
 TEST_SUITE("flow") {

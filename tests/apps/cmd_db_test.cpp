@@ -142,7 +142,7 @@ TEST_SUITE("flow") {
       for (std::size_t i = 0; i < rows.size(); ++i) {
         rows[i].key[0] += 1e-3 * static_cast<double>(i + 1);
       }
-      REQUIRE(database.insert(std::move(rows)).has_value());
+      require(database.insert(std::move(rows)));
     }
     const auto matches = [&](const std::vector<std::string>& flags) {
       std::vector<std::string> arguments = {"db", "query", files.database(), "--problem",

@@ -43,13 +43,11 @@ class PlanarFiles {
 
   /// The same problem for an arm of three links.
   [[nodiscard]] std::string short_arm_problem() const {
-    const auto urdf = planar_arm_urdf("short", std::vector<double>{1, 1, 1});
-    REQUIRE(urdf.has_value());
-    write_file(directory_ / "short.urdf", *urdf);
-    const auto robot = load_robot(directory_ / "short.urdf");
-    REQUIRE(robot.has_value());
+    const auto urdf = require(planar_arm_urdf("short", std::vector<double>{1, 1, 1}));
+    write_file(directory_ / "short.urdf", urdf);
+    const auto robot = require(load_robot(directory_ / "short.urdf"));
     const Problem problem{"short",
-                          *robot,
+                          robot,
                           directory_ / "short.urdf",
                           make_circle_scene("two", kTwoCircles),
                           {0, 0, 0},

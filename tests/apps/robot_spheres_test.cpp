@@ -53,14 +53,13 @@ TEST_SUITE("flow") {
     }
     CHECK(json["allowed_pairs"]["Adjacent"] == 3);
 
-    const auto robot = load_robot(arm.out);
-    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-    CHECK(robot->joint_count() == 3);
+    const auto robot = require(load_robot(arm.out));
+    CHECK(robot.joint_count() == 3);
     std::size_t spheres = 0;
-    for (const Link& link : robot->links()) spheres += link.spheres.size();
+    for (const Link& link : robot.links()) spheres += link.spheres.size();
     CHECK(json["spheres"] == spheres);
-    CHECK(robot->links()[2].spheres.size() == 1);
-    CHECK(robot->links()[2].spheres[0].radius == doctest::Approx(0.07));
+    CHECK(robot.links()[2].spheres.size() == 1);
+    CHECK(robot.links()[2].spheres[0].radius == doctest::Approx(0.07));
   }
 
   TEST_CASE("the table names each link, and settings bound its spheres") {
@@ -71,9 +70,8 @@ TEST_SUITE("flow") {
     CHECK(has_text(run.out, "uncovered"));
     CHECK(has_text(run.out, "\na "));
     CHECK(has_text(run.out, "wrote " + arm.out));
-    const auto robot = load_robot(arm.out);
-    REQUIRE(robot.has_value());
-    for (const Link& link : robot->links()) CHECK(link.spheres.size() <= 2);
+    const auto robot = require(load_robot(arm.out));
+    for (const Link& link : robot.links()) CHECK(link.spheres.size() <= 2);
   }
 
   TEST_CASE("a link may have an excess of its own") {
@@ -83,9 +81,8 @@ TEST_SUITE("flow") {
       const ProgramRun run = run_program(more);
       REQUIRE_MESSAGE(run.exit_code == 0, run.err);
       CHECK(Json::parse(run.out)["links"].size() == 3);
-      const auto robot = load_robot(arm.out);
-      REQUIRE(robot.has_value());
-      return std::pair(robot->links()[0].spheres.size(), robot->links()[1].spheres.size());
+      const auto robot = require(load_robot(arm.out));
+      return std::pair(robot.links()[0].spheres.size(), robot.links()[1].spheres.size());
     };
     const auto [first, second] = spheres_of({});
     const auto [finer, same] = spheres_of({"--link-excess", "a=0.008"});

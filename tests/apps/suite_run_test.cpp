@@ -29,9 +29,8 @@ std::string write_suite(const PlanarFiles& files, const std::string& more = "") 
 }
 
 std::vector<BenchmarkRow> rows_of_suite(const std::string& path) {
-  const auto runs = parse_csv(read_file(path), path);
-  REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
-  return runs->rows;
+  const auto runs = require(parse_csv(read_file(path), path));
+  return runs.rows;
 }
 
 /// What tells runs apart.
@@ -63,10 +62,10 @@ TEST_SUITE("flow") {
                                         : "max-iterations=2000"));
     }
     CHECK(std::ranges::any_of(rows, [](const BenchmarkRow& row) { return row.components > 0; }));
-    const auto memories = parse_memory_csv(read_file(out + "/memories.csv"), "memories.csv");
-    REQUIRE(memories.has_value());
-    REQUIRE(memories->size() == 1);
-    CHECK((*memories)[0].primitives == 3);
+    const auto memories =
+        require(parse_memory_csv(read_file(out + "/memories.csv"), "memories.csv"));
+    REQUIRE(memories.size() == 1);
+    CHECK(memories[0].primitives == 3);
     for (const char* name :
          {"report.html", "memories/few.db", "ompl/pair_two.log", "report_1_pair_solved.svg"}) {
       CAPTURE(name);
@@ -140,9 +139,8 @@ TEST_SUITE("flow") {
 
   TEST_CASE("A memory is of the robot that the problems it learns from are given") {
     const PlanarFiles files;
-    const auto thin = planar_arm_urdf("planar8", planar8_lengths(), 0.02);
-    REQUIRE(thin.has_value());
-    write_file(files / "thin.urdf", *thin);
+    const auto thin = require(planar_arm_urdf("planar8", planar8_lengths(), 0.02));
+    write_file(files / "thin.urdf", thin);
     write_file(files / "given.yaml",
                "problems: [{file: problem.yaml, robot: thin.urdf}]\nseeds: 1\nsamplers: [gl]\n"
                "memories: {m: {problems: [{file: " +
@@ -152,9 +150,8 @@ TEST_SUITE("flow") {
     const ProgramRun run =
         run_program({"bench", "run", files / "given.yaml", "--out", files / "out"});
     REQUIRE_MESSAGE(run.exit_code == 0, run.err);
-    const auto memory = Database::inspect(files / "out/memories/m.db");
-    REQUIRE(memory.has_value());
-    CHECK(memory->signature().model_hash == load_robot(files / "thin.urdf")->hash());
+    const auto memory = require(Database::inspect(files / "out/memories/m.db"));
+    CHECK(memory.signature().model_hash == load_robot(files / "thin.urdf")->hash());
   }
 
   TEST_CASE("A suite that was killed goes on where it was") {

@@ -144,15 +144,14 @@ TEST_SUITE("flow") {
       killed += wait_for(child) == -1 ? 1 : 0;
       INFO("seed " << seed << ", round " << round);
       // The damage above may not have been set aside yet; nothing else may be wrong.
-      const auto damages = verify_database(path, VerifyMode::quarantine);
-      REQUIRE(damages.has_value());
-      for (const Damage& damage : *damages) {
+      const auto damages = require(verify_database(path, VerifyMode::quarantine));
+      for (const Damage& damage : damages) {
         REQUIRE_MESSAGE(damage.id % 37 == 3, damage.what);
       }
       REQUIRE(verify_database(path)->empty());
     }
     CHECK(killed == count);
-    REQUIRE(merge_databases(path, directory / "b.db").has_value());
+    require(merge_databases(path, directory / "b.db"));
     REQUIRE(open_database(path, OpenMode::read_only).size() >= 600);
   }
 

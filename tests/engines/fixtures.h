@@ -100,9 +100,7 @@ inline bool is_same_content(const Experience& a, const Experience& b) {
 }
 
 inline Database open_database(const std::string& path, OpenMode mode = OpenMode::create) {
-  auto database = Database::open(path, arm_signature(), mode);
-  REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
-  return std::move(*database);
+  return require(Database::open(path, arm_signature(), mode));
 }
 
 /// All ways to write down a key.

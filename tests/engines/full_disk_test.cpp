@@ -138,12 +138,11 @@ TEST_SUITE("flow") {
     run_sql(path, "UPDATE mixture SET seed = seed + 1 WHERE id = 9");
     const std::string filler = directory / "disk/filler";
     std::ofstream(filler) << std::string(4 << 20, 'x');
-    const auto damages = verify_database(path, VerifyMode::quarantine);
-    REQUIRE(damages.has_value());
-    REQUIRE(!damages->empty());
-    CHECK(damages->front().id == 9);
+    const auto damages = require(verify_database(path, VerifyMode::quarantine));
+    REQUIRE(!damages.empty());
+    CHECK(damages.front().id == 9);
     std::filesystem::remove(filler);
-    REQUIRE(verify_database(path, VerifyMode::quarantine).has_value());
+    require(verify_database(path, VerifyMode::quarantine));
     CHECK(verify_database(path)->empty());
     CHECK(open_database(path, OpenMode::read_only).size() == 199);
   }

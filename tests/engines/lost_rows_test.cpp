@@ -125,11 +125,10 @@ TEST_SUITE("unit") {
     leftover.log = flipped_at(leftover.log, leftover.log.size() / 2, 1);
     const std::string path = directory / "a.db";
     write_leftover(path, leftover);
-    const auto damages = verify_database(path, VerifyMode::quarantine);
-    REQUIRE(damages.has_value());
-    REQUIRE(damages->size() == 1);
-    CHECK(damages->front().is_quarantined);
-    CHECK(damages->front().what.find("are lost") != std::string::npos);
+    const auto damages = require(verify_database(path, VerifyMode::quarantine));
+    REQUIRE(damages.size() == 1);
+    CHECK(damages.front().is_quarantined);
+    CHECK(damages.front().what.find("are lost") != std::string::npos);
     const std::int64_t left = open_database(path, OpenMode::read_only).size();
     CHECK(left >= kRows / 2);
     CHECK(left < kRows);

@@ -38,9 +38,7 @@ std::vector<Experience> golden_rows() {
 /// tests/engines/schema3_planar.db: lessons that a budget ended, a solved path, the same under a
 /// constraint and with another number of states, and pairs of bodies, some of them superseded.
 Database open_planar(const std::string& path, OpenMode mode) {
-  auto database = Database::open(path, make_signature(planar8()), mode);
-  REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
-  return std::move(*database);
+  return require(Database::open(path, make_signature(planar8()), mode));
 }
 
 std::map<std::int64_t, Experience> rows_by_id(const Database& database) {
@@ -52,9 +50,9 @@ std::map<std::int64_t, Experience> rows_by_id(const Database& database) {
 }
 
 std::int64_t version_of(const std::string& path) {
-  auto connection = internal::Connection::open(path, internal::Connection::Access::read_write);
-  REQUIRE(connection.has_value());
-  return connection->integer("PRAGMA user_version").value();
+  auto connection =
+      require(internal::Connection::open(path, internal::Connection::Access::read_write));
+  return connection.integer("PRAGMA user_version").value();
 }
 
 }  // namespace
@@ -122,11 +120,10 @@ TEST_SUITE("flow") {
     const auto found_under = [&](const std::vector<OrientationConstraint>& constraints) {
       const LocalPrimitive query =
           make_query_primitive(problem.robot, problem.start, problem.goals.front(), constraints);
-      const auto found = database.find(query.kind, std::vector<PrimitiveKey>{query.key}, 1e-12, 0,
-                                       nullptr, query.constraints);
-      REQUIRE(found.has_value());
+      const auto found = require(database.find(query.kind, std::vector<PrimitiveKey>{query.key},
+                                               1e-12, 0, nullptr, query.constraints));
       std::vector<std::int64_t> ids;
-      for (const KeyMatch& match : *found) ids.push_back(match.experience->id);
+      for (const KeyMatch& match : found) ids.push_back(match.experience->id);
       return ids;
     };
     CHECK(found_under({}) == std::vector<std::int64_t>{3});
@@ -142,11 +139,10 @@ TEST_SUITE("flow") {
     const auto opened = Database::inspect(path);
     REQUIRE(!opened.has_value());
     CHECK(opened.error().message.find("row 2 is damaged") != std::string::npos);
-    const auto damages = verify_database(path, VerifyMode::quarantine);
-    REQUIRE(damages.has_value());
-    REQUIRE(damages->size() == 1);
-    CHECK(damages->front().id == 2);
-    CHECK(damages->front().is_quarantined);
+    const auto damages = require(verify_database(path, VerifyMode::quarantine));
+    REQUIRE(damages.size() == 1);
+    CHECK(damages.front().id == 2);
+    CHECK(damages.front().is_quarantined);
     CHECK(rows_by_id(open_planar(path, OpenMode::read_only)).size() == 8);
   }
 
@@ -156,10 +152,9 @@ TEST_SUITE("flow") {
     // Rows 3 and 12 differ only in the number of states, which is no part of what a row is.
     CHECK(!rows_by_id(open_planar(path, OpenMode::read_only)).contains(12));
     run_sql(path, "UPDATE mixture SET seed = seed + 1 WHERE id = 3");
-    const auto damages = verify_database(path, VerifyMode::quarantine);
-    REQUIRE(damages.has_value());
-    REQUIRE(damages->size() == 1);
-    CHECK(damages->front().id == 3);
+    const auto damages = require(verify_database(path, VerifyMode::quarantine));
+    REQUIRE(damages.size() == 1);
+    CHECK(damages.front().id == 3);
     const auto rows = rows_by_id(open_planar(path, OpenMode::read_only));
     CHECK(rows.size() == 9);
     CHECK(rows.at(12).path().planning_states == 9999);
@@ -178,15 +173,15 @@ TEST_SUITE("flow") {
   TEST_CASE("who cannot wait for another process that migrates is told of it") {
     const TemporaryDirectory directory;
     const std::string path = copy_of("schema3.db", directory);
-    auto other = internal::Connection::open(path, internal::Connection::Access::read_write);
-    REQUIRE(other.has_value());
-    REQUIRE(other->execute("BEGIN IMMEDIATE"));
+    auto other =
+        require(internal::Connection::open(path, internal::Connection::Access::read_write));
+    REQUIRE(other.execute("BEGIN IMMEDIATE"));
     const auto refused =
         internal::open_sqlite_store(path, OpenMode::read_write, internal::LossCheck::refuse, 20);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().code == ErrorCode::io);
     CHECK(refused.error().message.find("is migrated when it is opened") != std::string::npos);
-    REQUIRE(other->execute("ROLLBACK"));
+    REQUIRE(other.execute("ROLLBACK"));
     CHECK(internal::open_sqlite_store(path, OpenMode::read_write).has_value());
   }
 

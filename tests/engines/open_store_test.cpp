@@ -49,9 +49,8 @@ TEST_SUITE("unit") {
       REQUIRE(created.has_value());
       CHECK(created->schema_version == 4);
     }
-    const auto seen = internal::inspect_store(directory / "a.db");
-    REQUIRE(seen.has_value());
-    CHECK(seen->signature.model_hash == arm_signature().model_hash);
+    const auto seen = require(internal::inspect_store(directory / "a.db"));
+    CHECK(seen.signature.model_hash == arm_signature().model_hash);
     write_file(directory / "empty.db", "");
     CHECK(internal::inspect_store(directory / "empty.db")->schema_version == 0);
     const auto empty =

@@ -27,18 +27,17 @@ TEST_SUITE("unit") {
     PostgresServer* server = PostgresServer::instance();
     if (server == nullptr) return;
     PostgresConnection connection = connect_to(server->url());
-    const auto answer = connection.query(
+    const auto answer = require(connection.query(
         "SELECT $1::bigint, $2::text, decode($3, 'hex'), NULL::text, -5::integer, true",
-        {"-9223372036854775808", "'; DROP TABLE x; --", "00ff10"});
-    REQUIRE(answer.has_value());
-    CHECK(answer->row_count() == 1);
-    CHECK(answer->integer(0, 0) == INT64_MIN);
-    CHECK(answer->text(0, 1) == "'; DROP TABLE x; --");
-    REQUIRE(answer->blob(0, 2).size() == 3);
-    CHECK(answer->blob(0, 2)[1] == std::byte{0xff});
-    CHECK(answer->is_null(0, 3));
-    CHECK(answer->integer(0, 4) == -5);
-    CHECK(answer->integer(0, 5) == 1);
+        {"-9223372036854775808", "'; DROP TABLE x; --", "00ff10"}));
+    CHECK(answer.row_count() == 1);
+    CHECK(answer.integer(0, 0) == INT64_MIN);
+    CHECK(answer.text(0, 1) == "'; DROP TABLE x; --");
+    REQUIRE(answer.blob(0, 2).size() == 3);
+    CHECK(answer.blob(0, 2)[1] == std::byte{0xff});
+    CHECK(answer.is_null(0, 3));
+    CHECK(answer.integer(0, 4) == -5);
+    CHECK(answer.integer(0, 5) == 1);
   }
 
   TEST_CASE("rows are streamed until the visitor refuses one, and the connection goes on") {
@@ -118,10 +117,9 @@ TEST_SUITE("flow") {
          {std::string("host=localhost&sslmode=require"), "host=localhost&sslmode=verify-ca" + own,
           "host=localhost&sslmode=verify-full" + own}) {
       const std::string url = url_of(*server, options);
-      auto database = Database::open(url, arm_signature(), OpenMode::create);
-      REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
-      REQUIRE(database->insert(rows).has_value());
-      CHECK(find_like(*database, make_primitive(rows[1].key), 1e-9, 1)->size() == 1);
+      auto database = require(Database::open(url, arm_signature(), OpenMode::create));
+      require(database.insert(rows));
+      CHECK(find_like(database, make_primitive(rows[1].key), 1e-9, 1)->size() == 1);
       const auto is_secure =
           connect_to(url).query("SELECT ssl::int FROM pg_stat_ssl WHERE pid = pg_backend_pid()");
       REQUIRE(is_secure.has_value());

@@ -58,9 +58,8 @@ class PostgresServer {
   /// The URL of a schema of its own for each call.
   std::string new_url() {
     const std::string schema = "test" + std::to_string(++schema_count_);
-    auto connection = internal::PostgresConnection::open(url());
-    REQUIRE_MESSAGE(connection.has_value(), (connection ? "" : connection.error().message));
-    REQUIRE(connection->query(("CREATE SCHEMA " + schema).c_str()).has_value());
+    auto connection = require(internal::PostgresConnection::open(url()));
+    require(connection.query(("CREATE SCHEMA " + schema).c_str()));
     return url() + "&options=-csearch_path%3D" + schema;
   }
   [[nodiscard]] std::string url() const {
@@ -188,9 +187,7 @@ class PostgresServer {
 };
 
 inline internal::PostgresConnection connect_to(const std::string& url) {
-  auto connection = internal::PostgresConnection::open(url);
-  REQUIRE_MESSAGE(connection.has_value(), (connection ? "" : connection.error().message));
-  return std::move(*connection);
+  return require(internal::PostgresConnection::open(url));
 }
 
 }  // namespace mneme::test

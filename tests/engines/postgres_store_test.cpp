@@ -25,10 +25,9 @@ TEST_SUITE("unit") {
     RobotSignature other = arm_signature();
     other.robot_name = "other";
     REQUIRE(internal::create_postgres_schema(connection, other));
-    const auto space = internal::read_postgres_signature(connection);
-    REQUIRE(space.has_value());
-    CHECK(space->robot_name == "arm");
-    CHECK(space->joint_count == 3);
+    const auto space = require(internal::read_postgres_signature(connection));
+    CHECK(space.robot_name == "arm");
+    CHECK(space.joint_count == 3);
   }
 
   TEST_CASE("a newer or older schema is refused, and a changed space or head is damage") {
@@ -57,8 +56,7 @@ namespace {
 
 void run_on_server(const std::string& url, const std::string& sql) {
   auto connection = connect_to(url);
-  const auto done = connection.query(sql.c_str());
-  REQUIRE_MESSAGE(done.has_value(), (done ? "" : done.error().message));
+  require(connection.query(sql.c_str()));
 }
 
 }  // namespace
@@ -110,19 +108,17 @@ const std::vector<OldValues> kOldValues = {
 
 /// Fills the tables with the rows of a file.
 void copy_old_rows(const std::string& path, PostgresConnection& connection) {
-  auto file = internal::Connection::open(path, internal::Connection::Access::read_write);
-  REQUIRE(file.has_value());
+  auto file = require(internal::Connection::open(path, internal::Connection::Access::read_write));
   for (const OldValues& old : kOldValues) {
     std::string selected;
     for (std::size_t i = 0; i < old.columns.size(); ++i) {
       selected += (i > 0 ? ", quote(" : "quote(") + old.columns[i] + ")";
     }
-    auto select = file->prepare("SELECT " + selected + " FROM " + old.table);
-    REQUIRE(select.has_value());
-    REQUIRE(select->for_each([&] {
+    auto select = require(file.prepare("SELECT " + selected + " FROM " + old.table));
+    REQUIRE(select.for_each([&] {
       std::string values;
       for (int i = 0; i < static_cast<int>(old.columns.size()); ++i) {
-        values += (i > 0 ? ", " : "") + std::string(select->text(i));
+        values += (i > 0 ? ", " : "") + std::string(select.text(i));
       }
       return connection.query("INSERT INTO mneme_" + old.table + " VALUES (" + values + ")")
           .map([](const auto&) {});
@@ -149,15 +145,14 @@ TEST_SUITE("flow") {
     for (int round = 0; round < 5; ++round) {
       const TemporaryDirectory directory;
       const std::string url = old_database(*server, directory / "a.db");
-      const auto expected = Database::inspect(directory / "a.db");
-      REQUIRE(expected.has_value());
+      const auto expected = require(Database::inspect(directory / "a.db"));
       std::vector<pid_t> children;
       for (const OpenMode mode : {OpenMode::read_write, OpenMode::read_only, OpenMode::read_write,
                                   OpenMode::read_only, OpenMode::read_write}) {
         children.push_back(start_child([&] {
-          const auto database = Database::open(url, expected->signature(), mode);
+          const auto database = Database::open(url, expected.signature(), mode);
           if (!database) return 1;
-          return database->size() == expected->size() ? 0 : 2;
+          return database->size() == expected.size() ? 0 : 2;
         }));
       }
       for (const pid_t child : children) CHECK(wait_for(child) == 0);
@@ -170,18 +165,16 @@ TEST_SUITE("flow") {
     if (server == nullptr) return;
     const TemporaryDirectory directory;
     const std::string url = old_database(*server, directory / "a.db");
-    auto reader = Database::inspect(url);
-    REQUIRE(reader.has_value());
-    const std::int64_t size = reader->size();
+    auto reader = require(Database::inspect(url));
+    const std::int64_t size = reader.size();
     run_on_server(url,
                   "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE "
                   "pid <> pg_backend_pid() AND backend_type = 'client backend'");
     // The first call notices it.
-    const auto lost = reader->refresh();
+    const auto lost = reader.refresh();
     if (!lost) CHECK(lost.error().code == ErrorCode::io);
-    const auto refreshed = reader->refresh();
-    REQUIRE_MESSAGE(refreshed.has_value(), (refreshed ? "" : refreshed.error().message));
-    CHECK(reader->size() == size);
+    require(reader.refresh());
+    CHECK(reader.size() == size);
   }
 
   TEST_CASE("tables of schema 3 are brought up by who writes, and copied by who reads") {
@@ -189,16 +182,15 @@ TEST_SUITE("flow") {
     if (server == nullptr) return;
     const TemporaryDirectory directory;
     const std::string url = old_database(*server, directory / "a.db");
-    const auto expected = Database::inspect(directory / "a.db");
-    REQUIRE_MESSAGE(expected.has_value(), (expected ? "" : expected.error().message));
+    const auto expected = require(Database::inspect(directory / "a.db"));
     std::vector<Result<Database>> opened;  // readers that stay keep nobody from it
     for (const OpenMode mode :
          {OpenMode::read_only, OpenMode::read_write, OpenMode::read_write, OpenMode::read_only}) {
-      const auto& database = opened.emplace_back(Database::open(url, expected->signature(), mode));
+      const auto& database = opened.emplace_back(Database::open(url, expected.signature(), mode));
       REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
-      REQUIRE(database->size() == expected->size());
+      REQUIRE(database->size() == expected.size());
       for (std::int64_t i = 0; i < database->size(); ++i) {
-        CHECK(is_same_content(*database->get(i), *expected->get(i)));
+        CHECK(is_same_content(*database->get(i), *expected.get(i)));
       }
       CHECK(verify_database(url)->empty());
     }
@@ -217,7 +209,7 @@ TEST_SUITE("flow") {
     CHECK(open_database(url, OpenMode::read_only).size() == 0);
     Database writer = open_database(url);
     Database reader = open_database(url, OpenMode::read_only);
-    REQUIRE(writer.insert(rows).has_value());
+    require(writer.insert(rows));
     CHECK(writer.insert({rows[2]}) == std::vector<std::int64_t>{3});
     CHECK(reader.refresh() == 30);
     CHECK(reader.refresh() == 0);
@@ -250,12 +242,11 @@ TEST_SUITE("flow") {
     Rng rng(2);
     Experience row = random_experience(rng);
     row.provenance = {attack, attack, 1, attack};
-    REQUIRE(Database::open(url, space, OpenMode::create)->insert({row}).has_value());
-    const auto database = Database::open(url, space, OpenMode::read_only);
-    REQUIRE(database.has_value());
-    REQUIRE(database->size() == 1);
-    CHECK(is_same_content(*database->get(0), row));
-    CHECK(database->signature().robot_name == attack);
+    require(Database::open(url, space, OpenMode::create)->insert({row}));
+    const auto database = require(Database::open(url, space, OpenMode::read_only));
+    REQUIRE(database.size() == 1);
+    CHECK(is_same_content(*database.get(0), row));
+    CHECK(database.signature().robot_name == attack);
     // A URL is for libpq alone: what it does not understand is no SQL either.
     CHECK(
         !Database::inspect(server->url() + "&options=-csearch_path%3D'; DROP TABLE x").has_value());
@@ -269,7 +260,7 @@ TEST_SUITE("flow") {
     const std::string url = server->new_url();
     Rng rng(3);
     const auto rows = random_rows(rng, 10);
-    REQUIRE(open_database(url).insert(rows).has_value());
+    require(open_database(url).insert(rows));
     REQUIRE(merge_databases(directory / "copy.db", url)->added == 10);
     run_on_server(url, "UPDATE mneme_mixture SET seed = seed # 1 WHERE id = 2");
     run_on_server(url, "UPDATE mneme_experience SET generation = 7 WHERE id = 4");
@@ -277,9 +268,8 @@ TEST_SUITE("flow") {
     run_on_server(url, "DELETE FROM mneme_experience WHERE id = 8");
     CHECK(open_error(url).code == ErrorCode::corrupt);
     std::set<std::int64_t> named;
-    const auto damages = verify_database(url, VerifyMode::quarantine);
-    REQUIRE(damages.has_value());
-    for (const Damage& damage : *damages) {
+    const auto damages = require(verify_database(url, VerifyMode::quarantine));
+    for (const Damage& damage : damages) {
       named.insert(damage.id);
       CHECK_MESSAGE(damage.is_quarantined, damage.what);
     }
@@ -289,9 +279,8 @@ TEST_SUITE("flow") {
     CHECK(database.size() == 6);
     CHECK(merge_databases(url, directory / "copy.db")->added == 4);
     CHECK(database.refresh() == 4);
-    const auto compacted = compact_database(url);
-    REQUIRE_MESSAGE(compacted.has_value(), (compacted ? "" : compacted.error().message));
-    CHECK(compacted->removed == 3);
+    const auto compacted = require(compact_database(url));
+    CHECK(compacted.removed == 3);
     CHECK(database.refresh() == 0);
     CHECK(database.size() == 10);
     CHECK(database.info().tombstones == 0);
@@ -327,13 +316,12 @@ TEST_SUITE("flow") {
     REQUIRE(open_database(url).insert(rows));
     const TemporaryDirectory directory;
     const EnvironmentVariable cache("XDG_CACHE_HOME", directory / "");
-    const auto partly = Database::open(url, arm_signature(), OpenMode::read_only, {0});
-    REQUIRE(partly.has_value());
+    const auto partly = require(Database::open(url, arm_signature(), OpenMode::read_only, {0}));
     Database reader = open_database(url, OpenMode::read_only);
     Database writer = open_database(url);
     auto lock = connect_to(url);
-    REQUIRE(lock.query("BEGIN").has_value());
-    REQUIRE(lock.query("SELECT 1 FROM mneme_head FOR UPDATE").has_value());
+    require(lock.query("BEGIN"));
+    require(lock.query("SELECT 1 FROM mneme_head FOR UPDATE"));
     std::atomic<bool> is_inserted = false;
     std::thread waiting([&] {
       Rng other(9);
@@ -341,13 +329,13 @@ TEST_SUITE("flow") {
     });
     for (const Experience& row : rows) {
       CHECK(find_like(writer, make_primitive(row.key), 1e-9, 1)->size() == 1);
-      const auto matches = find_like(*partly, make_primitive(row.key), 1e-9, 1);
+      const auto matches = find_like(partly, make_primitive(row.key), 1e-9, 1);
       REQUIRE(matches->size() == 1);
       CHECK(is_same_content(*matches->front().experience, row));
     }
     CHECK(reader.refresh() == 0);
     CHECK(!is_inserted);
-    REQUIRE(lock.query("ROLLBACK").has_value());
+    require(lock.query("ROLLBACK"));
     waiting.join();
     CHECK(is_inserted);
     CHECK(reader.refresh() == 2);
@@ -358,16 +346,15 @@ TEST_SUITE("flow") {
     if (server == nullptr) return;
     const std::string url = server->new_url();
     Rng rng(4);
-    REQUIRE(open_database(url).insert(random_rows(rng, 2)).has_value());
+    require(open_database(url).insert(random_rows(rng, 2)));
     const std::string schema = url.substr(url.rfind("test"));
     run_on_server(url, "CREATE ROLE reader_" + schema + " LOGIN");
     run_on_server(url, "GRANT USAGE ON SCHEMA " + schema + " TO reader_" + schema);
     run_on_server(url, "GRANT SELECT ON ALL TABLES IN SCHEMA " + schema + " TO reader_" + schema);
     const std::string reader = url + "&user=reader_" + schema;
     CHECK(open_database(reader, OpenMode::read_only).size() == 2);
-    auto writer = Database::open(reader, arm_signature(), OpenMode::read_write);
-    REQUIRE(writer.has_value());
-    const auto refused = writer->insert(random_rows(rng, 1));
+    auto writer = require(Database::open(reader, arm_signature(), OpenMode::read_write));
+    const auto refused = writer.insert(random_rows(rng, 1));
     REQUIRE(!refused.has_value());
     CHECK(refused.error().code == ErrorCode::io);
     CHECK(refused.error().message.find("permission denied") != std::string::npos);
@@ -406,9 +393,8 @@ TEST_SUITE("flow") {
       killer.join();
       REQUIRE(server->start());
       REQUIRE(verify_database(url)->empty());
-      const auto again = database.insert(random_rows(rng, 1));
-      REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
-      REQUIRE(database.refresh().has_value());
+      require(database.insert(random_rows(rng, 1)));
+      require(database.refresh());
       std::set<std::uint64_t> stored;
       for (std::int64_t i = 0; i < database.size(); ++i) {
         stored.insert(database.get(i)->provenance.seed);
@@ -423,9 +409,9 @@ TEST_SUITE("flow") {
     Rng rng(8);
     DatabaseSettings settings;
     settings.answer_timeout_s = 0.3;
-    auto database = Database::open(server->new_url(), arm_signature(), OpenMode::create, settings);
-    REQUIRE(database.has_value());
-    REQUIRE(database->insert(random_rows(rng, 3)));
+    auto database =
+        require(Database::open(server->new_url(), arm_signature(), OpenMode::create, settings));
+    REQUIRE(database.insert(random_rows(rng, 3)));
     struct Hang {
       explicit Hang(const PostgresServer& stopped) : server(stopped) { server.signal(SIGSTOP); }
       Hang(const Hang&) = delete;
@@ -436,28 +422,28 @@ TEST_SUITE("flow") {
     {
       const Hang hang(*server);
       const Stopwatch stopwatch;
-      REQUIRE(database->insert_later(random_rows(rng, 4)));
-      CHECK(find_like(*database, make_primitive(random_key(rng)), 3, 8).has_value());
+      REQUIRE(database.insert_later(random_rows(rng, 4)));
+      CHECK(find_like(database, make_primitive(random_key(rng)), 3, 8).has_value());
       CHECK(stopwatch.elapsed_s() < 0.2);
-      CHECK(database->refresh().error().code == ErrorCode::io);
-      CHECK(database->insert(random_rows(rng, 1)).error().code == ErrorCode::io);
-      CHECK(!database->flush(0.1).has_value());
+      CHECK(database.refresh().error().code == ErrorCode::io);
+      CHECK(database.insert(random_rows(rng, 1)).error().code == ErrorCode::io);
+      CHECK(!database.flush(0.1).has_value());
       CHECK(stopwatch.elapsed_s() < 5);
-      while (database->queued_rows().failure.empty() && stopwatch.elapsed_s() < 10) {
+      while (database.queued_rows().failure.empty() && stopwatch.elapsed_s() < 10) {
         std::this_thread::yield();
       }
-      CHECK(database->queued_rows().waiting == 4);
-      CHECK(database->queued_rows().failure.find("did not answer") != std::string::npos);
+      CHECK(database.queued_rows().waiting == 4);
+      CHECK(database.queued_rows().failure.find("did not answer") != std::string::npos);
     }
-    REQUIRE(database->flush(20));
-    CHECK(database->size() == 7);
+    REQUIRE(database.flush(20));
+    CHECK(database.size() == 7);
     const Hang hang(*server);
-    REQUIRE(database->insert_later(random_rows(rng, 2)));
+    REQUIRE(database.insert_later(random_rows(rng, 2)));
     const Stopwatch stopwatch;
-    database->stop_waiting();
-    CHECK(database->refresh().error().code == ErrorCode::io);
-    CHECK(database->queued_rows().waiting == 2);
-    { const Database closed = std::move(*database); }
+    database.stop_waiting();
+    CHECK(database.refresh().error().code == ErrorCode::io);
+    CHECK(database.queued_rows().waiting == 2);
+    { const Database closed = std::move(database); }
     CHECK(stopwatch.elapsed_s() < 1);
   }
 

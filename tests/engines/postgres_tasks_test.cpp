@@ -19,9 +19,7 @@ using internal::TaskQueue;
 constexpr double kHour = 3600;
 
 std::unique_ptr<TaskQueue> open_queue(const std::string& url, std::int64_t job = 7) {
-  auto queue = internal::open_postgres_tasks(url, arm_signature(), {job, "tester"});
-  REQUIRE_MESSAGE(queue.has_value(), (queue ? "" : queue.error().message));
-  return std::move(*queue);
+  return require(internal::open_postgres_tasks(url, arm_signature(), {job, "tester"}));
 }
 
 std::vector<std::int64_t> first_tasks(std::int64_t count) {
@@ -34,21 +32,17 @@ std::vector<std::int64_t> first_tasks(std::int64_t count) {
 std::string make_tasks(PostgresServer& server, std::int64_t count) {
   const std::string url = server.new_url();
   (void)open_database(url);
-  REQUIRE(open_queue(url)->add(first_tasks(count), 0).has_value());
+  require(open_queue(url)->add(first_tasks(count), 0));
   return url;
 }
 
 std::vector<Lease> take(TaskQueue& queue, int count, double seconds) {
-  auto leases = queue.take(count, seconds);
-  REQUIRE_MESSAGE(leases.has_value(), (leases ? "" : leases.error().message));
-  return *leases;
+  return require(queue.take(count, seconds));
 }
 
 std::vector<Lease> finish(TaskQueue& queue, const std::vector<Lease>& leases,
                           const std::vector<Experience>& rows) {
-  auto good = queue.finish(leases, rows);
-  REQUIRE_MESSAGE(good.has_value(), (good ? "" : good.error().message));
-  return *good;
+  return require(queue.finish(leases, rows));
 }
 
 }  // namespace
@@ -151,9 +145,9 @@ TEST_SUITE("flow") {
     Rng rng(5);
     CHECK(finish(*queue, take(*queue, 1, kHour), random_rows(rng, 1)).size() == 1);
     const std::int64_t done_at = open_database(url, OpenMode::read_only).info().generation;
-    REQUIRE(queue->add(first_tasks(2), done_at - 1).has_value());
+    require(queue->add(first_tasks(2), done_at - 1));
     CHECK(queue->count_open() == 1);
-    REQUIRE(queue->add(first_tasks(2), done_at).has_value());
+    require(queue->add(first_tasks(2), done_at));
     CHECK(queue->count_open() == 2);
     CHECK(take(*queue, 1, kHour) == std::vector<Lease>{{0, 2}});
   }

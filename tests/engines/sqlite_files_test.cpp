@@ -15,9 +15,7 @@ using internal::Connection;
 using internal::Transaction;
 
 Connection create_connection(const std::string& path) {
-  auto connection = Connection::open(path, Connection::Access::create);
-  REQUIRE_MESSAGE(connection.has_value(), (connection ? "" : connection.error().message));
-  return std::move(*connection);
+  return require(Connection::open(path, Connection::Access::create));
 }
 
 std::int64_t count(Connection& connection) {
@@ -33,21 +31,19 @@ TEST_SUITE("unit") {
     REQUIRE(connection.execute("CREATE TABLE t (a BLOB NOT NULL, b TEXT NOT NULL, c INTEGER)"));
     const std::string bytes("x\0y", 3);
     for (const std::string& value : {bytes, std::string()}) {
-      auto insert = connection.prepare("INSERT INTO t VALUES (?, ?, ?)");
-      REQUIRE(insert.has_value());
-      insert->bind(1, std::as_bytes(std::span(value))).bind(2, value).bind(3, INT64_MIN);
-      REQUIRE(insert->step() == false);
+      auto insert = require(connection.prepare("INSERT INTO t VALUES (?, ?, ?)"));
+      insert.bind(1, std::as_bytes(std::span(value))).bind(2, value).bind(3, INT64_MIN);
+      REQUIRE(insert.step() == false);
     }
-    auto select = connection.prepare("SELECT a, b, c FROM t ORDER BY rowid");
-    REQUIRE(select.has_value());
-    REQUIRE(select->step() == true);
-    CHECK(select->blob(0).size() == 3);
-    CHECK(select->text(1) == bytes);
-    CHECK(select->integer(2) == INT64_MIN);
-    REQUIRE(select->step() == true);
-    CHECK(select->blob(0).empty());
-    CHECK(select->text(1).empty());
-    CHECK(select->step() == false);
+    auto select = require(connection.prepare("SELECT a, b, c FROM t ORDER BY rowid"));
+    REQUIRE(select.step() == true);
+    CHECK(select.blob(0).size() == 3);
+    CHECK(select.text(1) == bytes);
+    CHECK(select.integer(2) == INT64_MIN);
+    REQUIRE(select.step() == true);
+    CHECK(select.blob(0).empty());
+    CHECK(select.text(1).empty());
+    CHECK(select.step() == false);
   }
 
   TEST_CASE("a transaction leaves nothing behind unless it is committed") {
@@ -55,8 +51,7 @@ TEST_SUITE("unit") {
     Connection connection = create_connection(directory / "a.db");
     REQUIRE(connection.execute("CREATE TABLE t (a)"));
     {
-      auto transaction = Transaction::begin(connection, Transaction::Kind::write);
-      REQUIRE(transaction.has_value());
+      const auto transaction = require(Transaction::begin(connection, Transaction::Kind::write));
       REQUIRE(connection.execute("INSERT INTO t VALUES (1)"));
     }
     CHECK(count(connection) == 0);
@@ -84,11 +79,10 @@ TEST_SUITE("unit") {
     REQUIRE(connection.execute("CREATE TABLE t (a); INSERT INTO t VALUES (1), (2), (3)"));
     constexpr const char* kRows = "SELECT a FROM t WHERE a >= ? ORDER BY a";
     for (const std::int64_t first : {2, 1, 3}) {
-      const auto select = connection.kept(kRows);
-      REQUIRE(select.has_value());
-      (*select)->bind(1, first);
-      REQUIRE((*select)->step() == true);
-      CHECK((*select)->integer(0) == first);
+      const auto select = require(connection.kept(kRows));
+      select->bind(1, first);
+      REQUIRE(select->step() == true);
+      CHECK(select->integer(0) == first);
     }
     // Nothing of it holds a lock, and it sees what others did to the table.
     run_sql(directory / "a.db", "ALTER TABLE t ADD COLUMN b; UPDATE t SET a = a + 10");
@@ -136,19 +130,17 @@ TEST_SUITE("unit") {
         REQUIRE(connection.execute("CREATE TABLE t (a); INSERT INTO t VALUES (1)"));
       }
       CHECK(std::filesystem::exists(path));
-      auto connection = Connection::open(path, Connection::Access::immutable);
-      REQUIRE(connection.has_value());
-      CHECK(count(*connection) == 1);
+      auto connection = require(Connection::open(path, Connection::Access::immutable));
+      CHECK(count(connection) == 1);
     }
   }
 
   TEST_CASE("a file that is read as immutable cannot be written") {
     const TemporaryDirectory directory;
     REQUIRE(create_connection(directory / "a.db").execute("CREATE TABLE t (a)"));
-    auto connection = Connection::open(directory / "a.db", Connection::Access::immutable);
-    REQUIRE(connection.has_value());
-    CHECK(connection->is_read_only());
-    const auto written = connection->execute("INSERT INTO t VALUES (1)");
+    auto connection = require(Connection::open(directory / "a.db", Connection::Access::immutable));
+    CHECK(connection.is_read_only());
+    const auto written = connection.execute("INSERT INTO t VALUES (1)");
     REQUIRE(!written.has_value());
     CHECK(written.error().code == ErrorCode::io);
   }
@@ -162,11 +154,10 @@ TEST_SUITE("unit") {
                          "CREATE TRIGGER r AFTER INSERT ON t BEGIN INSERT INTO t VALUES (2); END",
                          nullptr, nullptr, nullptr) == SQLITE_OK);
     REQUIRE(sqlite3_close(handle) == SQLITE_OK);
-    auto connection = Connection::open(directory / "a.db", Connection::Access::read_write);
-    REQUIRE(connection.has_value());
-    REQUIRE(connection->execute("INSERT INTO t VALUES (1)"));
-    CHECK(count(*connection) == 1);
-    CHECK(!connection->integer("SELECT count(*) FROM v").has_value());
+    auto connection = require(Connection::open(directory / "a.db", Connection::Access::read_write));
+    REQUIRE(connection.execute("INSERT INTO t VALUES (1)"));
+    CHECK(count(connection) == 1);
+    CHECK(!connection.integer("SELECT count(*) FROM v").has_value());
   }
 
   TEST_CASE("the write-ahead log is in use after it was asked for and gone after closing") {

@@ -9,9 +9,7 @@ namespace {
 using internal::Connection;
 
 Connection open_connection(const std::string& path) {
-  auto connection = Connection::open(path, Connection::Access::create);
-  REQUIRE(connection.has_value());
-  return std::move(*connection);
+  return require(Connection::open(path, Connection::Access::create));
 }
 
 void create(const std::string& path) {
@@ -45,11 +43,10 @@ TEST_SUITE("unit") {
     CHECK(internal::identify(connection) == 0);
     REQUIRE(internal::create_schema(connection, arm_signature()));
     CHECK(internal::identify(connection) == internal::kSchemaVersion);
-    const auto space = internal::read_signature(connection);
-    REQUIRE(space.has_value());
-    CHECK(space->robot_name == "arm");
-    CHECK(space->model_hash == "0123456789abcdef");
-    CHECK(space->joint_count == 3);
+    const auto space = require(internal::read_signature(connection));
+    CHECK(space.robot_name == "arm");
+    CHECK(space.model_hash == "0123456789abcdef");
+    CHECK(space.joint_count == 3);
   }
 
   TEST_CASE("creating a schema that another process has created changes nothing") {
@@ -154,16 +151,13 @@ using internal::Store;
 using internal::StoredRow;
 
 std::unique_ptr<Store> make_store(const std::string& path) {
-  auto store = internal::open_sqlite_store(path, OpenMode::create);
-  REQUIRE(store.has_value());
-  REQUIRE((*store)->create(arm_signature()));
-  return std::move(*store);
+  auto store = require(internal::open_sqlite_store(path, OpenMode::create));
+  REQUIRE(store->create(arm_signature()));
+  return store;
 }
 
 std::unique_ptr<internal::StoreTransaction> begin(Store& store, Store::Kind kind) {
-  auto transaction = store.begin(kind);
-  REQUIRE(transaction.has_value());
-  return std::move(*transaction);
+  return require(store.begin(kind));
 }
 
 /// A store with these rows under the ids from 1 on.
@@ -261,14 +255,13 @@ TEST_SUITE("unit") {
     tombstone.checksum = checksum_of(tombstone);
     const auto transaction = begin(*store, Store::Kind::write);
     REQUIRE(transaction->add_tombstones(std::span(&tombstone, 1)));
-    const auto known = transaction->find_contents(contents);
-    REQUIRE(known.has_value());
-    REQUIRE(known->size() == 2);
-    CHECK(known->at(0).id == 1);
-    CHECK(known->at(1).id == 3);
-    CHECK(known->at(1).content == contents[2]);
-    CHECK(known->at(1).provenance.time == rows[2].provenance.time);
-    CHECK(known->at(1).provenance.seed == rows[2].provenance.seed);
+    const auto known = require(transaction->find_contents(contents));
+    REQUIRE(known.size() == 2);
+    CHECK(known.at(0).id == 1);
+    CHECK(known.at(1).id == 3);
+    CHECK(known.at(1).content == contents[2]);
+    CHECK(known.at(1).provenance.time == rows[2].provenance.time);
+    CHECK(known.at(1).provenance.seed == rows[2].provenance.seed);
     REQUIRE(transaction->remove_dead());
     REQUIRE(transaction->commit());
     CHECK(ids_after(*store, 0, RowParts::all) == std::vector<std::int64_t>{1, 3});
@@ -310,9 +303,7 @@ TEST_SUITE("unit") {
 namespace {
 
 std::unique_ptr<internal::Store> open(const std::string& path, OpenMode mode) {
-  auto store = internal::open_sqlite_store(path, mode);
-  REQUIRE_MESSAGE(store.has_value(), (store ? "" : store.error().message));
-  return std::move(*store);
+  return require(internal::open_sqlite_store(path, mode));
 }
 
 }  // namespace
@@ -323,12 +314,10 @@ TEST_SUITE("unit") {
     const auto store = open(directory / "a.db", OpenMode::create);
     CHECK(store->schema_version() == 0);
     CHECK(store->name() == directory / "a.db");
-    const auto transaction = store->begin(internal::Store::Kind::read);
-    REQUIRE(transaction.has_value());
-    CHECK((*transaction)->head() == internal::StoreState{});
-    const auto read = (*transaction)->read_rows(0, internal::RowParts::all, [](const auto&) {
-      return fail(ErrorCode::invalid, "no row");
-    });
+    const auto transaction = require(store->begin(internal::Store::Kind::read));
+    CHECK(transaction->head() == internal::StoreState{});
+    const auto read = transaction->read_rows(
+        0, internal::RowParts::all, [](const auto&) { return fail(ErrorCode::invalid, "no row"); });
     CHECK(read.has_value());
   }
 
@@ -341,8 +330,7 @@ TEST_SUITE("unit") {
     const auto refused = reader->begin(internal::Store::Kind::write);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().message.find("reading only") != std::string::npos);
-    const auto writing = first->begin(internal::Store::Kind::write);
-    REQUIRE(writing.has_value());
+    require(first->begin(internal::Store::Kind::write));
     CHECK(reader->begin(internal::Store::Kind::read).has_value());
   }
 

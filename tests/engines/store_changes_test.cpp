@@ -14,9 +14,7 @@ using internal::RowParts;
 using internal::StoreState;
 
 internal::OpenedStore open(const std::string& path) {
-  auto opened = internal::inspect_store(path);
-  REQUIRE(opened.has_value());
-  return std::move(*opened);
+  return require(internal::inspect_store(path));
 }
 
 std::vector<std::int64_t> ids_since(internal::Store& store, StoreState& state) {
@@ -59,7 +57,7 @@ TEST_SUITE("unit") {
     StoreState state;
     CHECK(ids_since(*opened.store, state).size() == 3);
     run_sql(directory / "a.db", "DELETE FROM mixture WHERE id = 2");
-    REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine).has_value());
+    require(verify_database(directory / "a.db", VerifyMode::quarantine));
     CHECK(ids_since(*opened.store, state) == std::vector<std::int64_t>{1, 3});
   }
 
@@ -89,15 +87,14 @@ TEST_SUITE("unit") {
     const auto rows = random_rows(rng, 1203, 1);
     REQUIRE(open_database(directory / "a.db").insert(rows));
     const auto opened = open(directory / "a.db");
-    const auto list = internal::list_by_content(*opened.store);
-    REQUIRE(list.has_value());
-    REQUIRE(list->size() == rows.size());
+    const auto list = require(internal::list_by_content(*opened.store));
+    REQUIRE(list.size() == rows.size());
     std::size_t position = 0;
-    REQUIRE(internal::visit_rows(*opened.store, opened.signature, *list, [&](auto part) {
+    REQUIRE(internal::visit_rows(*opened.store, opened.signature, list, [&](auto part) {
       for (const Experience& row : part) {
-        CHECK(row.id == list->at(position).id);
-        CHECK(internal::EncodedRow(row).content() == list->at(position).content);
-        if (position > 0) CHECK(list->at(position - 1).content < list->at(position).content);
+        CHECK(row.id == list.at(position).id);
+        CHECK(internal::EncodedRow(row).content() == list.at(position).content);
+        if (position > 0) CHECK(list.at(position - 1).content < list.at(position).content);
         ++position;
       }
       return Result<void>();
@@ -112,9 +109,8 @@ using internal::append_rows;
 using internal::Duplicates;
 
 std::unique_ptr<internal::Store> create_store(const std::string& path) {
-  auto opened = internal::open_store_of(path, arm_signature(), OpenMode::create);
-  REQUIRE(opened.has_value());
-  return std::move(opened->store);
+  auto opened = require(internal::open_store_of(path, arm_signature(), OpenMode::create));
+  return std::move(opened.store);
 }
 
 Experience with(Experience row, const std::string& time, const std::string& tool) {
@@ -130,13 +126,12 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     const auto store = create_store(directory / "a.db");
     Rng rng(11);
-    const auto first = append_rows(*store, random_rows(rng, 3), Duplicates::keep_first);
-    REQUIRE(first.has_value());
-    CHECK(first->ids == std::vector<std::int64_t>{1, 2, 3});
-    CHECK(first->before == internal::StoreState{});
-    CHECK(first->state.generation == 1);
+    const auto first = require(append_rows(*store, random_rows(rng, 3), Duplicates::keep_first));
+    CHECK(first.ids == std::vector<std::int64_t>{1, 2, 3});
+    CHECK(first.before == internal::StoreState{});
+    CHECK(first.state.generation == 1);
     const auto second = append_rows(*store, random_rows(rng, 1), Duplicates::keep_first);
-    CHECK(second->before == first->state);
+    CHECK(second->before == first.state);
     CHECK(second->state.last_row == 4);
     const auto nothing = append_rows(*store, {}, Duplicates::keep_first);
     CHECK(nothing->state == second->state);
@@ -200,11 +195,10 @@ TEST_SUITE("unit") {
     Rng rng(14);
     auto rows = random_rows(rng, 4100, 1);
     rows.back() = rows.front();
-    const auto appended = append_rows(*store, rows, Duplicates::keep_first);
-    REQUIRE(appended.has_value());
-    CHECK(appended->state.generation == 1);
-    CHECK(appended->state.row_count == 4099);
-    CHECK(appended->ids.back() == 1);
+    const auto appended = require(append_rows(*store, rows, Duplicates::keep_first));
+    CHECK(appended.state.generation == 1);
+    CHECK(appended.state.row_count == 4099);
+    CHECK(appended.ids.back() == 1);
   }
 }
 

@@ -8,10 +8,9 @@ namespace mneme::test {
 namespace {
 
 BlockedInstances require_blocked(const Robot& robot, int count, std::uint64_t seed) {
-  auto made = make_blocked_instances(robot, count, {}, seed);
-  REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
-  REQUIRE(std::ssize(made->instances) == count);
-  return *std::move(made);
+  auto made = require(make_blocked_instances(robot, count, {}, seed));
+  REQUIRE(std::ssize(made.instances) == count);
+  return made;
 }
 
 }  // namespace

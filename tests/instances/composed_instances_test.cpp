@@ -11,13 +11,6 @@
 namespace mneme::test {
 namespace {
 
-ComposedInstances require_composed(const Robot& robot, int count, const ComposedSettings& settings,
-                                   std::uint64_t seed) {
-  auto made = make_composed_instances(robot, count, settings, seed);
-  REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
-  return std::move(*made);
-}
-
 ComposedSettings few_modules() {
   ComposedSettings settings;
   settings.clearance = 0.01;
@@ -45,7 +38,7 @@ TEST_SUITE("law") {
     for (const char* name : {"panda", "ur5"}) {
       const Robot robot = known_robot(name);
       const ComposedSettings settings = few_modules();
-      const ComposedInstances made = require_composed(robot, 6, settings, 1);
+      const ComposedInstances made = require(make_composed_instances(robot, 6, settings, 1));
       REQUIRE(made.modules.size() == 4);
       for (const ComposedModule& module : made.modules) {
         CHECK(module.motion.size() == 3);
@@ -74,9 +67,9 @@ TEST_SUITE("law") {
 
   TEST_CASE("the same seed composes the same instances, more of them continue the list") {
     const Robot robot = known_robot("panda");
-    const auto few = require_composed(robot, 2, few_modules(), 5).instances;
-    const auto many = require_composed(robot, 4, few_modules(), 5).instances;
-    const auto other = require_composed(robot, 2, few_modules(), 6).instances;
+    const auto few = require(make_composed_instances(robot, 2, few_modules(), 5)).instances;
+    const auto many = require(make_composed_instances(robot, 4, few_modules(), 5)).instances;
+    const auto other = require(make_composed_instances(robot, 2, few_modules(), 6)).instances;
     for (std::size_t i = 0; i < 2; ++i) {
       CHECK(few[i].witness == many[i].witness);
       CHECK(to_yaml(few[i].scene) == to_yaml(many[i].scene));
@@ -90,7 +83,7 @@ TEST_SUITE("unit") {
     const Robot robot = known_robot("panda");
     ComposedSettings settings = few_modules();
     settings.foreign = 2;
-    const ComposedInstances made = require_composed(robot, 3, settings, 1);
+    const ComposedInstances made = require(make_composed_instances(robot, 3, settings, 1));
     CHECK(made.modules.size() == 6);
     for (const ComposedInstance& instance : made.instances) {
       for (const ComposedPart& part : instance.parts) CHECK(part.module < 4);
@@ -123,16 +116,15 @@ TEST_SUITE("unit") {
     joint.lower = -1;
     joint.upper = 1;
     parts.joints = {joint};
-    const auto rail = make_robot(std::move(parts));
-    REQUIRE(rail.has_value());
-    CHECK(refusal(*rail, few_modules()).find("robot 'rail' has no joint that turns") == 0);
+    const auto rail = require(make_robot(std::move(parts)));
+    CHECK(refusal(rail, few_modules()).find("robot 'rail' has no joint that turns") == 0);
   }
 
   TEST_CASE("a cancelled composition ends") {
     const std::atomic<bool> cancel = true;
     ComposedSettings settings = few_modules();
     settings.cancel = &cancel;
-    CHECK(require_composed(known_robot("panda"), 3, settings, 1).instances.empty());
+    CHECK(require(make_composed_instances(known_robot("panda"), 3, settings, 1)).instances.empty());
   }
 }
 

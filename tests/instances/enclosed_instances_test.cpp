@@ -10,13 +10,6 @@
 namespace mneme::test {
 namespace {
 
-EnclosedInstances require_instances(const Robot& robot, int count, const EnclosedSettings& settings,
-                                    std::uint64_t seed) {
-  auto made = make_enclosed_instances(robot, count, settings, seed);
-  REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
-  return std::move(*made);
-}
-
 EnclosedSettings few_boxes() {
   EnclosedSettings settings;
   settings.clearance = 0.02;
@@ -29,11 +22,10 @@ EnclosedSettings few_boxes() {
 bool has_clearance(const Robot& robot, const EnclosedInstance& instance, double margin) {
   CheckerSettings settings;
   settings.margin = margin;
-  const auto checker = CollisionChecker::make(robot, instance.scene, settings);
-  REQUIRE(checker.has_value());
+  const auto checker = require(CollisionChecker::make(robot, instance.scene, settings));
   CheckCounters counters;
-  return checker->is_valid(std::span<const double>(instance.start)) &&
-         find_invalid_motion(*checker, instance.witness, counters) == -1;
+  return checker.is_valid(std::span<const double>(instance.start)) &&
+         find_invalid_motion(checker, instance.witness, counters) == -1;
 }
 
 }  // namespace
@@ -43,7 +35,8 @@ TEST_SUITE("law") {
     for (const char* name : {"panda", "planar8"}) {
       const Robot robot = known_robot(name);
       const EnclosedSettings settings = few_boxes();
-      for (const EnclosedInstance& instance : require_instances(robot, 3, settings, 1).instances) {
+      for (const EnclosedInstance& instance :
+           require(make_enclosed_instances(robot, 3, settings, 1)).instances) {
         CHECK(instance.scene.obstacles.size() == 60);
         REQUIRE(instance.witness.size() >= 3);
         CHECK(instance.witness.front() == instance.start);
@@ -57,9 +50,9 @@ TEST_SUITE("law") {
 
   TEST_CASE("the same seed gives the same instances, more of them continue the list") {
     const Robot robot = known_robot("panda");
-    const auto few = require_instances(robot, 2, few_boxes(), 5).instances;
-    const auto many = require_instances(robot, 4, few_boxes(), 5).instances;
-    const auto other = require_instances(robot, 2, few_boxes(), 6).instances;
+    const auto few = require(make_enclosed_instances(robot, 2, few_boxes(), 5)).instances;
+    const auto many = require(make_enclosed_instances(robot, 4, few_boxes(), 5)).instances;
+    const auto other = require(make_enclosed_instances(robot, 2, few_boxes(), 6)).instances;
     for (std::size_t i = 0; i < 2; ++i) {
       CHECK(few[i].witness == many[i].witness);
       CHECK(to_yaml(few[i].scene) == to_yaml(many[i].scene));
@@ -73,17 +66,17 @@ TEST_SUITE("unit") {
     EnclosedSettings settings = few_boxes();
     settings.clearance = 1;
     settings.size = {0.05, 0.05};
-    const auto made = require_instances(planar8(), 1, settings, 1);
+    const auto made = require(make_enclosed_instances(planar8(), 1, settings, 1));
     REQUIRE(made.instances.size() == 1);
     CHECK(made.instances[0].scene.obstacles.empty());
   }
 
   TEST_CASE("none are made where none are asked for, or after a cancellation") {
-    CHECK(require_instances(planar8(), 0, few_boxes(), 1).instances.empty());
+    CHECK(require(make_enclosed_instances(planar8(), 0, few_boxes(), 1)).instances.empty());
     const std::atomic<bool> is_cancelled = true;
     EnclosedSettings settings = few_boxes();
     settings.cancel = &is_cancelled;
-    CHECK(require_instances(planar8(), 5, settings, 1).instances.empty());
+    CHECK(require(make_enclosed_instances(planar8(), 5, settings, 1)).instances.empty());
   }
 
   TEST_CASE("settings out of their ranges are refused") {

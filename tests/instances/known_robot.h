@@ -11,9 +11,7 @@
 namespace mneme::test {
 
 inline Robot known_robot(const std::string& name) {
-  auto robot = find_robot(name).and_then([](const std::string& path) { return load_robot(path); });
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *std::move(robot);
+  return require(load_robot(require(find_robot(name))));
 }
 
 }  // namespace mneme::test

@@ -21,18 +21,17 @@ TEST_SUITE("law") {
     const Problem problem = task();
     Rng rng(1);
     for (int i = 0; i < 20; ++i) {
-      const auto repeated = repeat(problem, {0.02, 0.03}, rng);
-      REQUIRE_MESSAGE(repeated.has_value(), (repeated ? "" : repeated.error().message));
-      CHECK(repeated->start == problem.start);
-      REQUIRE(repeated->goals.size() == 1);
-      const CollisionChecker checker = make_checker(problem.robot, repeated->scene);
-      CHECK_FALSE(refuse_query(checker, {repeated->start, repeated->goals}).has_value());
+      const auto repeated = require(repeat(problem, {0.02, 0.03}, rng));
+      CHECK(repeated.start == problem.start);
+      REQUIRE(repeated.goals.size() == 1);
+      const CollisionChecker checker = make_checker(problem.robot, repeated.scene);
+      CHECK_FALSE(refuse_query(checker, {repeated.start, repeated.goals}).has_value());
       const Vec3 moved =
-          tip_of(problem.robot, repeated->goals[0]) - tip_of(problem.robot, problem.goals[0]);
+          tip_of(problem.robot, repeated.goals[0]) - tip_of(problem.robot, problem.goals[0]);
       CHECK(moved.norm() < 0.031);
       for (std::size_t k = 0; k < problem.scene.obstacles.size(); ++k) {
         const Vec3 from = bounding_sphere(problem.scene.obstacles[k].shapes[0]).center;
-        const Vec3 to = bounding_sphere(repeated->scene.obstacles[k].shapes[0]).center;
+        const Vec3 to = bounding_sphere(repeated.scene.obstacles[k].shapes[0]).center;
         CHECK((to - from).norm() <= 0.02 + 1e-12);
         CHECK((to - from).norm() > 0);
       }
@@ -46,18 +45,17 @@ TEST_SUITE("law") {
       return bounding_sphere(of.scene.obstacles[k].shapes[0]).center;
     };
     for (int i = 0; i < 20; ++i) {
-      const auto repeated = repeat(problem, {0, 0, 0.2, 0.5}, rng);
-      REQUIRE_MESSAGE(repeated.has_value(), (repeated ? "" : repeated.error().message));
-      CHECK(repeated->start == problem.start);
+      const auto repeated = require(repeat(problem, {0, 0, 0.2, 0.5}, rng));
+      CHECK(repeated.start == problem.start);
       const Vec3 tip = tip_of(problem.robot, problem.goals[0]);
-      const Vec3 moved = tip_of(problem.robot, repeated->goals[0]);
+      const Vec3 moved = tip_of(problem.robot, repeated.goals[0]);
       CHECK(std::abs(moved.norm() - tip.norm()) <= 0.2 + 1e-3);
       for (std::size_t k = 0; k < problem.scene.obstacles.size(); ++k) {
-        CHECK((middle_of(*repeated, k) - moved).norm() ==
+        CHECK((middle_of(repeated, k) - moved).norm() ==
               doctest::Approx((middle_of(problem, k) - tip).norm()).epsilon(1e-3));
       }
       const Vec3 across = middle_of(problem, 1) - middle_of(problem, 0);
-      const Vec3 turned = middle_of(*repeated, 1) - middle_of(*repeated, 0);
+      const Vec3 turned = middle_of(repeated, 1) - middle_of(repeated, 0);
       const double turn = std::acos(across.normalized().dot(turned.normalized()));
       CHECK(turn <= 0.5 + 1e-6);
       CHECK(turn > 0);

@@ -8,13 +8,6 @@
 namespace mneme::test {
 namespace {
 
-ThreadedInstances require_instances(const Robot& robot, int count, const ThreadedSettings& settings,
-                                    std::uint64_t seed) {
-  auto made = make_threaded_instances(robot, count, settings, seed);
-  REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
-  return std::move(*made);
-}
-
 ThreadedSettings easy_settings() {
   ThreadedSettings settings;
   settings.gap = {0.3, 0.6};
@@ -29,7 +22,7 @@ TEST_SUITE("law") {
   TEST_CASE("instances have the stated gap and depth and a witness that leads out") {
     const Robot robot = planar8();
     const ThreadedSettings settings = easy_settings();
-    const ThreadedInstances made = require_instances(robot, 12, settings, 1);
+    const ThreadedInstances made = require(make_threaded_instances(robot, 12, settings, 1));
     REQUIRE(made.instances.size() == 12);
     for (const ThreadedInstance& instance : made.instances) {
       REQUIRE(instance.circles.size() == 2);
@@ -64,7 +57,8 @@ TEST_SUITE("law") {
     for (const int passages : {2, 3}) {
       ThreadedSettings settings = easy_settings();
       settings.passages = passages;
-      for (const ThreadedInstance& instance : require_instances(robot, 3, settings, 1).instances) {
+      for (const ThreadedInstance& instance :
+           require(make_threaded_instances(robot, 3, settings, 1)).instances) {
         REQUIRE(std::ssize(instance.circles) == 2 * passages);
         const auto key = [&](std::size_t pair) {
           const auto& a = instance.circles[2 * pair];
@@ -86,9 +80,9 @@ TEST_SUITE("law") {
 
   TEST_CASE("the same seed gives the same instances, more of them continue the list") {
     const Robot robot = planar8();
-    const ThreadedInstances few = require_instances(robot, 3, easy_settings(), 5);
-    const ThreadedInstances many = require_instances(robot, 6, easy_settings(), 5);
-    const ThreadedInstances other = require_instances(robot, 3, easy_settings(), 6);
+    const ThreadedInstances few = require(make_threaded_instances(robot, 3, easy_settings(), 5));
+    const ThreadedInstances many = require(make_threaded_instances(robot, 6, easy_settings(), 5));
+    const ThreadedInstances other = require(make_threaded_instances(robot, 3, easy_settings(), 6));
     for (std::size_t i = 0; i < 3; ++i) {
       CHECK(few.instances[i].circles == many.instances[i].circles);
       CHECK(few.instances[i].start == many.instances[i].start);
@@ -110,7 +104,7 @@ TEST_SUITE("unit") {
       last_made = made;
       last_dropped = dropped;
     };
-    const ThreadedInstances made = require_instances(planar8(), 2, hasty, 2);
+    const ThreadedInstances made = require(make_threaded_instances(planar8(), 2, hasty, 2));
     CHECK(made.instances.size() == 2);
     CHECK(made.dropped > 0);
     CHECK(calls == 2 + made.dropped);
@@ -119,11 +113,11 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("none are made where none are asked for, or after a cancellation") {
-    CHECK(require_instances(planar8(), 0, easy_settings(), 1).instances.empty());
+    CHECK(require(make_threaded_instances(planar8(), 0, easy_settings(), 1)).instances.empty());
     const std::atomic<bool> is_cancelled = true;
     ThreadedSettings settings = easy_settings();
     settings.cancel = &is_cancelled;
-    CHECK(require_instances(planar8(), 5, settings, 1).instances.empty());
+    CHECK(require(make_threaded_instances(planar8(), 5, settings, 1)).instances.empty());
   }
 
   TEST_CASE("ranges that are empty or fit no instance are refused") {

@@ -31,22 +31,21 @@ bool has(const std::string& text, const std::string& part) {
 
 TEST_SUITE("unit") {
   TEST_CASE("a file says what varies, by how much and how") {
-    const auto loaded = load(
+    const auto loaded = require(load(
         "scene: {position: {uniform: [0.1, 0.2, 0]}, center: [1, 0, 2], scale: {gaussian: 0.1}}\n"
         "obstacles:\n"
         "  can_*: {rpy: {gaussian: [0, 0, 0.3]}, size: {uniform: [0.01, 0.02]}}\n"
-        "  ball: {size: {uniform: 0.05}}\n");
-    REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
-    CHECK(loaded->scene.position.values == std::vector<double>{0.1, 0.2, 0});
-    CHECK(!loaded->scene.position.is_gaussian);
-    CHECK(loaded->scene.scale.is_gaussian);
-    CHECK(loaded->scene.center == Vec3(1, 0, 2));
-    REQUIRE(loaded->obstacles.size() == 2);
-    CHECK(loaded->obstacles[0].name == "can_*");
-    CHECK(loaded->obstacles[0].rpy.is_gaussian);
-    CHECK(loaded->obstacles[0].size.values == std::vector<double>{0.01, 0.02});
-    CHECK(loaded->obstacles[0].position.values.empty());
-    CHECK(loaded->obstacles[1].size.values == std::vector<double>{0.05});
+        "  ball: {size: {uniform: 0.05}}\n"));
+    CHECK(loaded.scene.position.values == std::vector<double>{0.1, 0.2, 0});
+    CHECK(!loaded.scene.position.is_gaussian);
+    CHECK(loaded.scene.scale.is_gaussian);
+    CHECK(loaded.scene.center == Vec3(1, 0, 2));
+    REQUIRE(loaded.obstacles.size() == 2);
+    CHECK(loaded.obstacles[0].name == "can_*");
+    CHECK(loaded.obstacles[0].rpy.is_gaussian);
+    CHECK(loaded.obstacles[0].size.values == std::vector<double>{0.01, 0.02});
+    CHECK(loaded.obstacles[0].position.values.empty());
+    CHECK(loaded.obstacles[1].size.values == std::vector<double>{0.05});
   }
 
   TEST_CASE("unknown keys are refused by name and line") {
@@ -101,9 +100,7 @@ Variation of(const std::string& name) {
 
 Scene varied(const Variations& variations, std::uint64_t seed) {
   Rng rng(seed);
-  const auto result = vary(nominal(), variations, rng);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return *result;
+  return require(vary(nominal(), variations, rng));
 }
 
 std::string refusal(const Variation& variation) {

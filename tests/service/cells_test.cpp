@@ -14,9 +14,8 @@ TEST_SUITE("flow") {
     ServiceSettings settings = loopback();
     settings.cells = {std::make_shared<const Cell>(require_cell(region, 20))};
     settings.shown = std::make_shared<const Problem>(region.problem);
-    auto service = Service::start(region.problem.robot, nullptr, settings);
-    REQUIRE_MESSAGE(service.has_value(), (service ? "" : service.error().message));
-    httplib::Client client(service->address());
+    auto service = require(Service::start(region.problem.robot, nullptr, settings));
+    httplib::Client client(service.address());
     client.set_read_timeout(100);
     Json body = {
         {"start", region.problem.start},

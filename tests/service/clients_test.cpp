@@ -163,9 +163,8 @@ TEST_SUITE("flow") {
     ServiceSettings settings;
     settings.listen = "unix:" + path;
     for (int round = 0; round < 2; ++round) {
-      auto service = Service::start(planar8(), nullptr, settings);
-      REQUIRE(service.has_value());
-      CHECK(service->address() == settings.listen);
+      auto service = require(Service::start(planar8(), nullptr, settings));
+      CHECK(service.address() == settings.listen);
       using std::filesystem::perms;
       CHECK((std::filesystem::status(path).permissions() &
              (perms::group_all | perms::others_all)) == perms::none);
@@ -173,7 +172,7 @@ TEST_SUITE("flow") {
       const RawClient client(path);
       client.say("GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
       CHECK(client.hear().find("\"status\":\"ok\"") != std::string::npos);
-      service->stop();
+      service.stop();
       CHECK_FALSE(std::filesystem::exists(path));
     }
   }
@@ -196,11 +195,10 @@ TEST_SUITE("flow") {
       CHECK(std::filesystem::exists(path));
     }
     SUBCASE("of a successor") {
-      auto service = Service::start(planar8(), nullptr, settings);
-      REQUIRE(service.has_value());
+      auto service = require(Service::start(planar8(), nullptr, settings));
       std::filesystem::rename(path, path + ".old");
       const Listening successor(path);
-      service->stop();
+      service.stop();
       CHECK(std::filesystem::exists(path));
     }
   }

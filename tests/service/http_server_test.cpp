@@ -40,7 +40,7 @@ TEST_SUITE("unit") {
         {[](const HttpRequest&) { return std::nullopt; },
          [](const HttpRequest& request, const auto&) { return compute(request); }, [](int) {}},
         {.connections = 8});
-    REQUIRE(server.start("127.0.0.1:0", false).has_value());
+    require(server.start("127.0.0.1:0", false));
     const int port = std::stoi(server.address().substr(server.address().rfind(':') + 1));
     const int usual = nice_of_thread();
     const auto answer_to = [&](const std::string& target) {

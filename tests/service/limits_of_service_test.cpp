@@ -33,9 +33,8 @@ class FullDisk {
 };
 
 std::shared_ptr<Database> open_paths(const std::string& file) {
-  auto opened = Database::open(file, make_signature(planar8()), OpenMode::create);
-  REQUIRE(opened.has_value());
-  return std::make_shared<Database>(*std::move(opened));
+  auto opened = require(Database::open(file, make_signature(planar8()), OpenMode::create));
+  return std::make_shared<Database>(std::move(opened));
 }
 
 Json answer_of(const internal::Answer& answer) { return Json::parse(answer.body); }
@@ -132,13 +131,12 @@ TEST_SUITE("flow") {
 TEST_SUITE("unit") {
   TEST_CASE("a scene that is removed while it is edited stays removed") {
     internal::SceneStore scenes(2);
-    REQUIRE(scenes.put("a", {}).has_value());
-    const auto edited = scenes.change("a", [&](const Scene& scene) -> Result<Scene> {
+    require(scenes.put("a", {}));
+    const auto edited = require(scenes.change("a", [&](const Scene& scene) -> Result<Scene> {
       CHECK(scenes.remove("a"));
       return scene;
-    });
-    REQUIRE(edited.has_value());
-    CHECK(*edited == nullptr);
+    }));
+    CHECK(edited == nullptr);
     CHECK(scenes.count() == 0);
   }
 }

@@ -23,10 +23,9 @@ using Json = nlohmann::json;
 
 /// The keys of a compact file for a problem of the planar arm.
 inline Json question(const std::string& name = "scenario1") {
-  const auto problem = load_problem(source_file("scenes/planar/" + name + ".yaml"));
-  REQUIRE(problem.has_value());
-  const Json file = Json::parse(to_compact_json({problem->scene, ""}));
-  Json body = {{"start", problem->start}, {"goals", problem->goals}};
+  const auto problem = require(load_problem(source_file("scenes/planar/" + name + ".yaml")));
+  const Json file = Json::parse(to_compact_json({problem.scene, ""}));
+  Json body = {{"start", problem.start}, {"goals", problem.goals}};
   for (const char* key : {"obstacles", "circles"}) {
     if (file["problems"][0].contains(key)) body[key] = file["problems"][0][key];
   }
@@ -55,9 +54,7 @@ struct RunningService {
       : service(start(loopback(settings), std::move(database))) {}
 
   static Service start(const ServiceSettings& settings, std::shared_ptr<Database> database) {
-    auto started = Service::start(planar8(), std::move(database), settings);
-    REQUIRE_MESSAGE(started.has_value(), (started ? "" : started.error().message));
-    return *std::move(started);
+    return require(Service::start(planar8(), std::move(database), settings));
   }
   [[nodiscard]] int port() const {
     return std::stoi(service.address().substr(service.address().rfind(':') + 1));

@@ -197,14 +197,12 @@ TEST_SUITE("flow") {
   }
 
   TEST_CASE("A robot rests in the middle of its limits, from where its hand reaches to all sides") {
-    const auto panda = load_robot(test::source_file("robots/panda.urdf"));
-    REQUIRE(panda.has_value());
-    const auto service = Service::start(*panda, nullptr, test::loopback());
-    REQUIRE(service.has_value());
-    httplib::Client client(service->address());
+    const auto panda = require(load_robot(test::source_file("robots/panda.urdf")));
+    const auto service = require(Service::start(panda, nullptr, test::loopback()));
+    httplib::Client client(service.address());
     const test::Json start = trace_in(client.Get("/")->body)["live"]["start"];
-    for (int i = 0; i < panda->joint_count(); ++i) {
-      const Joint& joint = panda->group_joint(i);
+    for (int i = 0; i < panda.joint_count(); ++i) {
+      const Joint& joint = panda.group_joint(i);
       CHECK(start[static_cast<std::size_t>(i)].get<double>() ==
             doctest::Approx((joint.lower + joint.upper) / 2));
     }
@@ -218,9 +216,8 @@ TEST_SUITE("flow") {
                                    {"scan", {PointCloud{{}, points, 0.1}}});
     problem.scene.obstacles.back().may_touch = {"link_1"};
     settings.shown = std::make_shared<const Problem>(problem);
-    const auto service = Service::start(problem.robot, nullptr, settings);
-    REQUIRE(service.has_value());
-    httplib::Client client(service->address());
+    const auto service = require(Service::start(problem.robot, nullptr, settings));
+    httplib::Client client(service.address());
     const test::Json shown = trace_in(client.Get("/")->body);
     CHECK(shown["obstacles"].back()["name"] == "scan");
     CHECK(shown["live"]["scene"] == "page");
@@ -276,9 +273,9 @@ TEST_SUITE("flow") {
 
   TEST_CASE("plans that were hard are remembered, and metrics count them") {
     const TemporaryDirectory files;
-    auto opened = Database::open(files / "m.db", make_signature(planar8()), OpenMode::create);
-    REQUIRE(opened.has_value());
-    const auto database = std::make_shared<Database>(*std::move(opened));
+    auto opened =
+        require(Database::open(files / "m.db", make_signature(planar8()), OpenMode::create));
+    const auto database = std::make_shared<Database>(std::move(opened));
     ServiceSettings settings;
     settings.remember_after = 0;
     const RunningService running(settings, database);
@@ -306,11 +303,11 @@ TEST_SUITE("flow") {
 
   TEST_CASE("a known task is replayed, and a miss says which one was near and what blocked it") {
     const TemporaryDirectory files;
-    auto opened = Database::open(files / "m.db", make_signature(planar8()), OpenMode::create);
-    REQUIRE(opened.has_value());
+    auto opened =
+        require(Database::open(files / "m.db", make_signature(planar8()), OpenMode::create));
     ServiceSettings settings;
     settings.remember_after = 0;
-    const auto database = std::make_shared<Database>(*std::move(opened));
+    const auto database = std::make_shared<Database>(std::move(opened));
     const RunningService running(settings, database);
     const auto client = running.client();
     Json body = question();

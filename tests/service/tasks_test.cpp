@@ -43,9 +43,8 @@ Json task_question() {
 
 TEST_SUITE("flow") {
   TEST_CASE("a service plans tasks, and times them") {
-    auto service = Service::start(shipped_robot("panda"), nullptr, loopback());
-    REQUIRE(service.has_value());
-    httplib::Client client(service->address());
+    auto service = require(Service::start(shipped_robot("panda"), nullptr, loopback()));
+    httplib::Client client(service.address());
     client.set_read_timeout(100);
     Json body = task_question();
     const Reply plain = post(client, "/v1/tasks", body);
@@ -71,9 +70,8 @@ TEST_SUITE("flow") {
   }
 
   TEST_CASE("a task without a plan is an answer, a wrong one is refused with its stage") {
-    auto service = Service::start(shipped_robot("panda"), nullptr, loopback());
-    REQUIRE(service.has_value());
-    httplib::Client client(service->address());
+    auto service = require(Service::start(shipped_robot("panda"), nullptr, loopback()));
+    httplib::Client client(service.address());
     client.set_read_timeout(100);
     Json far = task_question();
     far["obstacles"][1]["p"][0] = 2.5;

@@ -11,8 +11,7 @@ namespace mneme::test {
 /// What a database holds, but for the times: the lines of its export.
 inline std::string exported(const std::string& url) {
   const TemporaryDirectory directory;
-  const auto count = export_database(url, directory / "export.jsonl");
-  REQUIRE_MESSAGE(count.has_value(), (count ? "" : count.error().message));
+  require(export_database(url, directory / "export.jsonl"));
   std::string text = read_file(directory / "export.jsonl");
   const std::string field = "\"time\":\"";
   for (std::size_t at = 0; (at = text.find(field, at)) != std::string::npos;) {

@@ -37,9 +37,7 @@ inline Joint joint_at(JointType type, const Vec3& offset, const Vec3& axis, doub
 }
 
 inline Robot robot_of(const Robot::Parts& parts, const RobotOptions& options = {}) {
-  auto robot = make_robot(parts, options);
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(make_robot(parts, options));
 }
 
 inline constexpr double kLiftMost = 0.5, kTurnMost = 2.5;

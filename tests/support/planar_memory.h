@@ -12,16 +12,11 @@
 
 namespace mneme::test {
 
-inline Robot require_arm(const std::string& urdf) {
-  auto robot = parse_robot(urdf, "arm.urdf");
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
-}
+inline Robot require_arm(const std::string& urdf) { return require(parse_robot(urdf, "arm.urdf")); }
 
 inline Robot planar_arm(const std::vector<double>& lengths, double thickness = 0.001) {
-  const auto urdf = planar_arm_urdf("arm", lengths, thickness);
-  REQUIRE(urdf.has_value());
-  return require_arm(*urdf);
+  const auto urdf = require(planar_arm_urdf("arm", lengths, thickness));
+  return require_arm(urdf);
 }
 
 /// The same with other limits of all joints but the first, which turns all the way.
@@ -54,17 +49,13 @@ inline Robot upright_arm() {
 inline Problem planar_problem(const std::string& name) {
   ProblemOptions options;
   options.robot_path = source_file("robots/planar8.urdf");
-  auto problem = load_problem(source_file("scenes/planar/" + name + ".yaml"), options);
-  REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-  return std::move(*problem);
+  return require(load_problem(source_file("scenes/planar/" + name + ".yaml"), options));
 }
 
 inline CollisionChecker make_checker(const Robot& robot, const Scene& scene, double margin = 0) {
   CheckerSettings settings;
   settings.margin = margin;
-  auto checker = CollisionChecker::make(robot, scene, settings);
-  REQUIRE_MESSAGE(checker.has_value(), (checker ? "" : checker.error().message));
-  return *checker;
+  return require(CollisionChecker::make(robot, scene, settings));
 }
 
 /// A pair of circles well within the arm's reach, canonical.
@@ -109,9 +100,7 @@ inline LearnSettings cheap_settings() {
 
 inline LearnResult learn(const Robot& robot, const PrimitiveKey& key, const LearnSettings& settings,
                          std::uint64_t seed, double deadline_s = 0) {
-  auto learned = learn_local_sampler(robot, key, settings, seed, deadline_s);
-  REQUIRE_MESSAGE(learned.has_value(), (learned ? "" : learned.error().message));
-  return std::move(*learned);
+  return require(learn_local_sampler(robot, key, settings, seed, deadline_s));
 }
 
 inline Configuration mean_of(const GaussianMixture& mixture, int component) {
@@ -126,9 +115,7 @@ inline bool is_same_mixture(const GaussianMixture& a, const GaussianMixture& b) 
 
 inline Database make_database(const std::string& path, const Robot& robot,
                               OpenMode mode = OpenMode::create) {
-  auto database = Database::open(path, make_signature(robot), mode);
-  REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
-  return std::move(*database);
+  return require(Database::open(path, make_signature(robot), mode));
 }
 
 inline void learn_into(Database& database, const Robot& robot,
@@ -136,8 +123,7 @@ inline void learn_into(Database& database, const Robot& robot,
                        const LearnSettings& settings = cheap_settings()) {
   LearnJob job;
   job.settings = settings;
-  const auto summary = learn_primitives(robot, keys, database, job);
-  REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
+  require(learn_primitives(robot, keys, database, job));
 }
 
 }  // namespace mneme::test

@@ -59,11 +59,7 @@ std::optional<std::string> data_file(const std::string& name) {
   return path;
 }
 
-Robot planar8() {
-  auto robot = load_robot(source_file("robots/planar8.urdf"));
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
-}
+Robot planar8() { return require(load_robot(source_file("robots/planar8.urdf"))); }
 
 Configuration random_configuration(const Robot& robot, Rng& rng) {
   return internal::random_configuration(robot, rng);

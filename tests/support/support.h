@@ -6,6 +6,8 @@
 
 #include "mneme/mneme.h"
 
+#include "support/require.h"
+
 #include <doctest/doctest.h>
 
 #include <filesystem>
