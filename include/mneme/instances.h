@@ -9,7 +9,6 @@
 #include "mneme/path.h"
 #include "mneme/problem.h"
 #include "mneme/scene.h"
-#include "mneme/task.h"
 
 #include <array>
 #include <atomic>
@@ -234,30 +233,5 @@ inline constexpr std::string_view kBlockedVersion = "blocked/1";
 [[nodiscard]] Result<BlockedInstances> make_blocked_instances(const Robot& robot, int count,
                                                               const BlockedSettings& settings,
                                                               std::uint64_t seed);
-
-/// Settings of make_task_instance().
-struct TaskInstanceSettings {
-  int grasps = 500, placements = 50;  ///< numbers of alternatives, each at least 1
-  int clutter = 6;                    ///< boxes on the table
-  /// A slab over all placements makes the task infeasible: it has no witness.
-  bool is_blocked = false;
-  int tries = 200;  ///< largest number of scenes to try
-};
-
-/// A task of the Panda: takes a cup from a table and puts it onto the table or a shelf.
-struct TaskInstance {
-  Task task;
-  int grasp = -1, placement = -1;  ///< alternatives with a plan; -1 if the task is blocked
-  int dropped = 0;                 ///< scenes before this one without a proven plan
-};
-
-/// Returns a random task: approach, grasp, lift, carry, lower, release and retreat. One grasp and
-/// one placement are its witness: the task with these alone was solved. The others are random, many
-/// of them in contact or out of reach. Deterministic for equal settings, seed and instruction set.
-/// Errors: settings out of range; no task with a witness in the number of tries; the bundled Panda
-/// is missing.
-[[nodiscard]] Result<TaskInstance> make_task_instance(const Robot& panda,
-                                                      const TaskInstanceSettings& settings,
-                                                      std::uint64_t seed);
 
 }  // namespace mneme

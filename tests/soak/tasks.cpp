@@ -5,8 +5,8 @@
 /// --motion also all states of the timed motion, and its limits. Succeeds if all tasks are solved
 /// without a contact. With --optimum compares improved plans with the best of all choices instead.
 #include "mneme/experience.h"
-#include "mneme/instances.h"
-#include "mneme/task.h"
+
+#include "soak/random_task.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -24,7 +24,8 @@ namespace mneme::soak {
 namespace {
 
 struct Options {
-  int tasks = 100, grasps = 500, placements = 50;
+  int tasks = 100;
+  Choices choices;
   std::uint64_t seed = 1;
   double resolution = 0.005;
   double moved = 0.05;  ///< how far the cup is moved for the second time, metres
@@ -77,16 +78,11 @@ class Campaign {
     if (options_.optimum_plans > 0) return compare_with_optimum(panda);
     for (int i = 0; i < options_.tasks; ++i) {
       const std::uint64_t seed = derive_seed(options_.seed, static_cast<std::uint64_t>(i));
-      TaskInstanceSettings settings;
-      settings.grasps = options_.grasps;
-      settings.placements = options_.placements;
-      const TaskInstance instance = MNEME_TRY(make_task_instance(panda, settings, seed));
-      MNEME_TRY(solve_and_check(instance.task, nullptr, without_));
+      const Task task = MNEME_TRY(random_task(panda, options_.choices, seed));
+      MNEME_TRY(solve_and_check(task, nullptr, without_));
       if (options_.is_first_only) continue;
-      MNEME_TRY(repeat_with_memory(instance.task, seed));
-      settings.is_blocked = true;
-      const TaskInstance blocked = MNEME_TRY(make_task_instance(panda, settings, seed));
-      MNEME_TRY(solve_and_check(blocked.task, nullptr, refused_));
+      MNEME_TRY(repeat_with_memory(task, seed));
+      MNEME_TRY(solve_and_check(blocked_task(panda, options_.choices, seed), nullptr, refused_));
     }
     fmt::print("{:18} {:>11} {:>9} {:>9} {:>9} {:>9} {:>6} {:>5}\n", "tasks", "solved", "p50 ms",
                "p95 ms", "p50 st.", "p95 st.", "stages", "hits");
@@ -112,11 +108,8 @@ class Campaign {
   Result<bool> compare_with_optimum(const Robot& panda) {
     std::vector<double> ratios;
     for (int i = 0; i < options_.tasks; ++i) {
-      TaskInstanceSettings settings;
-      settings.grasps = options_.grasps;
-      settings.placements = options_.placements;
       const std::uint64_t seed = derive_seed(options_.seed, static_cast<std::uint64_t>(i));
-      const Task task = MNEME_TRY(make_task_instance(panda, settings, seed)).task;
+      const Task task = MNEME_TRY(random_task(panda, options_.choices, seed));
       double best_s = std::numeric_limits<double>::infinity();
       const std::vector<Task> choices = single_choices(task);
       for (const Task& choice : choices) {
@@ -245,8 +238,8 @@ int main(int argc, char** argv) {
   mneme::soak::Options options;
   CLI::App app("Random tasks of pick and place, each with a known plan");
   app.add_option("--tasks", options.tasks, "number of tasks");
-  app.add_option("--grasps", options.grasps, "grasps of each task");
-  app.add_option("--placements", options.placements, "placements of each task");
+  app.add_option("--grasps", options.choices.grasps, "grasps of each task");
+  app.add_option("--placements", options.choices.placements, "placements of each task");
   app.add_option("--seed", options.seed, "seed of the tasks");
   app.add_option("--resolution", options.resolution, "largest step of the check, radians");
   app.add_option("--moved", options.moved, "how far the cup is moved for the second time, metres");

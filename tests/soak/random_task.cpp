@@ -1,9 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mneme/instances.h"
-
-#include "base/as_index.h"
-#include "base/fail.h"
+#include "soak/random_task.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +9,7 @@
 #include <string>
 #include <utility>
 
-namespace mneme {
+namespace mneme::soak {
 namespace {
 
 constexpr const char* kHand = "panda_hand";
@@ -21,11 +18,12 @@ constexpr double kCupRadius = 0.033, kCupHeight = 0.11;
 /// Metres between the hand's origin and the middle of the cup.
 constexpr std::array<double, 2> kReachToCup = {0.105, 0.125};
 constexpr double kApproach = 0.08, kLift = 0.08;
+constexpr int kClutter = 6;  ///< boxes on the table
 
 class TaskMaker {
  public:
-  TaskMaker(const Robot& panda, const TaskInstanceSettings& settings, Rng& rng)
-      : panda_(panda), settings_(settings), rng_(rng) {}
+  TaskMaker(const Robot& panda, const Choices& choices, Rng& rng)
+      : panda_(panda), choices_(choices), rng_(rng) {}
 
   Task make() {
     Task task{"task", panda_, "", {}, {0, -0.785, 0, -2.356, 0, 1.571, 0.785}, {}};
@@ -38,15 +36,16 @@ class TaskMaker {
     Obstacle obstacle{"cup",
                       {Cylinder{{Eigen::Matrix3d::Identity(), cup}, kCupRadius, kCupHeight}}};
     task.scene.obstacles.push_back(std::move(obstacle));
-    for (int i = 0; i < settings_.clutter; ++i) add_clutter(task.scene, cup, i);
-    if (settings_.is_blocked) {
-      add_box(task.scene, "slab", {0.5, 0.28 * side_, kTableTop + 0.09}, {0.3, 0.13, 0.03});
-      task.scene.obstacles.back().shapes.push_back(
-          Box{{Eigen::Matrix3d::Identity(), {0.35, 0.6 * side_, kShelfTop + 0.09}},
-              {0.25, 0.15, 0.03}});
-    }
+    for (int i = 0; i < kClutter; ++i) add_clutter(task.scene, cup, i);
     add_stages(task);
     return task;
+  }
+
+  /// Covers the placements of the task that was made last.
+  void block(Task& task) const {
+    add_box(task.scene, "slab", {0.5, 0.28 * side_, kTableTop + 0.09}, {0.3, 0.13, 0.03});
+    task.scene.obstacles.back().shapes.push_back(Box{
+        {Eigen::Matrix3d::Identity(), {0.35, 0.6 * side_, kShelfTop + 0.09}}, {0.25, 0.15, 0.03}});
   }
 
  private:
@@ -101,10 +100,10 @@ class TaskMaker {
   void add_stages(Task& task) {
     Stage approach = line("approach", Vec3::UnitZ(), kHand, kApproach);
     approach.poses = {kHand, "", "cup", {}};
-    for (int i = 0; i < settings_.grasps; ++i) approach.poses.poses.push_back(grasp());
+    for (int i = 0; i < choices_.grasps; ++i) approach.poses.poses.push_back(grasp());
     Stage lower = line("lower", -Vec3::UnitZ(), "", kLift);
     lower.poses = {kHand, "cup", "", {}};
-    for (int i = 0; i < settings_.placements; ++i) lower.poses.poses.push_back(placement());
+    for (int i = 0; i < choices_.placements; ++i) lower.poses.poses.push_back(placement());
     Stage take{StageKind::attach, "grasp"};
     take.object = "cup";
     take.carrier = kHand;
@@ -121,63 +120,56 @@ class TaskMaker {
   }
 
   const Robot& panda_;
-  const TaskInstanceSettings& settings_;
+  const Choices& choices_;
   Rng& rng_;
   double side_ = 1;
 };
 
 /// The task with one grasp and one placement.
-Task only(const Task& task, int grasp, int placement) {
+Task only(const Task& task, std::uint32_t grasp, std::uint32_t placement) {
   Task single = task;
   for (auto [stage, kept] : {std::pair(1, grasp), std::pair(5, placement)}) {
-    std::vector<Transform>& poses = single.stages[internal::as_index(stage)].poses.poses;
-    poses = std::vector<Transform>{poses[internal::as_index(kept)]};
+    std::vector<Transform>& poses = single.stages[static_cast<std::size_t>(stage)].poses.poses;
+    poses = std::vector<Transform>{poses[kept]};
   }
   return single;
 }
 
-/// Looks for a grasp and a placement with a plan, each pair by itself.
-bool find_witness(TaskInstance& instance, Rng& rng) {
+/// True if a random pair of a grasp and a placement has a plan by itself.
+bool has_plan(const Task& task, Rng& rng) {
   constexpr int kPairs = 60;
   TaskSettings settings;
   settings.solve.plan.max_iterations = 20000;
   const auto count = [&](std::size_t stage) {
-    return static_cast<std::uint32_t>(instance.task.stages[stage].poses.poses.size());
+    return static_cast<std::uint32_t>(task.stages[stage].poses.poses.size());
   };
   for (int i = 0; i < kPairs; ++i) {
-    const auto grasp = static_cast<int>(rng.index(count(1)));
-    const auto placement = static_cast<int>(rng.index(count(5)));
-    const auto solved = solve_task(only(instance.task, grasp, placement), nullptr, settings);
-    if (!solved || !solved->is_solved()) continue;
-    instance.grasp = grasp;
-    instance.placement = placement;
-    return true;
+    const std::uint32_t grasp = rng.index(count(1)), placement = rng.index(count(5));
+    const auto solved = solve_task(only(task, grasp, placement), nullptr, settings);
+    if (solved && solved->is_solved()) return true;
   }
   return false;
 }
 
 }  // namespace
 
-Result<TaskInstance> make_task_instance(const Robot& panda, const TaskInstanceSettings& settings,
-                                        std::uint64_t seed) {
-  if (settings.grasps < 1 || settings.placements < 1 || settings.clutter < 0 ||
-      settings.tries < 1) {
-    return fail(ErrorCode::invalid,
-                "expected at least 1 grasp, 1 placement and 1 try, and no negative clutter, got "
-                "{}, {}, {} and {}",
-                settings.grasps, settings.placements, settings.tries, settings.clutter);
+Result<Task> random_task(const Robot& panda, const Choices& choices, std::uint64_t seed) {
+  constexpr std::uint64_t kTries = 200;
+  for (std::uint64_t i = 0; i < kTries; ++i) {
+    Rng rng(derive_seed(seed, i));
+    Task task = TaskMaker(panda, choices, rng).make();
+    if (has_plan(task, rng)) return task;
   }
-  if (!panda.find_link(kHand)) {
-    return fail(ErrorCode::invalid, "expected the bundled Panda, got robot {} without link '{}'",
-                panda.name(), kHand);
-  }
-  for (int i = 0; i < settings.tries; ++i) {
-    Rng rng(derive_seed(seed, static_cast<std::uint64_t>(i)));
-    TaskInstance instance{TaskMaker(panda, settings, rng).make()};
-    instance.dropped = i;
-    if (settings.is_blocked || find_witness(instance, rng)) return instance;
-  }
-  return fail(ErrorCode::invalid, "no task with a plan in {} tries", settings.tries);
+  return tl::unexpected(
+      Error{ErrorCode::invalid, fmt::format("no task with a plan in {} tries", kTries)});
 }
 
-}  // namespace mneme
+Task blocked_task(const Robot& panda, const Choices& choices, std::uint64_t seed) {
+  Rng rng(derive_seed(seed, 0));
+  TaskMaker maker(panda, choices, rng);
+  Task task = maker.make();
+  maker.block(task);
+  return task;
+}
+
+}  // namespace mneme::soak
