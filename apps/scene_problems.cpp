@@ -80,10 +80,9 @@ Result<ExitCode> write_problems(const GeneratorOptions& options, const Json& fil
 }
 
 /// Makes a generator react to an interrupt and show its progress.
-template <class Settings>
-void watch(const GeneratorOptions& options, Progress& progress, Settings& settings) {
-  settings.cancel = interrupt_flag();
-  settings.on_progress = [&](int made, int dropped) {
+void watch(const GeneratorOptions& options, Progress& progress, GeneratorRun& run) {
+  run.cancel = interrupt_flag();
+  run.on_progress = [&](int made, int dropped) {
     progress.update(made, options.count, fmt::format("{} dropped", dropped));
   };
 }
@@ -182,7 +181,7 @@ Result<ExitCode> run_enclosed(const EnclosedOptions& options) {
 }
 
 struct BlockedOptions : GeneratorOptions {
-  BlockedSettings settings;
+  GeneratorRun settings;
 };
 
 /// Each problem with the proof that it has no path.

@@ -67,8 +67,14 @@ struct RepeatSettings {
 [[nodiscard]] Result<Problem> repeat(const Problem& problem, const RepeatSettings& settings,
                                      Rng& rng);
 
+/// Settings of all generators of instances.
+struct GeneratorRun {
+  const std::atomic<bool>* cancel = nullptr;
+  std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
+};
+
 /// Settings of make_threaded_instances().
-struct ThreadedSettings {
+struct ThreadedSettings : GeneratorRun {
   std::array<double, 2> gap = {0.1, 0.3};  ///< Range of distances between the two circles, metres.
   /// Range of the number of links from the first that crosses the gap to the last.
   std::array<int, 2> depth = {3, 5};
@@ -76,8 +82,6 @@ struct ThreadedSettings {
   /// in the arm's reach.
   int passages = 1;
   std::uint64_t proof_iterations = 2000000;  ///< Limit of the planner that proves feasibility.
-  const std::atomic<bool>* cancel = nullptr;
-  std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
 };
 
 /// A problem of a planar arm that starts in the gap of a pair of circles and has to leave it. If
@@ -109,15 +113,13 @@ inline constexpr std::string_view kThreadedVersion = "threaded/1";
                                                                 std::uint64_t seed);
 
 /// Settings of make_enclosed_instances().
-struct EnclosedSettings {
+struct EnclosedSettings : GeneratorRun {
   /// Least distance between the robot and each box along the witness, metres, up to 1. Smaller is
   /// harder.
   double clearance = 0.01;
   int boxes = 600;                           ///< number of boxes; fewer if there is no room
   std::array<double, 2> size = {0.05, 0.5};  ///< range of the full extents, metres, up to 10
   int through = 2;  ///< random configurations that the witness passes through, up to 100
-  const std::atomic<bool>* cancel = nullptr;
-  std::function<void(int made, int dropped)> on_progress;  ///< after each instance
 };
 
 /// A problem with boxes around a path from start to goal, as near as `clearance` allows.
@@ -146,7 +148,7 @@ inline constexpr std::string_view kEnclosedVersion = "enclosed/1";
                                                                 std::uint64_t seed);
 
 /// Settings of make_composed_instances().
-struct ComposedSettings {
+struct ComposedSettings : GeneratorRun {
   /// Least distance between the robot and a module's boxes along the module's motion, metres, up to
   /// 1. Smaller is harder.
   double clearance = 0.004;
@@ -156,8 +158,6 @@ struct ComposedSettings {
   int modules = 12;                           ///< number of modules to compose, up to 1000
   int foreign = 0;  ///< number of further modules, which no instance contains, up to 1000
   std::array<int, 2> passages = {1, 3};  ///< range of modules in an instance, up to 8
-  const std::atomic<bool>* cancel = nullptr;
-  std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
 };
 
 /// A passage: boxes around a short motion.
@@ -202,12 +202,6 @@ inline constexpr std::string_view kComposedVersion = "composed/1";
                                                                 const ComposedSettings& settings,
                                                                 std::uint64_t seed);
 
-/// Settings of make_blocked_instances().
-struct BlockedSettings {
-  const std::atomic<bool>* cancel = nullptr;
-  std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
-};
-
 /// A problem without a path. Its proof: a shape of `link` that `joint` moves, and no other joint
 /// except along the axis, contains a point of a post where `joint` is at one of `angles`. Each path
 /// from start to goal passes one of them.
@@ -231,7 +225,7 @@ inline constexpr std::string_view kBlockedVersion = "blocked/1";
 /// robot, seed and instruction set. Errors: a robot without a turning joint (SymmetricJoints), or
 /// whose turning joint alone moves no shape off its axis; no free ends.
 [[nodiscard]] Result<BlockedInstances> make_blocked_instances(const Robot& robot, int count,
-                                                              const BlockedSettings& settings,
+                                                              const GeneratorRun& run,
                                                               std::uint64_t seed);
 
 }  // namespace mneme

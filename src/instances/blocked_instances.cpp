@@ -2,11 +2,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Frozen: raise kBlockedVersion with each change of the samples or their order.
-#include "mneme/collision.h"
 #include "mneme/instances.h"
 #include "mneme/memory.h"
 
-#include "base/threads.h"
+#include "instances/box_scenes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -200,8 +199,7 @@ class BlockedSampler {
 }  // namespace
 
 Result<BlockedInstances> make_blocked_instances(const Robot& robot, int count,
-                                                const BlockedSettings& settings,
-                                                std::uint64_t seed) {
+                                                const GeneratorRun& run, std::uint64_t seed) {
   const SymmetricJoints joints = find_symmetric_joints(robot);
   if (joints.turn < 0) {
     return fail(ErrorCode::unsupported,
@@ -214,16 +212,14 @@ Result<BlockedInstances> make_blocked_instances(const Robot& robot, int count,
   for (std::uint64_t i = 0; std::ssize(made.instances) < count; ++i) {
     auto instance =
         MNEME_TRY(BlockedSampler(robot, joints, *sampler, derive_seed(seed, i)).sample());
-    if (internal::is_set(settings.cancel)) break;
+    if (internal::is_set(run.cancel)) break;
     if (instance) {
       made.instances.push_back(*std::move(instance));
     } else if (++made.dropped > count + 10) {
       return fail(ErrorCode::invalid, "robot '" + robot.name() +
                                           "' has no free configurations on both sides of a post");
     }
-    if (settings.on_progress) {
-      settings.on_progress(static_cast<int>(made.instances.size()), made.dropped);
-    }
+    internal::report_progress(run, made);
   }
   return made;
 }

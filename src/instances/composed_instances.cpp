@@ -4,10 +4,9 @@
 // Frozen: raise kComposedVersion with each change of the samples or their order.
 #include "mneme/instances.h"
 #include "mneme/memory.h"
-#include "mneme/planning.h"
 
 #include "base/fail.h"
-#include "base/threads.h"
+#include "instances/box_scenes.h"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -32,13 +31,11 @@ constexpr std::array kLegLength = {1.2, 2.2};
 /// Boxes stand around links from this share of the chain on.
 constexpr double kDistal = 0.5;
 constexpr double kBoxOffset = 0.25;  ///< metres along each axis from the origin of a link
-constexpr std::array kSmallerBoxes = {1.0, 0.7, 0.5, 0.35};
 /// Failed boxes in a row after which there is no room for more.
 constexpr int kMostBarren = 500;
 constexpr int kLegTries = 300;
 constexpr int kTurnTries = 50;
 constexpr int kJoinTries = 5;
-constexpr int kFreeTries = 10000;
 constexpr std::uint64_t kJoinIterations = 3000;
 constexpr double kLeastKept = 0.4;    ///< share of a module's boxes
 constexpr int kMostCandidates = 200;  ///< per instance
@@ -76,14 +73,8 @@ class Composer {
     ComposedModule module;
     module.motion = sample_motion();
     if (module.motion.empty()) return std::nullopt;
-    for (int barren = 0; barren < kMostBarren && is_wanted(module.scene);) {
-      auto box = MNEME_TRY(sample_box(module.motion));
-      ++barren;
-      if (!box) continue;
-      barren = 0;
-      const std::string name = fmt::format("box_{}", module.scene.obstacles.size());
-      module.scene.obstacles.push_back({name, {*box}});
-    }
+    module.scene = MNEME_TRY(internal::sample_boxes(settings_.boxes, kMostBarren, settings_.cancel,
+                                                    [&] { return sample_box(module.motion); }));
     return module;
   }
 
@@ -118,27 +109,14 @@ class Composer {
   }
 
  private:
-  [[nodiscard]] bool is_wanted(const Scene& scene) const {
-    return std::ssize(scene.obstacles) < settings_.boxes && !internal::is_set(settings_.cancel);
-  }
-
   void shuffle(std::vector<int>& all) {
     for (std::size_t i = all.size(); i > 1; --i) {
       std::swap(all[i - 1], all[rng_.index(static_cast<std::uint32_t>(i))]);
     }
   }
 
-  std::optional<Configuration> sample_free_state() {
-    std::vector<float> q(static_cast<std::size_t>(robot_.joint_count()));
-    for (int i = 0; i < kFreeTries; ++i) {
-      states_->next(q);
-      if (empty_.is_valid(q)) return Configuration(q.begin(), q.end());
-    }
-    return std::nullopt;
-  }
-
   Path sample_motion() {
-    const std::optional<Configuration> start = sample_free_state();
+    const std::optional<Configuration> start = internal::sample_free(empty_, *states_);
     if (!start) return {};
     Path motion = {*start};
     for (int leg = 0; leg < kLegs; ++leg) {
@@ -183,27 +161,17 @@ class Composer {
       half[axis] = rng_.uniform(settings_.size[0], settings_.size[1]) / 2;
     }
     const Transform pose{rotation_about(Vec3::UnitZ(), yaw), poses[link].translation + offset};
-    const std::array kept = {KeptMotion{motion, settings_.clearance}};
-    for (const double share : kSmallerBoxes) {
-      const Box box{pose, share * half};
-      if (box.half_extents.minCoeff() < settings_.size[0] / 2) break;
-      const bool fits = MNEME_TRY(is_clear_of(box, kept));
-      if (fits) return std::optional(box);
-    }
-    return std::optional<Box>();
+    return internal::shrink_to_fit({pose, half}, settings_.size[0], [&](const Box& box) {
+      return internal::is_clear_of(box, robot_, motion, settings_.clearance);
+    });
   }
 
   /// True if the box keeps its distance to all motions, and to links that no joint moves.
   [[nodiscard]] Result<bool> is_clear_of(const Box& box, std::span<const KeptMotion> kept) const {
     for (const KeptMotion& motion : kept) {
-      CheckerSettings settings;
-      settings.margin = motion.clearance;
-      const auto checker = MNEME_TRY(CollisionChecker::make(robot_, {"", {{"", {box}}}}, settings));
-      CheckCounters counters;
-      const bool is_free = checker.fixed_contacts().empty() &&
-                           checker.is_valid(std::span<const double>(motion.path.front())) &&
-                           find_invalid_motion(checker, motion.path, counters) < 0;
-      if (!is_free) return false;
+      const bool is_clear =
+          MNEME_TRY(internal::is_clear_of(box, robot_, motion.path, motion.clearance));
+      if (!is_clear) return false;
     }
     return true;
   }
@@ -256,7 +224,8 @@ class Composer {
     std::vector<Path> ways;
     const std::size_t count = std::max<std::size_t>(motions.size() - 1, 1);
     for (std::size_t i = 0; i < count; ++i) {
-      const auto to = i + 1 < motions.size() ? motions[i + 1].front() : sample_free_state();
+      const auto to =
+          i + 1 < motions.size() ? motions[i + 1].front() : internal::sample_free(empty_, *states_);
       if (!to) return std::nullopt;
       Path way = find_way(motions[i].back(), *to);
       if (way.empty()) return std::nullopt;
@@ -266,14 +235,10 @@ class Composer {
   }
 
   Path find_way(const Configuration& from, const Configuration& to) {
-    PlanSettings plan;
-    plan.timeout_s = 1e6;
-    plan.max_iterations = kJoinIterations;
-    plan.cancel = settings_.cancel;
     Path way;
     for (int i = 0; i < kJoinTries && way.empty(); ++i) {
-      plan.seed = rng_.next();
-      way = plan_with(rrt_connect, empty_, {from, {to}}, sampler_, plan).path;
+      way = internal::find_path(empty_, sampler_, {from, {to}}, kJoinIterations, rng_.next(),
+                                settings_.cancel);
     }
     return way;
   }
@@ -411,9 +376,7 @@ class Composition {
       const bool is_made = instance.has_value();
       if (is_made) made_.instances.push_back(*std::move(instance));
       made_.dropped += is_made ? 0 : 1;
-      if (settings_.on_progress) {
-        settings_.on_progress(static_cast<int>(made_.instances.size()), made_.dropped);
-      }
+      internal::report_progress(settings_, made_);
       if (is_made) return {};
     }
     if (is_cancelled()) return {};

@@ -3,13 +3,9 @@
 
 // Frozen: raise kEnclosedVersion with each change of the samples or their order.
 #include "mneme/instances.h"
-#include "mneme/planning.h"
 
 #include "base/fail.h"
-#include "base/threads.h"
-
-#include <fmt/format.h>
-#include <Eigen/Geometry>
+#include "instances/box_scenes.h"
 
 #include <algorithm>
 #include <iterator>
@@ -21,9 +17,6 @@ namespace mneme {
 namespace {
 
 constexpr int kMostThrough = 100;
-constexpr int kMostStates = 10000;  ///< attempts for a free configuration
-/// A box that does not fit is tried again at these fractions of its size.
-constexpr std::array kShrunk = {1.0, 0.7, 0.5, 0.35};
 /// Failed boxes in a row after which there is no room for more.
 constexpr int kNoRoom = 2000;
 constexpr int kMostEnds = 20;  ///< attempts for a connected configuration
@@ -48,25 +41,15 @@ class Enclosure {
     if (instance.witness.empty()) return std::nullopt;
     instance.start = instance.witness.front();
     instance.goal = instance.witness.back();
-    for (int barren = 0; barren < kNoRoom && is_wanted(instance.scene);) {
-      auto box = MNEME_TRY(sample_box(instance.witness));
-      ++barren;
-      if (!box) continue;
-      barren = 0;
-      const std::string name = fmt::format("box_{}", instance.scene.obstacles.size());
-      instance.scene.obstacles.push_back({name, {*box}});
-    }
+    instance.scene = MNEME_TRY(internal::sample_boxes(
+        settings_.boxes, kNoRoom, settings_.cancel, [&] { return sample_box(instance.witness); }));
     return instance;
   }
 
  private:
-  [[nodiscard]] bool is_wanted(const Scene& scene) const {
-    return std::ssize(scene.obstacles) < settings_.boxes && !internal::is_set(settings_.cancel);
-  }
-
   /// A path through random free configurations; empty if there are none, or none are connected.
   Path sample_witness() {
-    const std::optional<Configuration> start = sample_state();
+    const std::optional<Configuration> start = internal::sample_free(empty_, *states_);
     if (!start) return {};
     Path witness = {*start};
     for (int i = 0; i <= settings_.through; ++i) {
@@ -80,27 +63,14 @@ class Enclosure {
   /// A path from `from` to a random free configuration. The free space of some robots is not
   /// connected.
   Path sample_part(const Configuration& from) {
-    PlanSettings plan;
-    plan.timeout_s = 1e6;
-    plan.max_iterations = kWitnessIterations;
-    plan.cancel = settings_.cancel;
     Path part;
     for (int i = 0; i < kMostEnds && part.empty(); ++i) {
-      const std::optional<Configuration> to = sample_state();
+      const std::optional<Configuration> to = internal::sample_free(empty_, *states_);
       if (!to) break;
-      plan.seed = rng_.next();
-      part = plan_with(rrt_connect, empty_, {from, {*to}}, sampler_, plan).path;
+      part = internal::find_path(empty_, sampler_, {from, {*to}}, kWitnessIterations, rng_.next(),
+                                 settings_.cancel);
     }
     return part;
-  }
-
-  std::optional<Configuration> sample_state() {
-    std::vector<float> q(static_cast<std::size_t>(robot_.joint_count()));
-    for (int i = 0; i < kMostStates; ++i) {
-      states_->next(q);
-      if (empty_.is_valid(q)) return Configuration(q.begin(), q.end());
-    }
-    return std::nullopt;
   }
 
   /// A box near a link at a waypoint of the witness, shrunk until it keeps the clearance.
@@ -113,27 +83,12 @@ class Enclosure {
     for (const int axis : {2, 1, 0}) off[axis] = rng_.uniform(-most, most);
     const double yaw = rng_.uniform(-std::numbers::pi, std::numbers::pi);
     for (const int axis : {2, 1, 0}) half[axis] = rng_.uniform(settings_.size[0], most) / 2;
-    const Eigen::AngleAxisd turn(yaw, Vec3::UnitZ());
-    for (const double share : kShrunk) {
-      const Box box{{turn.toRotationMatrix(), near + off}, share * half};
-      if (box.half_extents.minCoeff() < settings_.size[0] / 2) break;
-      const auto fits = MNEME_TRY(leaves_clearance(box, witness));
-      if (fits) return std::optional(box);
-    }
-    return std::optional<Box>();
-  }
-
-  /// True if the box keeps its clearance to the witness, and to links that no joint moves.
-  [[nodiscard]] Result<bool> leaves_clearance(const Box& box, const Path& witness) const {
-    CheckerSettings settings;
-    settings.margin = settings_.clearance;
-    const auto is_free = [&](const CollisionChecker& checker) {
-      CheckCounters counters;
-      return checker.fixed_contacts().empty() &&
-             checker.is_valid(std::span<const double>(witness.front())) &&
-             find_invalid_motion(checker, witness, counters) < 0;
-    };
-    return CollisionChecker::make(robot_, {"", {{"", {box}}}}, settings).map(is_free);
+    // It keeps its clearance to links that no joint moves, too.
+    return internal::shrink_to_fit({{rotation_about(Vec3::UnitZ(), yaw), near + off}, half},
+                                   settings_.size[0], [&](const Box& box) {
+                                     return internal::is_clear_of(box, robot_, witness,
+                                                                  settings_.clearance);
+                                   });
   }
 
   const CollisionChecker& empty_;
@@ -180,9 +135,7 @@ Result<EnclosedInstances> make_enclosed_instances(const Robot& robot, int count,
                   robot.name());
     }
     made.instances.push_back(*std::move(instance));
-    if (settings.on_progress) {
-      settings.on_progress(static_cast<int>(made.instances.size()), made.dropped);
-    }
+    internal::report_progress(settings, made);
   }
   return made;
 }

@@ -6,7 +6,7 @@
 #include "mneme/learning.h"
 
 #include "base/fail.h"
-#include "base/threads.h"
+#include "instances/box_scenes.h"
 #include "memory/planar_chain.h"
 #include "robot/kinematics.h"
 
@@ -53,9 +53,7 @@ class InstanceMaker {
       } else {
         made.instances.push_back(*std::move(candidate));
       }
-      if (settings_.on_progress) {
-        settings_.on_progress(static_cast<int>(made.instances.size()), made.dropped);
-      }
+      internal::report_progress(settings_, made);
     }
     return made;
   }
@@ -140,12 +138,8 @@ class InstanceMaker {
   }
 
   Path prove(const CollisionChecker& checker, const ThreadedInstance& instance) {
-    PlanSettings plan;
-    plan.timeout_s = 1e6;
-    plan.max_iterations = settings_.proof_iterations;
-    plan.seed = rng_.next();
-    plan.cancel = settings_.cancel;
-    return plan_with(rrt_connect, checker, {instance.start, {instance.goal}}, *sampler_, plan).path;
+    return internal::find_path(checker, *sampler_, {instance.start, {instance.goal}},
+                               settings_.proof_iterations, rng_.next(), settings_.cancel);
   }
 
   const Robot& robot_;
