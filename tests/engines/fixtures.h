@@ -120,10 +120,9 @@ inline Result<std::vector<KeyMatch>> find_like(const Database& database,
 /// Why opening fails; it must.
 inline Error open_error(const std::string& path, OpenMode mode = OpenMode::read_only,
                         const RobotSignature& space = arm_signature()) {
-  const auto database = Database::open(path, space, mode);
-  REQUIRE(!database.has_value());
-  CHECK(database.error().message.find(path) != std::string::npos);
-  return database.error();
+  const Error error = require_error(Database::open(path, space, mode));
+  CHECK(error.message.find(path) != std::string::npos);
+  return error;
 }
 
 inline std::string first_damage(const std::string& path) {

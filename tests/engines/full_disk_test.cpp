@@ -114,13 +114,10 @@ TEST_SUITE("flow") {
     check_sound();
     // An index of a database that does not fit into memory is not worth an error.
     CHECK(Database::open(path, arm_signature(), OpenMode::read_only, {0}).has_value());
-    const auto merged = merge_databases(path, other);
-    REQUIRE(!merged.has_value());
-    CHECK(merged.error().code == ErrorCode::io);
+    CHECK(require_error(merge_databases(path, other)).code == ErrorCode::io);
     check_sound();
-    const auto exported = export_database(path, directory / "disk/a.jsonl");
-    REQUIRE(!exported.has_value());
-    CHECK(exported.error().code == ErrorCode::io);
+    const Error error = require_error(export_database(path, directory / "disk/a.jsonl"));
+    CHECK(error.code == ErrorCode::io);
     CHECK(!std::filesystem::exists(directory / "disk/a.jsonl"));
     (void)compact_database(path);
     check_sound();

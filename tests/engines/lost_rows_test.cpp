@@ -83,10 +83,9 @@ TEST_SUITE("unit") {
     const std::string path = directory / "a.db";
     write_leftover(path, leftover);
     for (const OpenMode mode : {OpenMode::read_only, OpenMode::read_write, OpenMode::create}) {
-      const auto opened = Database::open(path, arm_signature(), mode);
-      REQUIRE_FALSE(opened.has_value());
-      CHECK(opened.error().code == ErrorCode::corrupt);
-      CHECK(opened.error().message.find("it is empty, but its log") != std::string::npos);
+      const Error error = require_error(Database::open(path, arm_signature(), mode));
+      CHECK(error.code == ErrorCode::corrupt);
+      CHECK(error.message.find("it is empty, but its log") != std::string::npos);
     }
     const auto damages = verify_database(path);
     CHECK((!damages || !damages->empty()));

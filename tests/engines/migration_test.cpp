@@ -136,9 +136,8 @@ TEST_SUITE("flow") {
     const TemporaryDirectory directory;
     const std::string path = copy_of("schema3_planar.db", directory);
     run_sql(path, "UPDATE mixture SET seed = seed + 1 WHERE id = 2");
-    const auto opened = Database::inspect(path);
-    REQUIRE(!opened.has_value());
-    CHECK(opened.error().message.find("row 2 is damaged") != std::string::npos);
+    CHECK(require_error(Database::inspect(path)).message.find("row 2 is damaged") !=
+          std::string::npos);
     const auto damages = require(verify_database(path, VerifyMode::quarantine));
     REQUIRE(damages.size() == 1);
     CHECK(damages.front().id == 2);
@@ -195,9 +194,8 @@ TEST_SUITE("flow") {
       run_sql(path, change);
       INFO(change);
       for (const OpenMode mode : {OpenMode::read_only, OpenMode::read_write}) {
-        const auto opened = Database::open(path, make_signature(planar8()), mode);
-        REQUIRE(!opened.has_value());
-        CHECK(opened.error().code == ErrorCode::corrupt);
+        const Error error = require_error(Database::open(path, make_signature(planar8()), mode));
+        CHECK(error.code == ErrorCode::corrupt);
       }
       CHECK(version_of(path) == 3);
       CHECK(!verify_database(path, VerifyMode::quarantine)->empty());

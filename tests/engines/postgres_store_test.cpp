@@ -354,10 +354,9 @@ TEST_SUITE("flow") {
     const std::string reader = url + "&user=reader_" + schema;
     CHECK(open_database(reader, OpenMode::read_only).size() == 2);
     auto writer = require(Database::open(reader, arm_signature(), OpenMode::read_write));
-    const auto refused = writer.insert(random_rows(rng, 1));
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::io);
-    CHECK(refused.error().message.find("permission denied") != std::string::npos);
+    const Error refused = require_error(writer.insert(random_rows(rng, 1)));
+    CHECK(refused.code == ErrorCode::io);
+    CHECK(refused.message.find("permission denied") != std::string::npos);
   }
 
   TEST_CASE("what was acknowledged survives a killed postmaster, and the writer goes on") {
@@ -496,11 +495,10 @@ TEST_SUITE("unit") {
     const std::string url =
         fmt::format("postgresql://127.0.0.1:{}/x?connect_timeout=1", ntohs(address.sin_port));
     const Stopwatch stopwatch;
-    const auto store = internal::open_postgres_store(url, OpenMode::read_only);
-    REQUIRE(!store.has_value());
-    CHECK(store.error().code == ErrorCode::io);
-    CHECK_MESSAGE(store.error().message.find("did not answer within 1.0 s") != std::string::npos,
-                  store.error().message);
+    const Error error = require_error(internal::open_postgres_store(url, OpenMode::read_only));
+    CHECK(error.code == ErrorCode::io);
+    CHECK_MESSAGE(error.message.find("did not answer within 1.0 s") != std::string::npos,
+                  error.message);
     CHECK(stopwatch.elapsed_s() < 5);
     ::close(listener);
   }

@@ -66,11 +66,10 @@ TEST_SUITE("unit") {
   TEST_CASE("a statement that a sound database would understand names the file as damaged") {
     const TemporaryDirectory directory;
     Connection connection = create_connection(directory / "a.db");
-    const auto result = connection.integer("SELECT a FROM t");
-    REQUIRE(!result.has_value());
-    CHECK(result.error().code == ErrorCode::corrupt);
-    CHECK(result.error().message.find(directory / "a.db") == 0);
-    CHECK(result.error().message.find("no such table: t") != std::string::npos);
+    const Error error = require_error(connection.integer("SELECT a FROM t"));
+    CHECK(error.code == ErrorCode::corrupt);
+    CHECK(error.message.find(directory / "a.db") == 0);
+    CHECK(error.message.find("no such table: t") != std::string::npos);
   }
 
   TEST_CASE("a kept statement begins anew each time, whatever became of the last time") {
@@ -94,10 +93,9 @@ TEST_SUITE("unit") {
     }
     run_sql(directory / "a.db", "DROP TABLE t");
     const auto select = connection.kept(kRows);
-    const auto gone = (*select)->step();
-    REQUIRE(!gone.has_value());
-    CHECK(gone.error().code == ErrorCode::corrupt);
-    CHECK(gone.error().message.find("no such table: t") != std::string::npos);
+    const Error error = require_error((*select)->step());
+    CHECK(error.code == ErrorCode::corrupt);
+    CHECK(error.message.find("no such table: t") != std::string::npos);
   }
 
   TEST_CASE("a connection that takes the place of another has its own kept statements") {
@@ -115,9 +113,9 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a file that is not there is only made on request") {
     const TemporaryDirectory directory;
-    auto connection = Connection::open(directory / "a.db", Connection::Access::read_write);
-    REQUIRE(!connection.has_value());
-    CHECK(connection.error().code == ErrorCode::io);
+    const Error error =
+        require_error(Connection::open(directory / "a.db", Connection::Access::read_write));
+    CHECK(error.code == ErrorCode::io);
     CHECK(!std::filesystem::exists(directory / "a.db"));
   }
 
@@ -140,9 +138,7 @@ TEST_SUITE("unit") {
     REQUIRE(create_connection(directory / "a.db").execute("CREATE TABLE t (a)"));
     auto connection = require(Connection::open(directory / "a.db", Connection::Access::immutable));
     CHECK(connection.is_read_only());
-    const auto written = connection.execute("INSERT INTO t VALUES (1)");
-    REQUIRE(!written.has_value());
-    CHECK(written.error().code == ErrorCode::io);
+    CHECK(require_error(connection.execute("INSERT INTO t VALUES (1)")).code == ErrorCode::io);
   }
 
   TEST_CASE("views and triggers that a file brings along do nothing") {
@@ -227,10 +223,9 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a file in a directory that does not exist cannot be created") {
     const TemporaryDirectory directory;
-    const auto opened = internal::open_for_writing(directory / "none/a.db", true);
-    REQUIRE(!opened.has_value());
-    CHECK(opened.error().code == ErrorCode::io);
-    CHECK(opened.error().message.find(directory / "none/a.db") == 0);
+    const Error error = require_error(internal::open_for_writing(directory / "none/a.db", true));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(error.message.find(directory / "none/a.db") == 0);
   }
 
   TEST_CASE("a database that may not be read is refused") {

@@ -28,10 +28,9 @@ Result<int> kind_after(const std::string& sql) {
 
 void check_refused(const std::string& sql, ErrorCode code, const std::string& reason) {
   INFO(sql);
-  const auto kind = kind_after(sql);
-  REQUIRE(!kind.has_value());
-  CHECK(kind.error().code == code);
-  CHECK_MESSAGE(kind.error().message.find(reason) != std::string::npos, kind.error().message);
+  const Error error = require_error(kind_after(sql));
+  CHECK(error.code == code);
+  CHECK_MESSAGE(error.message.find(reason) != std::string::npos, error.message);
 }
 
 }  // namespace
@@ -119,10 +118,8 @@ TEST_SUITE("unit") {
       create(directory / "a.db");
       run_sql(directory / "a.db", change);
       Connection connection = open_connection(directory / "a.db");
-      const auto space = internal::read_signature(connection);
       INFO(change);
-      REQUIRE(!space.has_value());
-      CHECK(space.error().code == ErrorCode::corrupt);
+      CHECK(require_error(internal::read_signature(connection)).code == ErrorCode::corrupt);
     }
   }
 
@@ -137,9 +134,7 @@ TEST_SUITE("unit") {
     bytes[39] = 1;  // the header now counts one free page, but the list of free pages is empty
     write_file(directory / "a.db", bytes);
     Connection connection = open_connection(directory / "a.db");
-    const auto checked = internal::check_pages(connection);
-    REQUIRE(!checked.has_value());
-    CHECK(checked.error().code == ErrorCode::corrupt);
+    CHECK(require_error(internal::check_pages(connection)).code == ErrorCode::corrupt);
   }
 }
 
@@ -292,9 +287,7 @@ TEST_SUITE("unit") {
     REQUIRE(internal::write_head(connection, state));
     CHECK(internal::read_head(connection) == state);
     REQUIRE(connection.execute("UPDATE head SET last_row = 4"));
-    const auto changed = internal::read_head(connection);
-    REQUIRE(!changed.has_value());
-    CHECK(changed.error().code == ErrorCode::corrupt);
+    CHECK(require_error(internal::read_head(connection)).code == ErrorCode::corrupt);
     REQUIRE(connection.execute("DELETE FROM head"));
     CHECK(internal::read_head(connection).error().code == ErrorCode::corrupt);
   }
@@ -327,9 +320,8 @@ TEST_SUITE("unit") {
     REQUIRE(first->create(arm_signature()));
     CHECK(first->schema_version() == 4);
     const auto reader = open(directory / "a.db", OpenMode::read_only);
-    const auto refused = reader->begin(internal::Store::Kind::write);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().message.find("reading only") != std::string::npos);
+    CHECK(require_error(reader->begin(internal::Store::Kind::write)).message.find("reading only") !=
+          std::string::npos);
     require(first->begin(internal::Store::Kind::write));
     CHECK(reader->begin(internal::Store::Kind::read).has_value());
   }

@@ -65,9 +65,8 @@ TEST_SUITE("law") {
 
 TEST_SUITE("contract") {
   TEST_CASE("a robot that nothing turns cannot be blocked by a post") {
-    const auto made = make_blocked_instances(upright_arm(), 1, {}, 1);
-    REQUIRE_FALSE(made.has_value());
-    CHECK(made.error().message.find("turns all others") != std::string::npos);
+    CHECK(require_error(make_blocked_instances(upright_arm(), 1, {}, 1))
+              .message.find("turns all others") != std::string::npos);
   }
 }
 

@@ -83,10 +83,9 @@ TEST_SUITE("unit") {
     const auto refuse = [](const auto& change, const std::string& word) {
       EnclosedSettings settings = few_boxes();
       change(settings);
-      const auto made = make_enclosed_instances(planar8(), 1, settings, 1);
-      REQUIRE(!made.has_value());
-      CHECK(made.error().code == ErrorCode::invalid);
-      CHECK_MESSAGE(made.error().message.find(word) != std::string::npos, made.error().message);
+      const Error error = require_error(make_enclosed_instances(planar8(), 1, settings, 1));
+      CHECK(error.code == ErrorCode::invalid);
+      CHECK_MESSAGE(error.message.find(word) != std::string::npos, error.message);
     };
     for (const double clearance : {0.0, -0.1, 1.1, std::nan("")}) {
       refuse([&](EnclosedSettings& s) { s.clearance = clearance; }, "clearance");

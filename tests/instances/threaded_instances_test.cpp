@@ -127,10 +127,9 @@ TEST_SUITE("unit") {
       ThreadedSettings settings = easy_settings();
       settings.gap = gap;
       settings.depth = depth;
-      const auto made = make_threaded_instances(robot, 1, settings, 1);
-      REQUIRE(!made.has_value());
-      CHECK(made.error().code == ErrorCode::invalid);
-      CHECK_MESSAGE(made.error().message.find(word) != std::string::npos, made.error().message);
+      const Error error = require_error(make_threaded_instances(robot, 1, settings, 1));
+      CHECK(error.code == ErrorCode::invalid);
+      CHECK_MESSAGE(error.message.find(word) != std::string::npos, error.message);
     };
     refuse({0.3, 0.2}, {2, 3}, "gap");
     refuse({0, 0.2}, {2, 3}, "gap");
@@ -147,10 +146,9 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a robot that is no planar arm is refused by name") {
-    const auto made = make_threaded_instances(upright_arm(), 1, {}, 1);
-    REQUIRE(!made.has_value());
-    CHECK(made.error().code == ErrorCode::unsupported);
-    CHECK(made.error().message.find("'upright'") != std::string::npos);
+    const Error error = require_error(make_threaded_instances(upright_arm(), 1, {}, 1));
+    CHECK(error.code == ErrorCode::unsupported);
+    CHECK(error.message.find("'upright'") != std::string::npos);
   }
 }
 

@@ -17,10 +17,9 @@ Result<Variations> load(const std::string& text) {
 }
 
 std::string refusal(const std::string& text) {
-  const auto loaded = load(text);
-  REQUIRE(!loaded.has_value());
-  CHECK(loaded.error().code == ErrorCode::parse);
-  return loaded.error().message;
+  const Error error = require_error(load(text));
+  CHECK(error.code == ErrorCode::parse);
+  return error.message;
 }
 
 bool has(const std::string& text, const std::string& part) {
@@ -73,10 +72,9 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a missing file is named") {
-    const auto loaded = load_variations("/nowhere/v.yaml");
-    REQUIRE(!loaded.has_value());
-    CHECK(loaded.error().code == ErrorCode::io);
-    CHECK(has(loaded.error().message, "/nowhere/v.yaml"));
+    const Error error = require_error(load_variations("/nowhere/v.yaml"));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(has(error.message, "/nowhere/v.yaml"));
   }
 }
 
@@ -105,9 +103,7 @@ Scene varied(const Variations& variations, std::uint64_t seed) {
 
 std::string refusal(const Variation& variation) {
   Rng rng(1);
-  const auto result = vary(nominal(), {{}, {variation}}, rng);
-  REQUIRE(!result.has_value());
-  return result.error().message;
+  return require_error(vary(nominal(), {{}, {variation}}, rng)).message;
 }
 
 const Cylinder& can(const Scene& scene, std::size_t index = 0) {
@@ -190,12 +186,10 @@ TEST_SUITE("unit") {
     Variations whole;
     whole.scene.size = {{0.1}, false};
     Rng rng(1);
-    const auto result = vary(nominal(), whole, rng);
-    REQUIRE(!result.has_value());
-    CHECK(result.error().message.find("whole scene: it has a 'size'") != std::string::npos);
-    const auto twice = vary(nominal(), {{}, {of("can_*"), of("can_1")}}, rng);
-    REQUIRE(!twice.has_value());
-    CHECK(twice.error().message.find("'can_1'") != std::string::npos);
+    CHECK(require_error(vary(nominal(), whole, rng)).message.find("whole scene: it has a 'size'") !=
+          std::string::npos);
+    const Error error = require_error(vary(nominal(), {{}, {of("can_*"), of("can_1")}}, rng));
+    CHECK(error.message.find("'can_1'") != std::string::npos);
   }
 }
 

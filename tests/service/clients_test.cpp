@@ -189,9 +189,8 @@ TEST_SUITE("flow") {
         waiting.emplace_back(path, SOCK_NONBLOCK);
         REQUIRE(waiting.size() < 100);
       }
-      const auto started = Service::start(planar8(), nullptr, settings);
-      REQUIRE_FALSE(started.has_value());
-      CHECK(started.error().message.find("another program listens there") != std::string::npos);
+      CHECK(require_error(Service::start(planar8(), nullptr, settings))
+                .message.find("another program listens there") != std::string::npos);
       CHECK(std::filesystem::exists(path));
     }
     SUBCASE("of a successor") {
