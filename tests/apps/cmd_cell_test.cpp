@@ -31,7 +31,7 @@ TEST_SUITE("flow") {
     const ProgramRun built = run_program(
         {"cell", "build", directory / "region.yaml", "-o", directory / "a.cell", "--boxes", "20"});
     CHECK_MESSAGE(built.exit_code == 4, built.err);
-    CHECK(built.err.find("touches obstacle 'table'") != std::string::npos);
+    CHECK(contains(built.err, "touches obstacle 'table'"));
   }
 
   TEST_CASE("a cell is built, queried, verified and shown") {
@@ -56,17 +56,17 @@ TEST_SUITE("flow") {
 
     const ProgramRun verified = run_program({"cell", "verify", cell, "--samples", "50"});
     CHECK_MESSAGE(verified.exit_code == 0, verified.err);
-    CHECK(verified.out.find("0 in contact") != std::string::npos);
+    CHECK(contains(verified.out, "0 in contact"));
 
     const ProgramRun shown = run_program({"cell", "show", cell});
     CHECK(shown.exit_code == 0);
-    CHECK(shown.out.find("proven for the modelled scene") != std::string::npos);
-    CHECK(shown.out.find("paths change by 0.5 rad or more across 0 of ") != std::string::npos);
+    CHECK(contains(shown.out, "proven for the modelled scene"));
+    CHECK(contains(shown.out, "paths change by 0.5 rad or more across 0 of "));
 
     const std::string page = directory / "a.html";
     const ProgramRun viewed = run_program({"cell", "show", cell, "--view", page});
     CHECK_MESSAGE(viewed.exit_code == 0, viewed.err);
-    CHECK(read_file(page).find("<html") != std::string::npos);
+    CHECK(contains(read_file(page), "<html"));
     CHECK(run_program({"cell", "show", cell, "--view", cell}).exit_code != 0);
 
     const ProgramRun more =
@@ -82,22 +82,22 @@ TEST_SUITE("flow") {
     REQUIRE(run_program({"cell", "build", region, "-o", cell, "--boxes", "1"}).exit_code == 0);
     const ProgramRun start = run_program({"cell", "query", cell, "--at", "0", "--start", "sude"});
     CHECK(start.exit_code == 1);
-    CHECK(start.err.find("did you mean 'side'?") != std::string::npos);
+    CHECK(contains(start.err, "did you mean 'side'?"));
     CHECK(run_program({"cell", "query", cell, "--at", "0,0,0,0,0"}).exit_code == 2);
     const ProgramRun beyond = run_program({"cell", "query", cell, "--at", "1"});
     CHECK(beyond.exit_code == 3);
-    CHECK(beyond.err.find("beyond the region: x is 1, expected at most") != std::string::npos);
-    CHECK(beyond.err.find("--at 1: taken as 0: y, z, yaw") != std::string::npos);
+    CHECK(contains(beyond.err, "beyond the region: x is 1, expected at most"));
+    CHECK(contains(beyond.err, "--at 1: taken as 0: y, z, yaw"));
     const ProgramRun nan = run_program({"cell", "query", cell, "--at", "0,0,nan,0"});
     CHECK(nan.exit_code == 2);
-    CHECK(nan.err.find("--at: z is nan: expected a finite number") != std::string::npos);
+    CHECK(contains(nan.err, "--at: z is nan: expected a finite number"));
     write_file(cell, "no cell");
     const ProgramRun damaged = run_program({"cell", "show", cell});
     CHECK(damaged.exit_code == 5);
-    CHECK(damaged.err.find("mneme cell, version 2") != std::string::npos);
+    CHECK(contains(damaged.err, "mneme cell, version 2"));
     const ProgramRun itself = run_program({"cell", "build", region, "-o", region});
     CHECK(itself.exit_code != 0);
-    CHECK(itself.err.find("region") != std::string::npos);
+    CHECK(contains(itself.err, "region"));
   }
 
   TEST_CASE("regions are made around goals, and can be built") {

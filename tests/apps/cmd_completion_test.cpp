@@ -23,7 +23,7 @@ TEST_SUITE("flow") {
     CHECK(complete_in_bash("mneme db ver") == "verify\n");
     CHECK(complete_in_bash("mneme plan scene.yaml --timeo") == "--timeout\n");
     CHECK(complete_in_bash("mneme robot info --package") == "--package-path\n");
-    CHECK(has_text(complete_in_bash("mneme \"\""), "demo plan line learn db"));
+    CHECK(contains(complete_in_bash("mneme \"\""), "demo plan line learn db"));
     CHECK(complete_in_bash("mneme plan sce") == "\n");
     CHECK(complete_in_bash("mneme nonsense --timeo") == "\n");
   }
@@ -43,8 +43,8 @@ TEST_SUITE("flow") {
     const TemporaryDirectory files;
     write_file(files / "mneme.fish", run_program({"completion", "fish"}).out);
     const std::string script = read_file(files / "mneme.fish");
-    CHECK(has_text(script, R"(complete -c mneme -n '__mneme_at \'db\'' -f -a info -d ')"));
-    CHECK(has_text(script, R"(complete -c mneme -n '__mneme_at \'plan\'' -l timeout -r -d ')"));
+    CHECK(contains(script, R"(complete -c mneme -n '__mneme_at \'db\'' -f -a info -d ')"));
+    CHECK(contains(script, R"(complete -c mneme -n '__mneme_at \'plan\'' -l timeout -r -d ')"));
     if (std::system("command -v fish >/dev/null") != 0) {
       MESSAGE("skipped in part: there is no fish");
       return;

@@ -29,9 +29,9 @@ TEST_SUITE("flow") {
   TEST_CASE("the doctor says which instruction set is used, and why") {
     const ProgramRun run = run_program({"doctor"}, {{"MNEME_ISA=scalar"}, false});
     CHECK(run.exit_code == 0);
-    CHECK(has_text(run.out, "used: scalar, as MNEME_ISA says"));
-    CHECK(has_text(run.out, "planning, scalar"));
-    CHECK(has_text(run.out, "database             ok: learned 1 primitive"));
+    CHECK(contains(run.out, "used: scalar, as MNEME_ISA says"));
+    CHECK(contains(run.out, "planning, scalar"));
+    CHECK(contains(run.out, "database             ok: learned 1 primitive"));
   }
 
   TEST_CASE("the doctor leaves no file behind") {
@@ -46,7 +46,7 @@ TEST_SUITE("flow") {
     REQUIRE(chmod((directory / "").c_str(), 0555) == 0);
     const ProgramRun run = run_program({"doctor"}, {{"TMPDIR=" + (directory / "")}, true});
     CHECK(run.exit_code == 1);
-    CHECK(has_text(run.out, "database             FAILED"));
+    CHECK(contains(run.out, "database             FAILED"));
   }
 }
 
@@ -54,7 +54,7 @@ TEST_SUITE("unit") {
   TEST_CASE("an instruction set that this machine lacks is a usage error") {
     const ProgramRun run = run_program({"doctor"}, {{"MNEME_ISA=mmx"}, false});
     CHECK(run.exit_code == 2);
-    CHECK(has_text(run.err, "MNEME_ISA"));
+    CHECK(contains(run.err, "MNEME_ISA"));
     check_bad_inputs({{{"doctor", "--isa", "mmx"}, 2, {"--isa", "mmx"}},
                       {{"doctor", "now"}, 2, {"unexpected argument 'now'"}}});
   }

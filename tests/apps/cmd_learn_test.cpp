@@ -41,7 +41,7 @@ std::vector<std::string> small_learn(const PlanarFiles& files, const std::string
 
 void read_err_until(RunningProgram& program, const std::string& word) {
   std::string text;
-  while (!has_text(text, word)) {
+  while (!contains(text, word)) {
     const std::string piece = program.read_err();
     REQUIRE_MESSAGE(!piece.empty(), text);
     text += piece;
@@ -192,8 +192,8 @@ TEST_SUITE("flow") {
     const ProgramRun run = run_program(
         {"learn", "--robot", "planar8", "--scenes", files / "far.yaml", "--db", files / "new.db"});
     CHECK(run.exit_code == 0);
-    CHECK(has_text(run.err, "no primitives"));
-    CHECK(has_text(run.err, "--max-gap"));
+    CHECK(contains(run.err, "no primitives"));
+    CHECK(contains(run.err, "--max-gap"));
   }
 
   TEST_CASE("an interrupt leaves a sound database, and the same command goes on") {
@@ -205,7 +205,7 @@ TEST_SUITE("flow") {
     program.send(SIGINT);
     const ProgramRun run = program.wait();
     CHECK_MESSAGE(run.exit_code == 130, run.err);
-    CHECK(has_text(run.err, "continue with the same command"));
+    CHECK(contains(run.err, "continue with the same command"));
     // Without a row there is no file.
     const bool has_rows = std::filesystem::exists(database);
     CHECK((!has_rows || run_program({"db", "verify", database}).exit_code == 0));
@@ -222,15 +222,15 @@ TEST_SUITE("flow") {
       program.send(SIGINT);
       const ProgramRun run = program.wait();
       CHECK_MESSAGE(run.exit_code == 130, run.err);
-      CHECK(!has_text(run.err, "learning 1000"));
-      CHECK(has_text(run.err, "continue with the same command"));
+      CHECK(!contains(run.err, "learning 1000"));
+      CHECK(contains(run.err, "continue with the same command"));
       if (is_json) {
         const Json json = Json::parse(run.out);
         CHECK(json["learned"] == 0);
         CHECK(json["is_cancelled"] == true);
         CHECK(json["coverage"]["max"].is_null());
       } else {
-        CHECK(has_text(run.out, "coverage: none, because the database is empty"));
+        CHECK(contains(run.out, "coverage: none, because the database is empty"));
       }
     }
   }
@@ -249,7 +249,7 @@ TEST_SUITE("flow") {
         with_bender(posts, {"bench", "run", posts.problems(), "--part", "2/2", "--db", database,
                             "--samplers", "gl", "--retrieve-after", "0", "--seeds", "2"}));
     REQUIRE_MESSAGE(bench.exit_code == 0, bench.err);
-    CHECK(has_text(bench.out, "\"solved\": 4"));
+    CHECK(contains(bench.out, "\"solved\": 4"));
   }
 
   TEST_CASE("problems without a path are counted and named") {
@@ -259,7 +259,7 @@ TEST_SUITE("flow") {
                             posts.directory / "bender.db", "--path-timeout", "0"}));
     CHECK(run.exit_code == 0);
     CHECK(Json::parse(run.out)["unsolved"] == 1);
-    CHECK(has_text(run.err, "0: not solved: no path within the time limit"));
+    CHECK(contains(run.err, "0: not solved: no path within the time limit"));
   }
 
   TEST_CASE("wrong parts and patterns are refused") {
@@ -269,7 +269,7 @@ TEST_SUITE("flow") {
       INFO(part);
       const ProgramRun run = learn_posts(posts, part, database);
       CHECK(run.exit_code == 2);
-      CHECK(has_text(run.err, "--part: '" + std::string(part) + "' is no part; expected I/N"));
+      CHECK(contains(run.err, "--part: '" + std::string(part) + "' is no part; expected I/N"));
     }
     check_bad_inputs({
         {{"learn", "--problems", posts.directory / "none.json", "--db", database},
@@ -386,7 +386,7 @@ TEST_SUITE("unit") {
     const ProgramRun planned = run_program({"plan", files.problem(), "--db", database}, powerless);
     chmod((files / "").c_str(), 0755);
     CHECK_MESSAGE(learned.exit_code == 1, learned.err);
-    CHECK(has_text(learned.err, database));
+    CHECK(contains(learned.err, database));
     CHECK_MESSAGE(planned.exit_code == 0, planned.err);
   }
 }

@@ -23,7 +23,7 @@ TEST_SUITE("flow") {
     CHECK(json["joint_count"] == 8);
     CHECK(json["joints"][0]["type"] == "continuous");
     CHECK(json["is_planar"] == true);
-    CHECK(has_text(run_program({"robot", "info", "planar8"}).out, planar8().hash()));
+    CHECK(contains(run_program({"robot", "info", "planar8"}).out, planar8().hash()));
   }
 
   TEST_CASE("robots are found in the directories of MNEME_ROBOT_PATH") {
@@ -81,15 +81,15 @@ TEST_SUITE("flow") {
           .out;
     };
     // The box of the link ends at 0.27 m.
-    CHECK(has_text(check(0.165), "); by spheres: the exact geometry is 0.005000 m away\n"));
-    CHECK(has_text(check(0.175), "); the exact geometry touches, too\n"));
+    CHECK(contains(check(0.165), "); by spheres: the exact geometry is 0.005000 m away\n"));
+    CHECK(contains(check(0.175), "); the exact geometry touches, too\n"));
   }
 
   TEST_CASE("check finds links that cross, and configurations that are none") {
     const ProgramRun crossing =
         run_program({"robot", "check", "planar8", "--q", "0,2.5,2.5,0,0,0,0,0"});
     CHECK_MESSAGE(crossing.exit_code == 4, crossing.err);
-    CHECK(has_text(crossing.out, "touches link"));
+    CHECK(contains(crossing.out, "touches link"));
     for (const char* q : {"1,2", "nan,0,0,0,0,0,0,0", "0,4,0,0,0,0,0,0"}) {
       CHECK(run_program({"robot", "check", "planar8", "--q", q}).exit_code == 4);
     }
@@ -110,7 +110,7 @@ TEST_SUITE("unit") {
         "<child link=\"arm\"/><axis xyz=\"0 0 1\"/></joint></robot>");
     const ProgramRun run =
         run_program({"robot", "check", cart, "--q", "0", "--fix", "base/x=1,base/y=-2"});
-    CHECK_MESSAGE(has_text(run.out, "tip arm at 1.000000, -2.000000, 0.000000"),
+    CHECK_MESSAGE(contains(run.out, "tip arm at 1.000000, -2.000000, 0.000000"),
                   (run.out + run.err));
     check_bad_inputs({
         {{"robot", "check", cart, "--q", "0", "--fix", "base/x"}, 2, {"--fix", "JOINT=VALUE"}},

@@ -50,7 +50,7 @@ TEST_SUITE("unit") {
   TEST_CASE("samplers that can be chosen are in the documents") {
     const std::string text = read_file(source_file("docs/design/planners.md"));
     for (const std::string_view sampler : sampler_names()) {
-      CHECK_MESSAGE(has_text(text, "`" + std::string(sampler) + "`"), sampler);
+      CHECK_MESSAGE(contains(text, "`" + std::string(sampler) + "`"), sampler);
     }
   }
 }

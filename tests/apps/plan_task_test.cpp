@@ -47,15 +47,14 @@ TEST_SUITE("flow") {
       CHECK(timed["duration_s"] > plan["path_time_s"]);
       // The object is a link of the page's trace, and no obstacle.
       const std::string html = read_file(page);
-      CHECK(html.find("\"planner\":\"task, rrt_connect\"") != std::string::npos);
-      CHECK(html.find("\"sampler\":\"uniform\",\"seed\":7,") != std::string::npos);
-      CHECK(html.find("\"isa\":\"" + std::string(to_string(default_isa())) + "\"") !=
-            std::string::npos);
-      CHECK(html.find("\"motions_checked\":0,") == std::string::npos);
-      CHECK(html.find("\"nodes\":0") == std::string::npos);
+      CHECK(contains(html, "\"planner\":\"task, rrt_connect\""));
+      CHECK(contains(html, "\"sampler\":\"uniform\",\"seed\":7,"));
+      CHECK(contains(html, "\"isa\":\"" + std::string(to_string(default_isa())) + "\""));
+      CHECK(!contains(html, "\"motions_checked\":0,"));
+      CHECK(!contains(html, "\"nodes\":0"));
       const std::string object = example == std::string("pick_and_place") ? "mug" : "blank";
-      CHECK(html.find("\"carrier\":\"panda_hand\"") != std::string::npos);
-      CHECK(html.find("{\"name\":\"" + object + "\",\"shapes\"") == std::string::npos);
+      CHECK(contains(html, "\"carrier\":\"panda_hand\""));
+      CHECK(!contains(html, "{\"name\":\"" + object + "\",\"shapes\""));
     }
   }
 
@@ -67,10 +66,9 @@ TEST_SUITE("flow") {
     const ProgramRun run =
         run_program({"plan", directory / "task.yaml", "--view", directory / "a.html"});
     CHECK(run.exit_code == 4);
-    CHECK(run.err.find("stage 'approach' of 100 alternatives: 100 times out of reach") !=
-          std::string::npos);
-    CHECK(run.err.find("was not written: there is no plan") != std::string::npos);
-    CHECK(run.out.find("dropped 100: out of reach, link 'panda_hand'") != std::string::npos);
+    CHECK(contains(run.err, "stage 'approach' of 100 alternatives: 100 times out of reach"));
+    CHECK(contains(run.err, "was not written: there is no plan"));
+    CHECK(contains(run.out, "dropped 100: out of reach, link 'panda_hand'"));
   }
 
   TEST_CASE("choices of a task are remembered in a database that planning makes") {
@@ -81,29 +79,30 @@ TEST_SUITE("flow") {
     const ProgramRun first = run_program(words), second = run_program(words);
     REQUIRE_MESSAGE(first.exit_code == 0, first.err);
     REQUIRE_MESSAGE(second.exit_code == 0, second.err);
-    CHECK(first.out.find("ranked the alternatives") == std::string::npos);
-    CHECK(second.out.find("memory      1 plan ranked the alternatives") != std::string::npos);
-    CHECK(first.out.find("  choice 0 of") == std::string::npos);
+    CHECK(!contains(first.out, "ranked the alternatives"));
+    CHECK(contains(second.out, "memory      1 plan ranked the alternatives"));
+    CHECK(!contains(first.out, "  choice 0 of"));
   }
 
   TEST_CASE("flags that mean nothing for a task are noted, and mistakes have their line") {
     const std::string task = source_file("examples/pick_and_place/task.yaml");
     const ProgramRun run = run_program({"plan", task, "--goal", "0,0,0,0,0,0,0"});
     CHECK(run.exit_code == 0);
-    CHECK(run.err.find("--goal and --goal-pose have no effect") != std::string::npos);
+    CHECK(contains(run.err, "--goal and --goal-pose have no effect"));
     const ProgramRun moving = run_program({"plan", task, "--end-velocity", "0,0,0,0,0,0,0.1"});
     CHECK(moving.exit_code != 0);
-    CHECK(moving.err.find("--end-velocity: a task ends at rest") != std::string::npos);
+    CHECK(contains(moving.err, "--end-velocity: a task ends at rest"));
     const ProgramRun learnt = run_program({"bench", "run", task, "--seeds", "1"});
     CHECK(learnt.exit_code != 0);
-    CHECK(learnt.err.find("key stages: this is a task; expected a problem with a goal. `mneme "
-                          "plan`") != std::string::npos);
+    CHECK(contains(learnt.err,
+                   "key stages: this is a task; expected a problem with a goal. `mneme "
+                   "plan`"));
     const TemporaryDirectory directory;
     write_file(directory / "task.yaml",
                without(read_file(task), "  - {name: grasp", "  - {name: lift"));
     const ProgramRun wrong = run_program({"plan", directory / "task.yaml"});
     CHECK(wrong.exit_code == 1);
-    CHECK(wrong.err.find("stage 'lower': expected a held object, got 'mug'") != std::string::npos);
+    CHECK(contains(wrong.err, "stage 'lower': expected a held object, got 'mug'"));
   }
 }
 

@@ -113,10 +113,6 @@ inline ProgramRun run_program(const std::vector<std::string>& arguments,
   return RunningProgram(arguments, changes).wait();
 }
 
-inline bool has_text(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// A wrong command line, and what the user is told.
 struct BadInput {
   std::vector<std::string> arguments;
@@ -131,9 +127,9 @@ inline void check_bad_inputs(const std::vector<BadInput>& inputs) {
     const ProgramRun run = run_program(input.arguments);
     INFO(line << "\nstandard error: " << run.err);
     CHECK(run.exit_code == input.exit_code);
-    CHECK(has_text(run.err, "mneme: error: "));
+    CHECK(contains(run.err, "mneme: error: "));
     for (const std::string& fragment : input.fragments) {
-      CHECK_MESSAGE(has_text(run.err, fragment), "expected the words: " << fragment);
+      CHECK_MESSAGE(contains(run.err, fragment), "expected the words: " << fragment);
     }
   }
 }

@@ -121,7 +121,7 @@ inline Result<std::vector<KeyMatch>> find_like(const Database& database,
 inline Error open_error(const std::string& path, OpenMode mode = OpenMode::read_only,
                         const RobotSignature& space = arm_signature()) {
   const Error error = require_error(Database::open(path, space, mode));
-  CHECK(error.message.find(path) != std::string::npos);
+  CHECK(contains(error.message, path));
   return error;
 }
 

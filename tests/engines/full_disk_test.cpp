@@ -39,7 +39,7 @@ std::int64_t insert_until_full(Database& database, Rng& rng, int rows_at_once) {
     const auto ids = database.insert(random_rows(rng, rows_at_once, 100));
     if (!ids) {
       CHECK(ids.error().code == ErrorCode::io);
-      CHECK(ids.error().message.find("full") != std::string::npos);
+      CHECK(contains(ids.error().message, "full"));
       return acknowledged;
     }
     acknowledged += static_cast<std::int64_t>(ids->size());

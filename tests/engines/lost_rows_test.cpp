@@ -85,7 +85,7 @@ TEST_SUITE("unit") {
     for (const OpenMode mode : {OpenMode::read_only, OpenMode::read_write, OpenMode::create}) {
       const Error error = require_error(Database::open(path, arm_signature(), mode));
       CHECK(error.code == ErrorCode::corrupt);
-      CHECK(error.message.find("it is empty, but its log") != std::string::npos);
+      CHECK(contains(error.message, "it is empty, but its log"));
     }
     const auto damages = verify_database(path);
     CHECK((!damages || !damages->empty()));
@@ -111,8 +111,7 @@ TEST_SUITE("unit") {
       write_leftover(path, damaged);
       const Error error = open_error(path);
       CHECK(error.code == ErrorCode::corrupt);
-      CHECK_MESSAGE(error.message.find("20 rows that were stored in 20 transactions are lost") !=
-                        std::string::npos,
+      CHECK_MESSAGE(contains(error.message, "20 rows that were stored in 20 transactions are lost"),
                     error.message);
       CHECK(read_file(path + "-wal") == damaged.log);  // nothing was touched
     }
@@ -127,7 +126,7 @@ TEST_SUITE("unit") {
     const auto damages = require(verify_database(path, VerifyMode::quarantine));
     REQUIRE(damages.size() == 1);
     CHECK(damages.front().is_quarantined);
-    CHECK(damages.front().what.find("are lost") != std::string::npos);
+    CHECK(contains(damages.front().what, "are lost"));
     const std::int64_t left = open_database(path, OpenMode::read_only).size();
     CHECK(left >= kRows / 2);
     CHECK(left < kRows);
@@ -153,13 +152,12 @@ TEST_SUITE("unit") {
     Leftover cut = leftover;
     cut.log.clear();
     write_leftover(path, cut);
-    CHECK(open_error(path).message.find("20 rows that were stored are missing") !=
-          std::string::npos);
+    CHECK(contains(open_error(path).message, "20 rows that were stored are missing"));
     write_leftover(path, {"", "", leftover.record});
     for (const OpenMode mode : {OpenMode::read_only, OpenMode::create}) {
       const Error error = open_error(path, mode);
       CHECK(error.code == ErrorCode::corrupt);
-      CHECK(error.message.find("40 rows that were stored are missing") != std::string::npos);
+      CHECK(contains(error.message, "40 rows that were stored are missing"));
     }
     CHECK(!verify_database(path)->empty());
     // A new file of the same name is not the old one.

@@ -136,8 +136,7 @@ TEST_SUITE("flow") {
     const TemporaryDirectory directory;
     const std::string path = copy_of("schema3_planar.db", directory);
     run_sql(path, "UPDATE mixture SET seed = seed + 1 WHERE id = 2");
-    CHECK(require_error(Database::inspect(path)).message.find("row 2 is damaged") !=
-          std::string::npos);
+    CHECK(contains(require_error(Database::inspect(path)).message, "row 2 is damaged"));
     const auto damages = require(verify_database(path, VerifyMode::quarantine));
     REQUIRE(damages.size() == 1);
     CHECK(damages.front().id == 2);
@@ -179,7 +178,7 @@ TEST_SUITE("flow") {
         internal::open_sqlite_store(path, OpenMode::read_write, internal::LossCheck::refuse, 20);
     REQUIRE(!refused.has_value());
     CHECK(refused.error().code == ErrorCode::io);
-    CHECK(refused.error().message.find("is migrated when it is opened") != std::string::npos);
+    CHECK(contains(refused.error().message, "is migrated when it is opened"));
     REQUIRE(other.execute("ROLLBACK"));
     CHECK(internal::open_sqlite_store(path, OpenMode::read_write).has_value());
   }

@@ -64,7 +64,7 @@ TEST_SUITE("unit") {
     const Error error = require_error(connection.query("SELECT * FROM nothing"));
     CHECK(error.code == ErrorCode::corrupt);
     CHECK(connection.last_state() == "42P01");
-    CHECK(error.message.find('\n') == std::string::npos);
+    CHECK(!contains(error.message, '\n'));
     CHECK(connection.query("SELECT 1 / 0").error().code == ErrorCode::io);
     CHECK(connection.copy_in("COPY nothing FROM STDIN", "x").error().code == ErrorCode::corrupt);
     CHECK(connection.query("SELECT 1").has_value());
@@ -79,7 +79,7 @@ TEST_SUITE("unit") {
           server->url() + "&sslmode=verify-full&password=secret&hostaddr=127.0.0.1&port=1"}) {
       const Error refused = require_error(PostgresConnection::open(url));
       CHECK(refused.code == ErrorCode::io);
-      CHECK(refused.message.find("secret") == std::string::npos);
+      CHECK(!contains(refused.message, "secret"));
     }
   }
 }
@@ -126,11 +126,9 @@ TEST_SUITE("flow") {
     const auto refused = [&](const std::string& options) {
       return refusal(url_of(*server, options));
     };
-    CHECK(refused("host=localhost&sslmode=disable").find("no encryption") != std::string::npos);
-    CHECK(refused("host=localhost&sslmode=verify-full" + strange).find("certificate") !=
-          std::string::npos);
-    CHECK(refused("host=another.example&sslmode=verify-full" + own).find("another.example") !=
-          std::string::npos);
+    CHECK(contains(refused("host=localhost&sslmode=disable"), "no encryption"));
+    CHECK(contains(refused("host=localhost&sslmode=verify-full" + strange), "certificate"));
+    CHECK(contains(refused("host=another.example&sslmode=verify-full" + own), "another.example"));
   }
 }
 

@@ -356,7 +356,7 @@ TEST_SUITE("flow") {
     auto writer = require(Database::open(reader, arm_signature(), OpenMode::read_write));
     const Error refused = require_error(writer.insert(random_rows(rng, 1)));
     CHECK(refused.code == ErrorCode::io);
-    CHECK(refused.message.find("permission denied") != std::string::npos);
+    CHECK(contains(refused.message, "permission denied"));
   }
 
   TEST_CASE("what was acknowledged survives a killed postmaster, and the writer goes on") {
@@ -432,7 +432,7 @@ TEST_SUITE("flow") {
         std::this_thread::yield();
       }
       CHECK(database.queued_rows().waiting == 4);
-      CHECK(database.queued_rows().failure.find("did not answer") != std::string::npos);
+      CHECK(contains(database.queued_rows().failure, "did not answer"));
     }
     REQUIRE(database.flush(20));
     CHECK(database.size() == 7);
@@ -497,8 +497,7 @@ TEST_SUITE("unit") {
     const Stopwatch stopwatch;
     const Error error = require_error(internal::open_postgres_store(url, OpenMode::read_only));
     CHECK(error.code == ErrorCode::io);
-    CHECK_MESSAGE(error.message.find("did not answer within 1.0 s") != std::string::npos,
-                  error.message);
+    CHECK_MESSAGE(contains(error.message, "did not answer within 1.0 s"), error.message);
     CHECK(stopwatch.elapsed_s() < 5);
     ::close(listener);
   }

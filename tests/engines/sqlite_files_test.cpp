@@ -69,7 +69,7 @@ TEST_SUITE("unit") {
     const Error error = require_error(connection.integer("SELECT a FROM t"));
     CHECK(error.code == ErrorCode::corrupt);
     CHECK(error.message.find(directory / "a.db") == 0);
-    CHECK(error.message.find("no such table: t") != std::string::npos);
+    CHECK(contains(error.message, "no such table: t"));
   }
 
   TEST_CASE("a kept statement begins anew each time, whatever became of the last time") {
@@ -95,7 +95,7 @@ TEST_SUITE("unit") {
     const auto select = connection.kept(kRows);
     const Error error = require_error((*select)->step());
     CHECK(error.code == ErrorCode::corrupt);
-    CHECK(error.message.find("no such table: t") != std::string::npos);
+    CHECK(contains(error.message, "no such table: t"));
   }
 
   TEST_CASE("a connection that takes the place of another has its own kept statements") {
@@ -212,13 +212,13 @@ TEST_SUITE("unit") {
       opened = internal::open_for_writing(directory / "", can_create);
       REQUIRE(!opened.has_value());
       CHECK(opened.error().code == ErrorCode::io);
-      CHECK(opened.error().message.find("is a directory") != std::string::npos);
+      CHECK(contains(opened.error().message, "is a directory"));
     }
 
     REQUIRE(::mkfifo((directory / "pipe").c_str(), 0600) == 0);
     opened = internal::open_for_reading(directory / "pipe");
     REQUIRE(!opened.has_value());
-    CHECK(opened.error().message.find("is not a regular file") != std::string::npos);
+    CHECK(contains(opened.error().message, "is not a regular file"));
   }
 
   TEST_CASE("a file in a directory that does not exist cannot be created") {
@@ -234,7 +234,7 @@ TEST_SUITE("unit") {
     CHECK(as_ordinary_user([&] {
             const auto opened = internal::open_for_reading(locked.path);
             return !opened && opened.error().code == ErrorCode::io &&
-                           opened.error().message.find("Permission denied") != std::string::npos
+                           contains(opened.error().message, "Permission denied")
                        ? 0
                        : 1;
           }) == 0);
@@ -284,7 +284,7 @@ TEST_SUITE("unit") {
     CHECK(as_ordinary_user([&] {
             const auto opened = Database::open(locked.path, arm_signature(), OpenMode::read_only);
             return !opened && opened.error().code == ErrorCode::io &&
-                           opened.error().message.find("-wal") != std::string::npos
+                           contains(opened.error().message, "-wal")
                        ? 0
                        : 1;
           }) == 0);
@@ -316,10 +316,10 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     const std::string path = directory / "it's a.db";
     const std::string first = internal::saving_command(path);
-    CHECK(first.find("it'\\''s a.db' .") != std::string::npos);
-    CHECK(first.find("s a.db.saved'; ") != std::string::npos);
+    CHECK(contains(first, "it'\\''s a.db' ."));
+    CHECK(contains(first, "s a.db.saved'; "));
     write_file(path + ".saved", "");
-    CHECK(internal::saving_command(path).find("s a.db.saved2'; ") != std::string::npos);
+    CHECK(contains(internal::saving_command(path), "s a.db.saved2'; "));
   }
 }
 

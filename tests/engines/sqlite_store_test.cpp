@@ -30,7 +30,7 @@ void check_refused(const std::string& sql, ErrorCode code, const std::string& re
   INFO(sql);
   const Error error = require_error(kind_after(sql));
   CHECK(error.code == code);
-  CHECK_MESSAGE(error.message.find(reason) != std::string::npos, error.message);
+  CHECK_MESSAGE(contains(error.message, reason), error.message);
 }
 
 }  // namespace
@@ -320,8 +320,8 @@ TEST_SUITE("unit") {
     REQUIRE(first->create(arm_signature()));
     CHECK(first->schema_version() == 4);
     const auto reader = open(directory / "a.db", OpenMode::read_only);
-    CHECK(require_error(reader->begin(internal::Store::Kind::write)).message.find("reading only") !=
-          std::string::npos);
+    CHECK(contains(require_error(reader->begin(internal::Store::Kind::write)).message,
+                   "reading only"));
     require(first->begin(internal::Store::Kind::write));
     CHECK(reader->begin(internal::Store::Kind::read).has_value());
   }

@@ -66,7 +66,7 @@ TEST_SUITE("law") {
 TEST_SUITE("contract") {
   TEST_CASE("a robot that nothing turns cannot be blocked by a post") {
     CHECK(require_error(make_blocked_instances(upright_arm(), 1, {}, 1))
-              .message.find("turns all others") != std::string::npos);
+              contains(.message, "turns all others"));
   }
 }
 

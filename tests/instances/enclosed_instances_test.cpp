@@ -85,7 +85,7 @@ TEST_SUITE("unit") {
       change(settings);
       const Error error = require_error(make_enclosed_instances(planar8(), 1, settings, 1));
       CHECK(error.code == ErrorCode::invalid);
-      CHECK_MESSAGE(error.message.find(word) != std::string::npos, error.message);
+      CHECK_MESSAGE(contains(error.message, word), error.message);
     };
     for (const double clearance : {0.0, -0.1, 1.1, std::nan("")}) {
       refuse([&](EnclosedSettings& s) { s.clearance = clearance; }, "clearance");

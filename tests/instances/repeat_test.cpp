@@ -77,13 +77,13 @@ TEST_SUITE("unit") {
     CHECK_FALSE(repeat(task(), {0, 0, 0, -1}, rng).has_value());
     Problem problem = task();
     problem.goals.clear();
-    CHECK(repeat(problem, {}, rng).error().message.find(problem.name) != std::string::npos);
+    CHECK(contains(repeat(problem, {}, rng).error().message, problem.name));
     problem = task();
     problem.goals = {{1, 2}};
-    CHECK(repeat(problem, {}, rng).error().message.find("goal") != std::string::npos);
+    CHECK(contains(repeat(problem, {}, rng).error().message, "goal"));
     problem = task();
     problem.scene = make_circle_scene("filled", {{0.5, 0, 2}});
-    CHECK(repeat(problem, {}, rng).error().message.find("in contact") != std::string::npos);
+    CHECK(contains(repeat(problem, {}, rng).error().message, "in contact"));
   }
 }
 

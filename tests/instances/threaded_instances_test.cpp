@@ -129,7 +129,7 @@ TEST_SUITE("unit") {
       settings.depth = depth;
       const Error error = require_error(make_threaded_instances(robot, 1, settings, 1));
       CHECK(error.code == ErrorCode::invalid);
-      CHECK_MESSAGE(error.message.find(word) != std::string::npos, error.message);
+      CHECK_MESSAGE(contains(error.message, word), error.message);
     };
     refuse({0.3, 0.2}, {2, 3}, "gap");
     refuse({0, 0.2}, {2, 3}, "gap");
@@ -148,7 +148,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a robot that is no planar arm is refused by name") {
     const Error error = require_error(make_threaded_instances(upright_arm(), 1, {}, 1));
     CHECK(error.code == ErrorCode::unsupported);
-    CHECK(error.message.find("'upright'") != std::string::npos);
+    CHECK(contains(error.message, "'upright'"));
   }
 }
 

@@ -27,8 +27,8 @@ TEST_SUITE("flow") {
     REQUIRE(certified.body.contains("cell"));
     CHECK(certified.body["cell"]["tier"] == "certified");
     CHECK(certified.body["planner"] == "cell");
-    CHECK(client.Get("/metrics")->body.find("mneme_cell_answers_total{tier=\"certified\"} 1\n") !=
-          std::string::npos);
+    CHECK(
+        contains(client.Get("/metrics")->body, "mneme_cell_answers_total{tier=\"certified\"} 1\n"));
     // Another start, another scene and a pose beyond the region are planned.
     Json other = body;
     other["start"][0] = 0.1;

@@ -18,7 +18,7 @@ std::string metrics(const RunningService& running) {
 }
 
 bool has(const RunningService& running, const std::string& line) {
-  return metrics(running).find(line + "\n") != std::string::npos;
+  return contains(metrics(running), line + "\n");
 }
 
 /// Waits for what must come, however slow the machine is.
@@ -51,7 +51,7 @@ TEST_SUITE("flow") {
     }
     // The one that waited may have begun before it was seen to be gone.
     const std::string cancelled = "mneme_plans_total{status=\"cancelled\"} ";
-    CHECK(comes_true([&] { return metrics(running).find(cancelled) != std::string::npos; }));
+    CHECK(comes_true([&] { return contains(metrics(running), cancelled); }));
     CHECK(post(*running.client(), "/v1/plan", question()).body["solved"] == true);
   }
 
@@ -89,8 +89,8 @@ TEST_SUITE("flow") {
       return reply && reply->status == 200;
     }));
     CHECK(silent.hear().empty());
-    CHECK(slow.hear().find("200 OK") == std::string::npos);
-    CHECK(half.hear().find("200 OK") == std::string::npos);
+    CHECK(!contains(slow.hear(), "200 OK"));
+    CHECK(!contains(half.hear(), "200 OK"));
   }
 
   TEST_CASE("more connections than may be are told so") {
@@ -99,10 +99,10 @@ TEST_SUITE("flow") {
     const RunningService running(settings);
     const RawClient first(running.port());
     first.say("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
-    CHECK(first.hear("uptime").find("200 OK") != std::string::npos);
+    CHECK(contains(first.hear("uptime"), "200 OK"));
     const std::string told = RawClient(running.port()).hear();
-    CHECK(told.find("503 Service Unavailable") != std::string::npos);
-    CHECK(told.find("too many connections: try again soon\"}}") != std::string::npos);
+    CHECK(contains(told, "503 Service Unavailable"));
+    CHECK(contains(told, "too many connections: try again soon\"}}"));
   }
 
   TEST_CASE("noise is refused, and the service goes on") {
@@ -117,7 +117,7 @@ TEST_SUITE("flow") {
       static_cast<void>(client.offer(noise + "\r\nConnection: close\r\n\r\n"));
       const std::string heard = client.hear();
       INFO(noise.substr(0, 100), " -> ", heard);
-      CHECK(heard.find("HTTP/1.1 2") == std::string::npos);
+      CHECK(!contains(heard, "HTTP/1.1 2"));
       CHECK(count_answers(heard) <= 1);
     }
     CHECK(post(*running.client(), "/v1/plan", question()).status == 200);
@@ -151,9 +151,9 @@ TEST_SUITE("flow") {
     const std::string heard = planning.hear_now(), other = waiting.hear_now();
     other_thread.join();
     // Either may have come first, and the other one still have had its turn for a moment.
-    CHECK((heard + other).find("\"status\": \"cancelled\"") != std::string::npos);
-    CHECK(heard.find("\"cancelled\"") != std::string::npos);
-    CHECK(other.find("\"cancelled\"") != std::string::npos);
+    CHECK(contains((heard + other), "\"status\": \"cancelled\""));
+    CHECK(contains(heard, "\"cancelled\""));
+    CHECK(contains(other, "\"cancelled\""));
     CHECK_FALSE(bool(running.client()->Get("/healthz")));
   }
 
@@ -171,7 +171,7 @@ TEST_SUITE("flow") {
       CHECK_FALSE(Service::start(planar8(), nullptr, settings).has_value());
       const RawClient client(path);
       client.say("GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
-      CHECK(client.hear().find("\"status\":\"ok\"") != std::string::npos);
+      CHECK(contains(client.hear(), "\"status\":\"ok\""));
       service.stop();
       CHECK_FALSE(std::filesystem::exists(path));
     }
@@ -190,7 +190,7 @@ TEST_SUITE("flow") {
         REQUIRE(waiting.size() < 100);
       }
       CHECK(require_error(Service::start(planar8(), nullptr, settings))
-                .message.find("another program listens there") != std::string::npos);
+                contains(.message, "another program listens there"));
       CHECK(std::filesystem::exists(path));
     }
     SUBCASE("of a successor") {

@@ -27,9 +27,9 @@ void check_no_file_is_read(const Reply& reply, const std::string& name) {
   INFO(name, ": ", reply.body.dump());
   CHECK(reply.status == 400);
   const std::string message = reply.body["error"]["message"];
-  CHECK(message.find("no files are read for a request") != std::string::npos);
+  CHECK(contains(message, "no files are read for a request"));
   // Whether there is such a file is not told either: all messages are the same.
-  CHECK(message.find("passwd") == std::string::npos);
+  CHECK(!contains(message, "passwd"));
 }
 
 Reply put(httplib::Client& client, const std::string& path, const Json& body) {

@@ -75,7 +75,7 @@ TEST_SUITE("flow") {
                      "Content-Length: 0\r\n\r\nDELETE /v1/scenes/a HTTP/1.1\r\nHost: localhost\r\n"
                      "Content-Length: 2\r\n\r\n{}");
     CHECK_MESSAGE(heard.starts_with("HTTP/1.1 200"), heard);
-    CHECK_MESSAGE(heard.find("there is no scene") != std::string::npos, heard);
+    CHECK_MESSAGE(contains(heard, "there is no scene"), heard);
   }
 
   TEST_CASE("the size of a chunk is hexadecimal digits and nothing else") {
@@ -127,7 +127,7 @@ TEST_SUITE("flow") {
     std::string head = kGet;
     while (head.size() < 70000) head += "a: b\r\n";
     const std::string heard = heard_after(running, head + "\r\n");
-    CHECK_MESSAGE(heard.find("HTTP/1.1 2") == std::string::npos, heard);
+    CHECK_MESSAGE(!contains(heard, "HTTP/1.1 2"), heard);
     Json body = question();
     body["name"] = std::string(1000000, 'n');
     CHECK(post(*running.client(), "/v1/plan", body).status == 200);
@@ -161,7 +161,7 @@ TEST_SUITE("flow") {
     const std::string heard =
         heard_after(running, old + "Connection: keep-alive\r\n\r\n" + old + "\r\n");
     CHECK_MESSAGE(count_answers(heard) == 2, heard);
-    CHECK(heard.find("Connection: keep-alive") != std::string::npos);
+    CHECK(contains(heard, "Connection: keep-alive"));
     CHECK(heard.find("Connection: keep-alive") == heard.rfind("Connection: keep-alive"));
   }
 
@@ -191,8 +191,8 @@ TEST_SUITE("flow") {
       CHECK(answer->get_header_value("X-Content-Type-Options") == "nosniff");
       CHECK(answer->get_header_value("X-Frame-Options") == "DENY");
       const std::string policy = answer->get_header_value("Content-Security-Policy");
-      CHECK(policy.find("default-src 'none'") != std::string::npos);
-      CHECK((policy.find("script-src") != std::string::npos) == (std::string(path) == "/"));
+      CHECK(contains(policy, "default-src 'none'"));
+      CHECK((contains(policy, "script-src")) == (std::string(path) == "/"));
     }
   }
 
@@ -233,7 +233,7 @@ TEST_SUITE("flow") {
     const Error error = require_error(Service::start(planar8(), nullptr, loopback()));
     setrlimit(RLIMIT_NOFILE, &before);
     CHECK(error.code == ErrorCode::io);
-    CHECK_MESSAGE(error.message.find("Too many open files") != std::string::npos, error.message);
+    CHECK_MESSAGE(contains(error.message, "Too many open files"), error.message);
   }
 }
 

@@ -73,7 +73,7 @@ TEST_SUITE("flow") {
     const std::atomic<bool> never = false, gone = true;
     const internal::Answer late = endpoints.put_scene({"a", body, never});
     CHECK(late.status == 400);
-    CHECK_MESSAGE(late.body.find("takes more than 0.001 s") != std::string::npos, late.body);
+    CHECK_MESSAGE(contains(late.body, "takes more than 0.001 s"), late.body);
     const internal::Answer cancelled = endpoints.put_scene({"a", body, gone});
     CHECK(cancelled.status == 503);
     CHECK(answer_of(cancelled)["error"]["code"] == "cancelled");

@@ -62,7 +62,7 @@ class RawClient {
   [[nodiscard]] std::string hear(const std::string& end = "\377", int flags = 0) const {
     std::string text;
     char buffer[4096];
-    while (text.find(end) == std::string::npos) {
+    while (!contains(text, end)) {
       const ssize_t count = recv(socket_, buffer, sizeof buffer, flags);
       if (count <= 0) break;
       text.append(buffer, static_cast<std::size_t>(count));

@@ -123,7 +123,7 @@ TEST_SUITE("flow") {
         "Content-Length: 30000\r\n\r\n");
     const std::string heard = longwinded.hear();
     CHECK_MESSAGE(heard.starts_with("HTTP/1.1 413"), heard);
-    CHECK(heard.find("expected a body of at most 20000 bytes") != std::string::npos);
+    CHECK(contains(heard, "expected a body of at most 20000 bytes"));
     const auto client = running.client();
     Json circles = {{20, 0, 1}, {20, 3, 1}, {20, 6, 1}};
     CHECK(
@@ -175,20 +175,19 @@ TEST_SUITE("flow") {
       return started ? "" : started.error().message;
     };
     for (const char* where : {"", "7890", "localhost", "127.0.0.1:", "127.0.0.1:x", "h:123456"}) {
-      CHECK_MESSAGE(failure(where).find("expected HOST:PORT") != std::string::npos, where);
+      CHECK_MESSAGE(contains(failure(where), "expected HOST:PORT"), where);
     }
-    CHECK(failure("0.0.0.0:0").find("other machines reach") != std::string::npos);
+    CHECK(contains(failure("0.0.0.0:0"), "other machines reach"));
     CHECK(failure("0.0.0.0:0", "secret").empty());
-    CHECK(failure("unix:").find("expected unix:PATH") != std::string::npos);
-    CHECK(failure("unix:/no/such/folder/socket").find("cannot listen") != std::string::npos);
+    CHECK(contains(failure("unix:"), "expected unix:PATH"));
+    CHECK(contains(failure("unix:/no/such/folder/socket"), "cannot listen"));
     const TemporaryDirectory files;
     write_file(files / "kept", "text");
-    CHECK(failure("unix:" + files / "kept").find("not a socket") != std::string::npos);
+    CHECK(contains(failure("unix:" + files / "kept"), "not a socket"));
     CHECK(read_file(files / "kept") == "text");
 
     const RunningService running;
-    CHECK(failure(fmt::format("127.0.0.1:{}", running.port())).find("cannot listen") !=
-          std::string::npos);
+    CHECK(contains(failure(fmt::format("127.0.0.1:{}", running.port())), "cannot listen"));
     ServiceSettings settings;
     settings.remember_after = 1;
     CHECK_FALSE(Service::start(planar8(), nullptr, settings).has_value());

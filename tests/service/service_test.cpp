@@ -80,7 +80,7 @@ TEST_SUITE("flow") {
       const auto reply = post(*client, "/v1/plan?" + query, body);
       CHECK(reply.status == 400);
       const std::string text = reply.body.dump();
-      CHECK_MESSAGE(text.find(expected) != std::string::npos, text);
+      CHECK_MESSAGE(contains(text, expected), text);
     };
     fails("trajectory=maybe", "query of the URL: key trajectory: expected true or false, got");
     fails("trajectory=1", "key trajectory: expected true or false");
@@ -297,7 +297,7 @@ TEST_SUITE("flow") {
           fmt::format("mneme_memory_rows {}", database->size()),
           std::string("mneme_request_seconds_count{path=\"/v1/plan\"} 2"),
           std::string("mneme_request_seconds{path=\"/v1/plan\",quantile=\"0.99\"}")}) {
-      CHECK_MESSAGE(text.find(line) != std::string::npos, text);
+      CHECK_MESSAGE(contains(text, line), text);
     }
   }
 

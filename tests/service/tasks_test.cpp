@@ -65,8 +65,7 @@ TEST_SUITE("flow") {
     CHECK(trajectory["duration_s"] == timed.body["duration_s"]);
     CHECK(trajectory["stages"][2]["name"] == "grasp");
     CHECK(trajectory["stages"][3]["begin_s"] == timed.body["stages"][3]["begin_s"]);
-    CHECK(client.Get("/metrics")->body.find("mneme_plans_total{status=\"solved\"} 3\n") !=
-          std::string::npos);
+    CHECK(contains(client.Get("/metrics")->body, "mneme_plans_total{status=\"solved\"} 3\n"));
   }
 
   TEST_CASE("a task without a plan is an answer, a wrong one is refused with its stage") {
@@ -84,7 +83,7 @@ TEST_SUITE("flow") {
       const Reply reply = post(client, "/v1/tasks", body);
       CHECK(reply.status == 400);
       const std::string message = reply.body["error"]["message"];
-      CHECK_MESSAGE(message.find(expected) != std::string::npos, message);
+      CHECK_MESSAGE(contains(message, expected), message);
     };
     Json wrong = task_question();
     wrong["stages"][2] = {{"attach", "cop"}};
@@ -113,7 +112,7 @@ TEST_SUITE("flow") {
     const std::atomic<bool> is_cancelled = true;
     const std::string body = task_question().dump();
     const internal::Answer answer = endpoints.task({"", body, is_cancelled});
-    CHECK(answer.body.find("cancelled") != std::string::npos);
+    CHECK(contains(answer.body, "cancelled"));
   }
 }
 

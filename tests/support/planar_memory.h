@@ -25,7 +25,7 @@ inline Robot limited_arm(const std::vector<double>& lengths, double lower, doubl
   const std::string full = R"(lower="-3.141592653589793" upper="3.141592653589793")";
   const std::string limits =
       "lower=\"" + std::to_string(lower) + "\" upper=\"" + std::to_string(upper) + "\"";
-  REQUIRE(urdf.find(full) != std::string::npos);
+  REQUIRE(contains(urdf, full));
   for (std::size_t at = 0; (at = urdf.find(full)) != std::string::npos;) {
     urdf.replace(at, full.size(), limits);
   }

@@ -14,6 +14,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace mneme::test {
 
@@ -41,6 +42,11 @@ class TemporaryDirectory {
 
 void write_file(const std::string& path, const std::string& text);
 std::string read_file(const std::string& path);
+
+/// True if `part` stands in `text`.
+inline bool contains(std::string_view text, std::string_view part) {
+  return text.find(part) != std::string_view::npos;
+}
 
 /// A file of the repository, such as "robots/planar8.urdf".
 std::string source_file(const std::string& name);
