@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/endpoints.h"
 
+#include "base/fail.h"
 #include "base/text.h"
 #include "base/threads.h"
 
@@ -216,12 +217,13 @@ class Endpoints::Work {
   std::optional<PlanQueue::Turn> turn_;
 };
 
-Answer Endpoints::in_turn(const Call& call, const std::function<Answer(Work&)>& work) {
+Answer Endpoints::in_turn(const Call& call, const std::function<Result<Answer>(Work&)>& work) {
   const IdleLearner::Request request(learner_.get());
   Work granted(call, queue_, settings_.longest_plan_s);
   if (!granted.has_turn()) return no_turn(call.is_cancelled);
   try {
-    return work(granted);
+    Result<Answer> answered = work(granted);
+    return answered ? *std::move(answered) : refusal(answered.error());
   } catch (const Interrupted&) {
     if (call.is_cancelled) return no_turn(true);
     return refusal(400, "invalid",
@@ -252,37 +254,35 @@ bool Endpoints::wait_for_threads(const SolveSettings& settings, Work& work) cons
   return work.has_turn();
 }
 
-Answer Endpoints::plan_in_turn(const Call& call, Work& work) {
-  Result<PlanRequest> request = read_plan_request(call.body, call.query, context());
-  if (!request) return refusal(request.error());
-  if (!wait_for_threads(request->settings, work)) return no_turn(call.is_cancelled);
+Result<Answer> Endpoints::plan_in_turn(const Call& call, Work& work) {
+  PlanRequest request = MNEME_TRY(read_plan_request(call.body, call.query, context()));
+  SolveSettings& settings = request.settings;
+  if (!wait_for_threads(settings, work)) return no_turn(call.is_cancelled);
 
-  request->settings.plan.cancel = &call.is_cancelled;
-  if (request->may_remember) request->settings.remember_after = settings_.remember_after;
-  if (request->timing) {
-    const auto limits = find_rate_limits(request->problem.robot, *request->timing);
-    if (!limits) return refusal(limits.error());
-    request->settings.plan.limits = std::make_shared<const RateLimits>(*limits);
+  settings.plan.cancel = &call.is_cancelled;
+  if (request.may_remember) settings.remember_after = settings_.remember_after;
+  if (request.timing) {
+    RateLimits limits = MNEME_TRY(find_rate_limits(request.problem.robot, *request.timing));
+    settings.plan.limits = std::make_shared<const RateLimits>(std::move(limits));
   }
   PlanRecorder recorder;
-  if (request->wants_trace) request->settings.plan.observer = &recorder;
+  if (request.wants_trace) settings.plan.observer = &recorder;
+
   work.go_on();
-  Result<Outcome> outcome = solve_remembering(*request);
-  if (!outcome) return refusal(outcome.error());
-  const SolveResult& result = outcome->result;
+  Outcome outcome = MNEME_TRY(solve_remembering(request));
+  const SolveResult& result = outcome.result;
   work.go_on();
   std::optional<PathMeasures> measures;
-  if (request->wants_clearance)
-    measures = measure_path(request->problem.robot, checked_scene(request->problem, result),
+  if (request.wants_clearance)
+    measures = measure_path(request.problem.robot, checked_scene(request.problem, result),
                             result.plan.path);
-  const Result<TimedPath> timed = time_path(*request, result);
-  if (!timed) return refusal(timed.error());
+  const TimedPath timed = MNEME_TRY(time_path(request, result));
   work.end_turn();
-  if (learner_ != nullptr && request->may_remember && !outcome->cell) {
-    learner_->offer(request->problem, request->settings, result.plan);
+  if (learner_ != nullptr && request.may_remember && !outcome.cell) {
+    learner_->offer(request.problem, settings, result.plan);
   }
-  return answer_plan(*std::move(request), *std::move(outcome), std::move(recorder),
-                     measures ? &*measures : nullptr, *timed);
+  return answer_plan(std::move(request), std::move(outcome), std::move(recorder),
+                     measures ? &*measures : nullptr, timed);
 }
 
 Answer Endpoints::answer_plan(PlanRequest request, Outcome outcome, PlanRecorder recorder,
@@ -329,33 +329,29 @@ Result<TaskResult> Endpoints::solve_remembering(const TaskRequest& request) {
   });
 }
 
-Answer Endpoints::task_in_turn(const Call& call, Work& work) {
-  Result<TaskRequest> request = read_task_request(call.body, call.query, context());
-  if (!request) return refusal(request.error());
-  SolveSettings& settings = request->settings.solve;
+Result<Answer> Endpoints::task_in_turn(const Call& call, Work& work) {
+  TaskRequest request = MNEME_TRY(read_task_request(call.body, call.query, context()));
+  SolveSettings& settings = request.settings.solve;
   if (!wait_for_threads(settings, work)) return no_turn(call.is_cancelled);
   settings.plan.cancel = &call.is_cancelled;
-  if (request->may_remember) settings.remember_after = settings_.remember_after;
+  if (request.may_remember) settings.remember_after = settings_.remember_after;
   const auto limits =
-      find_rate_limits(request->task.robot, request->timing.value_or(TrajectorySettings()));
-  if (request->timing && !limits) return refusal(limits.error());
-  if (limits && !request->task.start_velocity.empty()) {
+      find_rate_limits(request.task.robot, request.timing.value_or(TrajectorySettings()));
+  if (request.timing && !limits) return tl::unexpected(limits.error());
+  if (limits && !request.task.start_velocity.empty()) {
     settings.plan.limits = std::make_shared<const RateLimits>(*limits);
   }
   work.go_on();
-  Result<TaskResult> result = solve_remembering(*request);
-  if (!result) return refusal(result.error());
-  add_warnings(result->notes, request->task.warnings);
-  metrics_.add_plan(to_string(result->status), 0);
-  const Task& task = request->task;
-  if (!request->timing || !result->is_solved()) return {200, to_json(task, *result) + "\n"};
+  TaskResult result = MNEME_TRY(solve_remembering(request));
+  add_warnings(result.notes, request.task.warnings);
+  metrics_.add_plan(to_string(result.status), 0);
+  const Task& task = request.task;
+  if (!request.timing || !result.is_solved()) return Answer{200, to_json(task, result) + "\n"};
   work.go_on();
-  const auto motion = time_task(task, *result, settings, *limits, *request->timing);
-  if (!motion) return refusal(motion.error());
-  const auto points = motion->trajectory.sample(request->timing->dt);
-  if (!points) return refusal(points.error());
-  Json json = Json::parse(to_json(task, *result, &*motion));
-  json["trajectory"] = Json::parse(to_json(task.robot, *points, stage_begins(*result, *motion)));
+  const TaskMotion motion = MNEME_TRY(time_task(task, result, settings, *limits, *request.timing));
+  const auto points = MNEME_TRY(motion.trajectory.sample(request.timing->dt));
+  Json json = Json::parse(to_json(task, result, &motion));
+  json["trajectory"] = Json::parse(to_json(task.robot, points, stage_begins(result, motion)));
   return answer(json);
 }
 
@@ -363,27 +359,24 @@ Answer Endpoints::inverse_kinematics(const Call& call) {
   return in_turn(call, [&](Work&) { return inverse_kinematics_in_turn(call); });
 }
 
-Answer Endpoints::inverse_kinematics_in_turn(const Call& call) {
-  Result<IkRequest> request = read_ik_request(call.body, context());
-  if (!request) return refusal(request.error());
-  const Problem& problem = request->problem;
-  const auto checker =
-      CollisionChecker::make(problem.robot, problem.scene, {std::nullopt, request->margin});
-  if (!checker) return refusal(checker.error());
+Result<Answer> Endpoints::inverse_kinematics_in_turn(const Call& call) {
+  IkRequest request = MNEME_TRY(read_ik_request(call.body, context()));
+  const Problem& problem = request.problem;
+  const auto checker = MNEME_TRY(
+      CollisionChecker::make(problem.robot, problem.scene, {std::nullopt, request.margin}));
   const Stopwatch stopwatch;
-  request->settings.is_over = [&] {
+  request.settings.is_over = [&] {
     return call.is_cancelled || stopwatch.elapsed_s() > settings_.longest_plan_s;
   };
-  auto source = PoseGoalSource::make(*checker, problem.pose_goals, problem.start, request->settings,
-                                     kVerificationMargin);
-  if (!source) return refusal(source.error());
+  auto source = MNEME_TRY(PoseGoalSource::make(checker, problem.pose_goals, problem.start,
+                                               request.settings, kVerificationMargin));
   Json solutions = Json::array();
-  for (const Configuration& q : source->find_all()) {
+  for (const Configuration& q : source.find_all()) {
     solutions.push_back({{"q", q}, {"distance", problem.robot.distance(problem.start, q)}});
   }
   if (call.is_cancelled) return no_turn(true);
   Json message;
-  if (solutions.empty()) message = source->describe_failure();
+  if (solutions.empty()) message = source.describe_failure();
   return answer({{"solutions", std::move(solutions)}, {"message", std::move(message)}});
 }
 
@@ -391,43 +384,38 @@ Answer Endpoints::check(const Call& call) {
   return in_turn(call, [&](Work&) { return check_in_turn(call); });
 }
 
-Answer Endpoints::check_in_turn(const Call& call) {
-  const Result<CheckRequest> request = read_check_request(call.body, context());
-  if (!request) return refusal(request.error());
+Result<Answer> Endpoints::check_in_turn(const Call& call) {
+  const CheckRequest request = MNEME_TRY(read_check_request(call.body, context()));
   const auto checker =
-      CollisionChecker::make(robot_, request->scene, {std::nullopt, request->margin});
-  if (!checker) return refusal(checker.error());
+      MNEME_TRY(CollisionChecker::make(robot_, request.scene, {std::nullopt, request.margin}));
   Json states = Json::array();
   std::size_t contacts = 0;
-  for (const Configuration& q : request->configurations) {
+  for (const Configuration& q : request.configurations) {
     poll_interrupt();
-    states.push_back(state_json(*checker, q));
+    states.push_back(state_json(checker, q));
     contacts += states.back()["contacts"].size();
     if (contacts > kMostContacts) {
-      return refusal(400, "invalid",
-                     fmt::format("there are more than {} contacts: send fewer configurations per "
-                                 "request",
-                                 kMostContacts));
+      return fail(ErrorCode::invalid,
+                  "there are more than {} contacts: send fewer configurations per request",
+                  kMostContacts);
     }
   }
   return answer({{"states", states}});
 }
 
 Answer Endpoints::put_scene(const Call& call) {
-  return in_turn(call, [&](Work&) {
-    Result<Scene> scene = read_scene_request(call.body, call.id, context());
-    if (!scene) return refusal(scene.error());
-    const auto kept = scenes_.put(call.id, *std::move(scene));
-    return kept ? answer(scene_json(call.id, **kept)) : refusal(kept.error());
+  return in_turn(call, [&](Work&) -> Result<Answer> {
+    Scene scene = MNEME_TRY(read_scene_request(call.body, call.id, context()));
+    const auto kept = MNEME_TRY(scenes_.put(call.id, std::move(scene)));
+    return answer(scene_json(call.id, *kept));
   });
 }
 
 Answer Endpoints::patch_scene(const Call& call) {
-  return in_turn(call, [&](Work&) {
-    const auto kept = scenes_.change(
-        call.id, [&](const Scene& scene) { return edit_scene(call.body, scene, context()); });
-    if (!kept) return refusal(kept.error());
-    return *kept == nullptr ? no_scene(call.id) : answer(scene_json(call.id, **kept));
+  return in_turn(call, [&](Work&) -> Result<Answer> {
+    const auto kept = MNEME_TRY(scenes_.change(
+        call.id, [&](const Scene& scene) { return edit_scene(call.body, scene, context()); }));
+    return kept == nullptr ? no_scene(call.id) : answer(scene_json(call.id, *kept));
   });
 }
 
@@ -454,9 +442,9 @@ Answer Endpoints::trace(const Call& call) {
                    fmt::format("there is no trace {}: only the last {} traces are kept", call.id,
                                settings_.traces));
   }
-  return in_turn(call, [&](Work&) {
-    const auto trace = make_trace(plan->problem, plan->result, &plan->recorder, 0);
-    return trace ? Answer{200, to_json(*trace)} : refusal(trace.error());
+  return in_turn(call, [&](Work&) -> Result<Answer> {
+    const PlanTrace trace = MNEME_TRY(make_trace(plan->problem, plan->result, &plan->recorder, 0));
+    return Answer{200, to_json(trace)};
   });
 }
 

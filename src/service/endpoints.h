@@ -87,13 +87,14 @@ class Endpoints {
     std::optional<CellAnswer> cell = std::nullopt;  ///< the answer of a cell, if it has one
   };
   class Work;
-  /// Waits for a planning thread of the service and returns the answer that `work` makes on it.
+  /// Waits for a planning thread of the service and returns the answer that `work` makes on it,
+  /// or refuses the request with its error.
   /// `work` and all functions that it calls may throw Interrupted.
-  [[nodiscard]] Answer in_turn(const Call& call, const std::function<Answer(Work&)>& work);
-  [[nodiscard]] Answer plan_in_turn(const Call& call, Work& work);
-  [[nodiscard]] Answer task_in_turn(const Call& call, Work& work);
-  [[nodiscard]] Answer inverse_kinematics_in_turn(const Call& call);
-  [[nodiscard]] Answer check_in_turn(const Call& call);
+  [[nodiscard]] Answer in_turn(const Call& call, const std::function<Result<Answer>(Work&)>& work);
+  [[nodiscard]] Result<Answer> plan_in_turn(const Call& call, Work& work);
+  [[nodiscard]] Result<Answer> task_in_turn(const Call& call, Work& work);
+  [[nodiscard]] Result<Answer> inverse_kinematics_in_turn(const Call& call);
+  [[nodiscard]] Result<Answer> check_in_turn(const Call& call);
   [[nodiscard]] RequestContext context() const;
   /// Returns the answer of a cell, if the request is a task of one.
   [[nodiscard]] std::optional<Outcome> ask_cells(const PlanRequest& request);
