@@ -115,23 +115,20 @@ constexpr std::array kComparisons = {
 };
 
 Result<ExitCode> run_info(const DbOptions& options) {
-  const Result<Database> database = Database::inspect(options.url);
-  if (!database) return tl::unexpected(database.error());
+  const Database database = MNEME_TRY(Database::inspect(options.url));
   const Comparison* comparison = nullptr;
   if (!options.robot.empty()) {
-    const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
-    if (!robot) return tl::unexpected(robot.error());
-    const RobotDifference difference =
-        compare_robots(database->signature(), make_signature(*robot));
+    const Robot robot = MNEME_TRY(load_named_robot(options.robot, options.robot_options));
+    const RobotDifference difference = compare_robots(database.signature(), make_signature(robot));
     comparison = &*std::ranges::find(kComparisons, difference, &Comparison::difference);
   }
   if (options.is_json) {
-    Json json = to_json(database->info());
+    Json json = to_json(database.info());
     if (comparison != nullptr) json["difference"] = comparison->word;
     print_json(json);
     return ExitCode::done;
   }
-  print_info(database->info());
+  print_info(database.info());
   if (comparison != nullptr) fmt::print("{:<12}  {}\n", options.robot, comparison->sentence);
   return ExitCode::done;
 }
@@ -158,32 +155,29 @@ void print_row(const Experience& row) {
 Result<void> visit_first(const Database& database, std::int64_t count,
                          const std::function<void(const Experience&)>& visit) {
   for (std::int64_t i = 0; i < count; ++i) {
-    const Result<Experience> row = database.get(i);
-    if (!row) return tl::unexpected(row.error());
-    visit(*row);
+    const Experience row = MNEME_TRY(database.get(i));
+    visit(row);
   }
   return {};
 }
 
 Result<ExitCode> run_list(const DbOptions& options) {
-  const Result<Database> database = Database::inspect(options.url);
-  if (!database) return tl::unexpected(database.error());
-  const std::int64_t count = std::min(options.limit.value_or(database->size()), database->size());
+  const Database database = MNEME_TRY(Database::inspect(options.url));
+  const std::int64_t count = std::min(options.limit.value_or(database.size()), database.size());
   if (options.is_json) {
     Json rows = Json::array();
     const auto listed =
-        visit_first(*database, count, [&](const Experience& row) { rows.push_back(to_json(row)); });
+        visit_first(database, count, [&](const Experience& row) { rows.push_back(to_json(row)); });
     if (!listed) return tl::unexpected(listed.error());
-    print_json({{"samplers", database->size()}, {"rows", rows}});
+    print_json({{"samplers", database.size()}, {"rows", rows}});
     return ExitCode::done;
   }
-  const std::vector<KindInfo> kinds = database->kinds();
+  const std::vector<KindInfo> kinds = database.kinds();
   const bool has_circles = kinds.size() == 1 && kinds.front().kind == circles().version;
   fmt::print("{:>8}  {:<12}  {:<53}  {:>10}  {:>20}  {}\n", "id", "kind",
              has_circles ? "key (x y r x y r)" : "key", "components", "seed", "time");
-  const auto listed = visit_first(*database, count, print_row);
-  if (!listed) return tl::unexpected(listed.error());
-  if (count < database->size()) fmt::print("and {} more\n", database->size() - count);
+  MNEME_TRY(visit_first(database, count, print_row));
+  if (count < database.size()) fmt::print("and {} more\n", database.size() - count);
   return ExitCode::done;
 }
 
@@ -211,28 +205,24 @@ Result<std::vector<Lookup>> look_up_key(const DbOptions& options, const Database
 
 Result<std::vector<Lookup>> queried_primitives(const DbOptions& options, const Database& database) {
   if (options.key) return look_up_key(options, database);
-  const Result<Problem> problem = problem_options(options.robot, options.robot_options)
-                                      .and_then([&](const ProblemOptions& given) {
-                                        return read_problem(options.problem, given);
-                                      });
-  if (!problem) return tl::unexpected(problem.error());
-  if (compare_robots(database.signature(), make_signature(problem->robot)) >
+  const auto given = MNEME_TRY(problem_options(options.robot, options.robot_options));
+  const Problem problem = MNEME_TRY(read_problem(options.problem, given));
+  if (compare_robots(database.signature(), make_signature(problem.robot)) >
       RobotDifference::shapes) {
     return fail(ErrorCode::wrong_robot,
                 fmt::format("'{}' holds experience of the robot '{}' (kinematics {}), the problem "
                             "is for '{}' (kinematics {})",
                             database.info().url, database.signature().robot_name,
-                            database.signature().kinematics_hash, problem->robot.name(),
-                            problem->robot.kinematics_hash()));
+                            database.signature().kinematics_hash, problem.robot.name(),
+                            problem.robot.kinematics_hash()));
   }
   std::vector<Lookup> lookups;
   for (const KindInfo& info : database.kinds()) {
     const MemoryKind* kind = memory_kind_of(info.kind);
     if (kind == nullptr) continue;
     const double max_gap = options.settings.memory.max_gap.value_or(kind->defaults.max_gap);
-    auto primitives = kind->decompose(memory_query(*problem), max_gap);
-    if (!primitives) return tl::unexpected(primitives.error());
-    lookups.push_back({kind, std::move(*primitives)});
+    auto primitives = MNEME_TRY(kind->decompose(memory_query(problem), max_gap));
+    lookups.push_back({kind, std::move(primitives)});
   }
   return lookups;
 }
@@ -269,11 +259,11 @@ Result<void> print_lookup(const DbOptions& options, const Database& database, co
   const double similarity = settings.similarity.value_or(defaults.similarity);
   const int max_matches = settings.max_matches.value_or(defaults.max_matches);
   for (const LocalPrimitive& primitive : lookup.primitives) {
-    const auto matches = find_matches(database, *lookup.kind, primitive, similarity, max_matches);
-    if (!matches) return tl::unexpected(matches.error());
-    if (!options.is_json) print_matches(primitive, *matches);
+    const auto matches =
+        MNEME_TRY(find_matches(database, *lookup.kind, primitive, similarity, max_matches));
+    if (!options.is_json) print_matches(primitive, matches);
     Json rows = Json::array();
-    for (const Match& match : *matches) rows.push_back(to_json(match));
+    for (const Match& match : matches) rows.push_back(to_json(match));
     found.push_back({{"kind", lookup.kind->version},
                      {"key", primitive.key},
                      {"gap", primitive.gap},
@@ -283,14 +273,11 @@ Result<void> print_lookup(const DbOptions& options, const Database& database, co
 }
 
 Result<ExitCode> run_query(const DbOptions& options) {
-  const Result<Database> database = Database::inspect(options.url);
-  if (!database) return tl::unexpected(database.error());
-  const auto lookups = queried_primitives(options, *database);
-  if (!lookups) return tl::unexpected(lookups.error());
+  const Database database = MNEME_TRY(Database::inspect(options.url));
+  const auto lookups = MNEME_TRY(queried_primitives(options, database));
   Json found = Json::array();
-  for (const Lookup& lookup : *lookups) {
-    const auto looked_up = print_lookup(options, *database, lookup, found);
-    if (!looked_up) return tl::unexpected(looked_up.error());
+  for (const Lookup& lookup : lookups) {
+    MNEME_TRY(print_lookup(options, database, lookup, found));
   }
   if (options.is_json) print_json({{"primitives", found}});
   return ExitCode::done;

@@ -61,16 +61,15 @@ Result<std::string> try_planning(const Problem& problem, Isa isa) {
   settings.sampler = "uniform";
   settings.isa = isa;
   settings.plan.timeout_s = kTimeout;
-  const Result<SolveResult> result = solve(problem, nullptr, settings);
-  if (!result) return tl::unexpected(result.error());
-  if (!result->plan.is_solved()) return fail(ErrorCode::invalid, result->plan.message);
+  const SolveResult result = MNEME_TRY(solve(problem, nullptr, settings));
+  if (!result.plan.is_solved()) return fail(ErrorCode::invalid, result.plan.message);
   return CollisionChecker::make(problem.robot, problem.scene)
       .and_then([&](const CollisionChecker& checker) -> Result<std::string> {
         const double resolution = checker.resolution() / kVerificationRefinement;
-        if (!is_path_free(checker.robot(), checker.scene(), result->plan.path, resolution)) {
+        if (!is_path_free(checker.robot(), checker.scene(), result.plan.path, resolution)) {
           return fail(ErrorCode::invalid, "a path failed the independent check");
         }
-        return fmt::format("{} in {:.1f} ms", problem.name, 1e3 * result->planning_time_s);
+        return fmt::format("{} in {:.1f} ms", problem.name, 1e3 * result.planning_time_s);
       });
 }
 
@@ -102,16 +101,14 @@ Result<std::string> try_memory(const Problem& problem) {
   settings.learn.starts_per_link = 1;
   settings.learn.paths_per_start = 1;
   settings.learn.max_iterations = 1000;
-  const Result<SolveResult> result = solve(problem, &database, settings);
-  if (!result) return tl::unexpected(result.error());
-  const Result<std::vector<Damage>> damage = verify_database(file.path());
-  if (!damage) return tl::unexpected(damage.error());
-  if (!damage->empty() || database.size() == 0 || !result->plan.is_solved()) {
+  const SolveResult result = MNEME_TRY(solve(problem, &database, settings));
+  const std::vector<Damage> damage = MNEME_TRY(verify_database(file.path()));
+  if (!damage.empty() || database.size() == 0 || !result.plan.is_solved()) {
     return fail(ErrorCode::corrupt, fmt::format("'{}' did not keep what was learned", file.path()));
   }
   return fmt::format("learned {} in {:.0f} ms",
                      counted(static_cast<std::size_t>(database.size()), "primitive", "primitives"),
-                     1e3 * result->gl.learning_time_s);
+                     1e3 * result.gl.learning_time_s);
 }
 
 std::vector<Finding> examine() {

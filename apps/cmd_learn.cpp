@@ -110,10 +110,7 @@ ExitCode end_of(const LearnSummary& summary) {
 Result<ExitCode> report(const LearnOptions& options, const LearnSummary& summary,
                         const Database& database, const std::optional<PrimitiveGrid>& grid) {
   std::optional<Coverage> coverage;
-  if (grid) {
-    const auto measured = MNEME_TRY(measure_coverage(database, *grid));
-    coverage = measured;
-  }
+  if (grid) coverage = MNEME_TRY(measure_coverage(database, *grid));
   if (options.is_json) {
     Json json = to_json(summary, database);
     json["coverage"] = coverage ? to_json(*coverage, grid->max_similarity_error) : Json();
@@ -194,8 +191,7 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
     if (!robot.is_planar()) {
       return fail(ErrorCode::unsupported, "--primitives is for planar arms: give --problems");
     }
-    PrimitiveGrid read = MNEME_TRY(read_grid(options));
-    grid = std::move(read);
+    grid = MNEME_TRY(read_grid(options));
   }
   if (lesson.keys.empty() && !grid) {
     print_note("these scenes have no primitives: no two obstacles in reach are within --max-gap");

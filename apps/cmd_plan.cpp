@@ -331,18 +331,17 @@ Result<ExitCode> run_stages(const PlanOptions& options) {
 
 Result<ExitCode> run_plan(const PlanOptions& options) {
   if (is_task_file(options.problem)) return run_stages(options);
-  Result<LoadedPlan> loaded = load(options);
-  if (!loaded) return tl::unexpected(loaded.error());
+  LoadedPlan loaded = MNEME_TRY(load(options));
   SolveSettings settings = options.settings;
   settings.plan.cancel = interrupt_flag();
-  settings.plan.limits = loaded->limits;
+  settings.plan.limits = loaded.limits;
   if (needs_memory(settings.sampler) && options.db.empty()) {
     print_note(fmt::format("without --db there is no memory: the sampler '{}' is uniform",
                            settings.sampler));
   }
   const bool asks_memory =
       needs_memory(settings.sampler) || settings.replay > 0 || settings.remember_after.has_value();
-  if (loaded->database && !asks_memory) {
+  if (loaded.database && !asks_memory) {
     print_note(
         fmt::format("--db has no effect: the sampler '{}' uses no memory; --replay 0.5 "
                     "tries known tasks all the same",
@@ -350,25 +349,25 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   }
   PlanRecorder recorder;
   if (options.files.needs_recorder()) settings.plan.observer = &recorder;
-  Database* database = loaded->database ? &*loaded->database : nullptr;
-  const SolveResult result = MNEME_TRY(solve(loaded->problem, database, settings));
+  Database* database = loaded.database ? &*loaded.database : nullptr;
+  const SolveResult result = MNEME_TRY(solve(loaded.problem, database, settings));
 
   // An error of the trajectory is reported last: the path is still valid.
-  const auto timed = time_path(options, *loaded, settings, result.plan.path);
-  print_answer(options, *loaded, result, timed ? *timed : std::nullopt);
+  const auto timed = time_path(options, loaded, settings, result.plan.path);
+  print_answer(options, loaded, result, timed ? *timed : std::nullopt);
   if (result.remembered.is_queued) store_remembered(*database, "the path was");
-  ShownPlan shown{loaded->problem, result, recorder, loaded->load_time_s};
+  ShownPlan shown{loaded.problem, result, recorder, loaded.load_time_s};
   shown.settings.package_paths = options.robot_options.package_paths;
-  if (timed && *timed) shown.timed = {&**timed, loaded->limits.get()};
+  if (timed && *timed) shown.timed = {&**timed, loaded.limits.get()};
   std::string beside;
   if (!options.files.beside.empty()) {
     settings.sampler = options.files.beside;
-    beside = MNEME_TRY(plan_and_trace(loaded->problem, database, settings, shown.settings));
+    beside = MNEME_TRY(plan_and_trace(loaded.problem, database, settings, shown.settings));
   }
   MNEME_TRY(write_plan_files(options.files, shown, beside));
   if (!timed) return tl::unexpected(timed.error());
   if (*timed) {
-    MNEME_TRY(write_trajectory(options.trajectory, loaded->problem.robot, **timed));
+    MNEME_TRY(write_trajectory(options.trajectory, loaded.problem.robot, **timed));
   }
   return exit_code(result.plan.status);
 }

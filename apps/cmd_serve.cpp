@@ -125,17 +125,15 @@ void note_lost_rows(const QueuedRows& rows) {
 }
 
 Result<ExitCode> run_serve(const ServeOptions& options) {
-  const auto shown = load_shown(options);
-  if (!shown) return tl::unexpected(shown.error());
+  const auto shown = MNEME_TRY(load_shown(options));
   // Plans of the page must be those of its problem: with its group and its fixed joints.
-  const Robot robot = MNEME_TRY(*shown ? Result<Robot>((*shown)->robot)
-                                       : load_named_robot(options.robot, options.robot_options));
+  const Robot robot = MNEME_TRY(shown ? Result<Robot>(shown->robot)
+                                      : load_named_robot(options.robot, options.robot_options));
   ServiceSettings settings = options.service;
   settings.body_bytes = static_cast<std::size_t>(options.body_mib) << kMebibyte;
-  const auto token = MNEME_TRY(read_token(options.token_file));
-  settings.token = token;
+  settings.token = MNEME_TRY(read_token(options.token_file));
   const auto database = MNEME_TRY(open_database(options, robot));
-  settings.shown = *shown;
+  settings.shown = shown;
   settings.cells = MNEME_TRY(load_cells(options));
   settings.robot_path = robot_file(options.robot).value_or("");
   settings.package_paths = options.robot_options.package_paths;

@@ -79,11 +79,10 @@ void print_summary(const UpkeepOptions& options, const MergeSummary& summary) {
 Result<ExitCode> run_merge(const UpkeepOptions& options) {
   MergeSummary total;
   for (const std::string& source : options.sources) {
-    const Result<MergeSummary> summary = merge_databases(options.url, source);
-    if (!summary) return tl::unexpected(summary.error());
-    total.read += summary->read;
-    total.added += summary->added;
-    total.replaced += summary->replaced;
+    const MergeSummary summary = MNEME_TRY(merge_databases(options.url, source));
+    total.read += summary.read;
+    total.added += summary.added;
+    total.replaced += summary.replaced;
   }
   print_summary(options, total);
   return ExitCode::done;
@@ -91,8 +90,7 @@ Result<ExitCode> run_merge(const UpkeepOptions& options) {
 
 Result<ExitCode> run_export(const UpkeepOptions& options) {
   const std::array<ReadFile, 1> inputs = {{{"the memory", options.url}}};
-  const auto checked = check_outputs(std::array{options.file}, inputs);
-  if (!checked) return tl::unexpected(checked.error());
+  MNEME_TRY(check_outputs(std::array{options.file}, inputs));
   return export_database(options.url, options.file).map([&](std::int64_t rows) {
     const std::string what = fmt::format(
         "{} written to {}", counted(static_cast<std::size_t>(rows), "row", "rows"), options.file);
@@ -117,9 +115,8 @@ Result<ExitCode> run_import(const UpkeepOptions& options) {
 // adopt
 
 Result<ExitCode> run_adopt(const UpkeepOptions& options) {
-  const Result<Robot> robot = load_named_robot(options.robot, options.robot_options);
-  if (!robot) return tl::unexpected(robot.error());
-  const RobotSignature signature = make_signature(*robot);
+  const Robot robot = MNEME_TRY(load_named_robot(options.robot, options.robot_options));
+  const RobotSignature signature = make_signature(robot);
   return adopt_database(options.url, signature, options.is_forced)
       .map([&](const RobotSignature& before) {
         if (options.is_json) {

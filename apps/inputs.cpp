@@ -28,14 +28,14 @@ SphereProgress show_sphere_progress() {
 }
 
 Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options) {
-  const Result<ApproximatedRobot> loaded = robot_file(robot).and_then([&](const std::string& path) {
-    return load_approximated_robot(path, options, {}, show_sphere_progress());
-  });
-  if (!loaded) return tl::unexpected(loaded.error());
+  const ApproximatedRobot loaded =
+      MNEME_TRY(robot_file(robot).and_then([&](const std::string& path) {
+        return load_approximated_robot(path, options, {}, show_sphere_progress());
+      }));
   // As problems have them: commands say the same of a robot, whichever way they come by it.
-  for (const std::string& note : loaded->notes) print_warning(note);
-  for (const std::string& warning : loaded->robot.warnings()) print_warning(warning);
-  return loaded->robot;
+  for (const std::string& note : loaded.notes) print_warning(note);
+  for (const std::string& warning : loaded.robot.warnings()) print_warning(warning);
+  return loaded.robot;
 }
 
 Result<Robot> load_named_robot(const std::string& robot, const RobotOptions& options,

@@ -93,8 +93,7 @@ Result<Made> make(const std::string& path, const SpheresOptions& options) {
   if (options.srdf_output.empty()) return made;
   // The written robot has its spheres only.
   for (Link& link : made.robot.parts.links) link.approximation.reset();
-  auto reasons = MNEME_TRY(allow_derived_pairs(made.robot.parts, options.pairs));
-  made.reasons = std::move(reasons);
+  made.reasons = MNEME_TRY(allow_derived_pairs(made.robot.parts, options.pairs));
   return made;
 }
 

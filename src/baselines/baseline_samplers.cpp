@@ -79,11 +79,10 @@ Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQu
   for (const bool is_mirrored : {false, true}) {
     const Symmetry to_scene{direction, is_mirrored};
     const PrimitiveKey canonical = moved_key(inverse(to_scene), circles);
-    const auto visited = query.database->for_each([&](const auto& row) {
+    MNEME_TRY(query.database->for_each([&](const auto& row) {
       if (row->kind != kind.kind->version) return;
       matches.push_back({row, scene_distance(canonical, row->key), to_scene});
-    });
-    if (!visited) return tl::unexpected(visited.error());
+    }));
   }
   const auto wanted = static_cast<std::size_t>(kind.max_matches) * primitives.size();
   std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {

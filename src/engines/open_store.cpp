@@ -80,12 +80,8 @@ tl::unexpected<Error> refuse_postgres(const std::string& url) {
 /// Reads schema version and signature.
 Result<OpenedStore> identified(std::unique_ptr<Store> store) {
   OpenedStore opened;
-  const auto version = MNEME_TRY(store->schema_version());
-  opened.schema_version = version;
-  if (version > 0) {
-    const auto signature = MNEME_TRY(store->signature());
-    opened.signature = signature;
-  }
+  opened.schema_version = MNEME_TRY(store->schema_version());
+  if (opened.schema_version > 0) opened.signature = MNEME_TRY(store->signature());
   opened.store = std::move(store);
   return opened;
 }

@@ -119,15 +119,14 @@ class PostgresTransaction final : public StoreTransaction {
     std::vector<std::int64_t> ids;
     if (is_empty_) return ids;
     const LongCall patience(connection_);
-    const auto found = connection_.stream(
+    MNEME_TRY(connection_.stream(
         "SELECT m.id FROM mneme_mixture m LEFT JOIN mneme_experience e ON e.id = m.id AND e.cell = "
         "m.cell WHERE e.id IS NULL AND NOT EXISTS (SELECT 1 FROM mneme_tombstone t WHERE t.row_id "
         "= m.id) ORDER BY m.id",
         {}, [&](const PostgresAnswer& answer) {
           ids.push_back(answer.integer(0, 0));
           return Result<void>();
-        });
-    if (!found) return tl::unexpected(found.error());
+        }));
     return ids;
   }
 
@@ -286,21 +285,18 @@ class PostgresStore final : public Store {
                                     ? "BEGIN ISOLATION LEVEL REPEATABLE READ READ ONLY"
                                     : "BEGIN ISOLATION LEVEL READ COMMITTED"));
     auto transaction = std::make_unique<PostgresTransaction>(connection_, kind, version == 0);
-    if (kind == Kind::write) {
-      MNEME_TRY(prepare_writing());
-    }
+    if (kind == Kind::write) MNEME_TRY(prepare_writing());
     return transaction;
   }
 
   Result<std::int64_t> bytes() override {
-    const auto size = revive().and_then([&] {
+    const auto size = MNEME_TRY(revive().and_then([&] {
       return connection_.query(
           "SELECT coalesce(sum(pg_total_relation_size(to_regclass(name))), 0)::bigint FROM "
           "unnest(ARRAY['mneme_robot', 'mneme_head', 'mneme_experience', 'mneme_mixture', "
           "'mneme_tombstone']) AS name");
-    });
-    if (!size) return tl::unexpected(size.error());
-    return size->integer(0, 0);
+    }));
+    return size.integer(0, 0);
   }
 
   const std::optional<std::string>& loss() const override { return loss_; }
@@ -327,12 +323,9 @@ class PostgresStore final : public Store {
   /// Locks the head, even a damaged one, and makes commits wait for the disk whatever the server's
   /// default.
   Result<void> prepare_writing() {
-    for (const char* sql : {"SELECT 1 FROM mneme_head FOR UPDATE",
-                            "SELECT set_config('synchronous_commit', 'on', true) WHERE "
-                            "current_setting('synchronous_commit') = 'off'"}) {
-      MNEME_TRY(connection_.query(sql));
-    }
-    return {};
+    return connection_.run_all({"SELECT 1 FROM mneme_head FOR UPDATE",
+                                "SELECT set_config('synchronous_commit', 'on', true) WHERE "
+                                "current_setting('synchronous_commit') = 'off'"});
   }
 
   std::shared_ptr<PostgresConnection> owner_;

@@ -126,8 +126,7 @@ Result<int> identify(Connection& connection) {
   constexpr std::array kQuestions = {"SELECT count(*) FROM sqlite_schema", "PRAGMA application_id",
                                      "PRAGMA user_version", "PRAGMA page_count"};
   for (std::size_t i = 0; i < facts.size(); ++i) {
-    const auto answer = MNEME_TRY(connection.integer(kQuestions[i]));
-    facts[i] = answer;
+    facts[i] = MNEME_TRY(connection.integer(kQuestions[i]));
   }
   const auto [table_count, application, version, page_count] = facts;
   const bool is_ours = application == kApplicationId,

@@ -272,8 +272,7 @@ class SqliteStore final : public Store {
   /// SQLite never rereads an immutable file; open it again to see changes.
   Result<void> reopen_if_immutable() {
     if (!connection_.is_immutable()) return {};
-    auto connection = MNEME_TRY(open_for_reading(connection_.lasting_path()));
-    connection_ = std::move(connection);
+    connection_ = MNEME_TRY(open_for_reading(connection_.lasting_path()));
     return {};
   }
 

@@ -140,8 +140,7 @@ Result<std::vector<SharedExperience>> RowLoader::load(std::span<const std::int64
 Result<void> RowLoader::read(std::span<const std::int64_t> ids, Reading& reading) const {
   const std::lock_guard lock(mutex_);
   if (store_ == nullptr) {
-    auto opened = MNEME_TRY(open_store(url_, OpenMode::read_only, {LossCheck::refuse, patience_}));
-    store_ = std::move(opened);
+    store_ = MNEME_TRY(open_store(url_, OpenMode::read_only, {LossCheck::refuse, patience_}));
   }
   const auto transaction = MNEME_TRY(store_->begin(Store::Kind::read));
   const auto visit = [&](const StoredRow& row) -> Result<void> {

@@ -385,8 +385,7 @@ Result<ApproximatedRobot> load_approximated_robot(const std::string& path,
     parts = std::move(made.parts);
     if (!parts.allowed_pairs) {
       has_srdf = false;
-      auto pairs = MNEME_TRY(find_adjacent_pairs(parts).map_error(with_path));
-      parts.allowed_pairs = std::move(pairs);
+      parts.allowed_pairs = MNEME_TRY(find_adjacent_pairs(parts).map_error(with_path));
     }
   }
   Robot robot =
