@@ -65,28 +65,29 @@ std::string immutable_uri(const std::string& path) {
 
 void Statement::Finalize::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
-Statement& Statement::bind(int parameter, std::int64_t value) {
-  bind_status_ |= sqlite3_bind_int64(statement_.get(), parameter, value);
+Statement& Statement::add(std::int64_t value) {
+  bind_status_ |= sqlite3_bind_int64(statement_.get(), ++last_added_, value);
   return *this;
 }
 
-Statement& Statement::bind(int parameter, std::string_view text) {
-  bind_status_ |= sqlite3_bind_text64(statement_.get(), parameter, text.data() ? text.data() : "",
-                                      text.size(), SQLITE_STATIC, SQLITE_UTF8);
+Statement& Statement::add(std::string_view text) {
+  bind_status_ |=
+      sqlite3_bind_text64(statement_.get(), ++last_added_, text.data() ? text.data() : "",
+                          text.size(), SQLITE_STATIC, SQLITE_UTF8);
   return *this;
 }
 
-Statement& Statement::bind(int parameter, std::span<const std::byte> blob) {
+Statement& Statement::add(std::span<const std::byte> blob) {
   // A null pointer would bind NULL instead of an empty blob.
   const void* data = blob.empty() ? static_cast<const void*>("") : blob.data();
   bind_status_ |=
-      sqlite3_bind_blob64(statement_.get(), parameter, data, blob.size(), SQLITE_STATIC);
+      sqlite3_bind_blob64(statement_.get(), ++last_added_, data, blob.size(), SQLITE_STATIC);
   return *this;
 }
 
-Statement& Statement::bind(int parameter, std::optional<std::int64_t> value) {
-  if (value) return bind(parameter, *value);
-  bind_status_ |= sqlite3_bind_null(statement_.get(), parameter);
+Statement& Statement::add(std::optional<std::int64_t> value) {
+  if (value) return add(*value);
+  bind_status_ |= sqlite3_bind_null(statement_.get(), ++last_added_);
   return *this;
 }
 

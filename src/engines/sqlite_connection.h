@@ -23,16 +23,12 @@ namespace mneme::internal {
 /// A prepared statement. Errors surface at step(): a failed bind makes step() fail.
 class Statement {
  public:
-  /// Parameters count from 1. Bound values must live until reset() or destruction.
-  Statement& bind(int parameter, std::int64_t value);
-  Statement& bind(int parameter, std::string_view text);
-  Statement& bind(int parameter, std::span<const std::byte> blob);
-  Statement& bind(int parameter, std::optional<std::int64_t> value);
-  /// Binds the parameter after the last added one, starting with the first.
-  template <class Value>
-  Statement& add(Value value) {
-    return bind(++last_added_, value);
-  }
+  /// Binds the parameter after the last added one, starting with the first. Values must live until
+  /// reset() or destruction.
+  Statement& add(std::int64_t value);
+  Statement& add(std::string_view text);
+  Statement& add(std::span<const std::byte> blob);
+  Statement& add(std::optional<std::int64_t> value);
 
   /// Returns true if there is a row to read, false at the end.
   [[nodiscard]] Result<bool> step();

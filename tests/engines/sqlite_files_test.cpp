@@ -32,7 +32,7 @@ TEST_SUITE("unit") {
     const std::string bytes("x\0y", 3);
     for (const std::string& value : {bytes, std::string()}) {
       auto insert = require(connection.prepare("INSERT INTO t VALUES (?, ?, ?)"));
-      insert.bind(1, std::as_bytes(std::span(value))).bind(2, value).bind(3, INT64_MIN);
+      insert.add(std::as_bytes(std::span(value))).add(value).add(INT64_MIN);
       REQUIRE(insert.step() == false);
     }
     auto select = require(connection.prepare("SELECT a, b, c FROM t ORDER BY rowid"));
@@ -79,7 +79,7 @@ TEST_SUITE("unit") {
     constexpr const char* kRows = "SELECT a FROM t WHERE a >= ? ORDER BY a";
     for (const std::int64_t first : {2, 1, 3}) {
       const auto select = require(connection.kept(kRows));
-      select->bind(1, first);
+      select->add(first);
       REQUIRE(select->step() == true);
       CHECK(select->integer(0) == first);
     }
@@ -87,7 +87,7 @@ TEST_SUITE("unit") {
     run_sql(directory / "a.db", "ALTER TABLE t ADD COLUMN b; UPDATE t SET a = a + 10");
     {
       const auto select = connection.kept(kRows);
-      (*select)->bind(1, std::int64_t{3});
+      (*select)->add(std::int64_t{3});
       REQUIRE((*select)->step() == true);
       CHECK((*select)->integer(0) == 11);
     }
