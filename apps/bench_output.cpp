@@ -203,7 +203,7 @@ ExitCode judge_rows(const std::vector<BenchmarkRow>& rows) {
   });
   if (wrong == 0) return ExitCode::done;
   print_error(fmt::format("{} failed the exact check at ten times the resolution",
-                          counted(static_cast<std::size_t>(wrong), "path", "paths")));
+                          counted(wrong, "path", "paths")));
   return ExitCode::failure;
 }
 

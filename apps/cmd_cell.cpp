@@ -268,9 +268,9 @@ Result<ExitCode> run_cell_verify(const CellVerifyOptions& options) {
                 {"in_contact", result.in_contact}});
   } else {
     fmt::print("{} of {} proven in {:.2f} s\n", result.proven,
-               counted(static_cast<std::size_t>(result.checked), "box", "boxes"), result.time_s);
+               counted(result.checked, "box", "boxes"), result.time_s);
     fmt::print("{} in contact of {} checked by exact distances\n", result.in_contact,
-               counted(static_cast<std::size_t>(result.paths), "path", "paths"));
+               counted(result.paths, "path", "paths"));
   }
   if (result.in_contact > 0) {
     print_error("a path of a proven box is in contact: please report this");
@@ -340,7 +340,7 @@ std::string describe_task(const CellRegion& region, const CellTask& task) {
 
 void print_jumps(const CellRegion& region, const CellContinuity& found, int count) {
   fmt::print("paths change by 0.5 rad or more across {} of {} between boxes\n", found.jumps.size(),
-             counted(static_cast<std::size_t>(found.faces), "face", "faces"));
+             counted(found.faces, "face", "faces"));
   const auto shown = std::min(found.jumps.size(), static_cast<std::size_t>(count));
   for (std::size_t i = 0; i < shown; ++i) {
     const CellJump& jump = found.jumps[i];

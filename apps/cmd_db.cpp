@@ -87,11 +87,11 @@ void print_info(const DatabaseInfo& info) {
   line("joints", info.signature.joint_count);
   for (const KindInfo& kind : info.kinds) {
     line("kind", fmt::format("{}, keys of {} numbers, {}", printable(kind.kind), kind.key_size,
-                             counted(static_cast<std::size_t>(kind.samplers), "row", "rows")));
+                             counted(kind.samplers, "row", "rows")));
   }
   line("samplers", info.samplers);
   line("components", info.components);
-  line("set aside", counted(static_cast<std::size_t>(info.tombstones), "row", "rows"));
+  line("set aside", counted(info.tombstones, "row", "rows"));
   line("size", fmt::format("{} bytes", info.bytes));
   line("schema", fmt::format("version {}, generation {}", info.schema_version, info.generation));
 }

@@ -117,10 +117,9 @@ Result<DemoMemory> learn_grid(const DemoOptions& options) {
       Database::open(options.out + "/planar.db", make_signature(robot), OpenMode::create));
   const std::vector<PrimitiveKey> keys = cover_grid(grid, options.job.seed);
   LearnSummary summary = MNEME_TRY(learn_with_progress(robot, keys, database, options.job));
-  print_note(
-      fmt::format("learned {} in {:.1f} s; {} were known",
-                  counted(static_cast<std::size_t>(summary.learned), "primitive", "primitives"),
-                  summary.time_s, summary.skipped));
+  print_note(fmt::format("learned {} in {:.1f} s; {} were known",
+                         counted(summary.learned, "primitive", "primitives"), summary.time_s,
+                         summary.skipped));
   return DemoMemory{std::make_shared<Database>(std::move(database)), summary};
 }
 
@@ -353,7 +352,7 @@ Result<ExitCode> run_demo(const DemoOptions& options) {
   if (options.is_opened) open_in_browser(report);
   if (cell.runs.wrong > 0) {
     print_error(fmt::format("{} of the cell failed the exact check",
-                            counted(static_cast<std::size_t>(cell.runs.wrong), "path", "paths")));
+                            counted(cell.runs.wrong, "path", "paths")));
     return ExitCode::failure;
   }
   return judge_rows(results.rows);

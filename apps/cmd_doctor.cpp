@@ -106,8 +106,7 @@ Result<std::string> try_memory(const Problem& problem) {
   if (!damage.empty() || database.size() == 0 || !result.plan.is_solved()) {
     return fail(ErrorCode::corrupt, fmt::format("'{}' did not keep what was learned", file.path()));
   }
-  return fmt::format("learned {} in {:.0f} ms",
-                     counted(static_cast<std::size_t>(database.size()), "primitive", "primitives"),
+  return fmt::format("learned {} in {:.0f} ms", counted(database.size(), "primitive", "primitives"),
                      1e3 * result.gl.learning_time_s);
 }
 

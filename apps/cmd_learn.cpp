@@ -25,10 +25,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string counted_samplers(std::int64_t count) {
-  return counted(static_cast<std::size_t>(count), "sampler", "samplers");
-}
-
 /// Learning on many machines.
 struct Sharing {
   Part shard;
@@ -77,16 +73,15 @@ Json to_json(const Coverage& coverage, double threshold) {
 
 void print_summary(const LearnSummary& summary, const Database& database) {
   fmt::print("learned {} ({} of them impassable) in {:.1f} s, {}\n",
-             counted(static_cast<std::size_t>(summary.learned), "primitive", "primitives"),
-             summary.empty, summary.time_s,
-             counted(static_cast<std::size_t>(summary.components), "component", "components"));
+             counted(summary.learned, "primitive", "primitives"), summary.empty, summary.time_s,
+             counted(summary.components, "component", "components"));
   if (summary.skipped > 0) {
     fmt::print("skipped {}: already learned\n", summary.skipped);
   }
   const DatabaseInfo info = database.info();
-  fmt::print("{} now holds {} with {} in {} bytes\n", info.url, counted_samplers(info.samplers),
-             counted(static_cast<std::size_t>(info.components), "component", "components"),
-             info.bytes);
+  fmt::print("{} now holds {} with {} in {} bytes\n", info.url,
+             counted(info.samplers, "sampler", "samplers"),
+             counted(info.components, "component", "components"), info.bytes);
 }
 
 void print_coverage(const Coverage& coverage, double threshold) {
@@ -137,11 +132,11 @@ void report_problems(const LearnOptions& options, const LearnSummary& summary,
     return;
   }
   fmt::print("learned from {} ({} learned before, {} unsolved) in {:.1f} s\n",
-             counted(static_cast<std::size_t>(summary.learned), "problem", "problems"),
-             summary.skipped, summary.unsolved.size(), summary.time_s);
-  fmt::print("added {} with {}; {} now holds {}\n", counted_samplers(summary.rows),
-             counted(static_cast<std::size_t>(summary.components), "component", "components"),
-             database.info().url, database.size());
+             counted(summary.learned, "problem", "problems"), summary.skipped,
+             summary.unsolved.size(), summary.time_s);
+  fmt::print("added {} with {}; {} now holds {}\n", counted(summary.rows, "sampler", "samplers"),
+             counted(summary.components, "component", "components"), database.info().url,
+             database.size());
 }
 
 Result<ExitCode> run_problem_lesson(const LearnOptions& options) {

@@ -86,7 +86,7 @@ void print_text(const LineResult& result, double time_s) {
   const double length = (result.end.translation - result.begin.translation).norm();
   fmt::print("line        {:.1f} % of {:.1f} cm, {}, {}\n", 100 * line.fraction(), 100 * length,
              counted(line.path.size(), "configuration", "configurations"),
-             counted(static_cast<std::size_t>(result.branches), "branch", "branches"));
+             counted(result.branches, "branch", "branches"));
   if (!line.path.empty()) {
     fmt::print("deviation   at most {:.4f} mm and {:.4f} degrees, proven\n",
                1e3 * line.position_deviation, kDegrees * line.rotation_deviation);

@@ -88,10 +88,6 @@ void print_json(const nlohmann::ordered_json& json) {
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
-std::string counted(std::size_t count, std::string_view one, std::string_view many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 Progress::Progress(std::string label) : label_(std::move(label)), is_terminal_(has_terminal()) {}
 
 Progress::~Progress() {

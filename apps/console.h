@@ -5,10 +5,12 @@
 /// The first Control-C lets a command end in order; a second one ends the program at once.
 #pragma once
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <atomic>
 #include <chrono>
+#include <concepts>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -29,7 +31,10 @@ void print_warning(const std::string& message);
 void print_json(const nlohmann::ordered_json& json);
 
 /// "1 match", "2 matches".
-[[nodiscard]] std::string counted(std::size_t count, std::string_view one, std::string_view many);
+template <std::integral Count>
+[[nodiscard]] std::string counted(Count count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
 
 /// Progress of a long task: a bar on a terminal, otherwise a line about every five seconds. Not
 /// thread-safe.

@@ -72,8 +72,7 @@ Json to_json(const MergeSummary& summary) {
 void print_summary(const UpkeepOptions& options, const MergeSummary& summary) {
   if (options.is_json) return print_json(to_json(summary));
   fmt::print("{} read, {} added, {} replaced by earlier ones\n",
-             counted(static_cast<std::size_t>(summary.read), "row", "rows"), summary.added,
-             summary.replaced);
+             counted(summary.read, "row", "rows"), summary.added, summary.replaced);
 }
 
 Result<ExitCode> run_merge(const UpkeepOptions& options) {
@@ -92,8 +91,8 @@ Result<ExitCode> run_export(const UpkeepOptions& options) {
   const std::array<ReadFile, 1> inputs = {{{"the memory", options.url}}};
   MNEME_TRY(check_outputs(std::array{options.file}, inputs));
   return export_database(options.url, options.file).map([&](std::int64_t rows) {
-    const std::string what = fmt::format(
-        "{} written to {}", counted(static_cast<std::size_t>(rows), "row", "rows"), options.file);
+    const std::string what =
+        fmt::format("{} written to {}", counted(rows, "row", "rows"), options.file);
     if (options.file == "/dev/stdout") {
       print_note(what);
     } else if (options.is_json) {
@@ -142,8 +141,8 @@ Result<ExitCode> run_compact(const UpkeepOptions& options) {
                   {"bytes_after", summary.bytes_after}});
     } else {
       fmt::print("{} removed, {} bytes before, {} bytes after\n",
-                 counted(static_cast<std::size_t>(summary.removed), "row", "rows"),
-                 summary.bytes_before, summary.bytes_after);
+                 counted(summary.removed, "row", "rows"), summary.bytes_before,
+                 summary.bytes_after);
     }
     return ExitCode::done;
   });

@@ -24,8 +24,7 @@ void watch_learning(LearnRun& run, const std::string& what) {
     progress->update(state.done, state.total, fmt::format("{} components", state.components));
   };
   print_note(fmt::format("learning {} with {}, seed {}", what,
-                         counted(static_cast<std::size_t>(run.jobs), "thread", "threads"),
-                         run.seed));
+                         counted(run.jobs, "thread", "threads"), run.seed));
 }
 
 std::vector<PrimitiveKey> cover_grid(const PrimitiveGrid& grid, std::uint64_t seed) {

@@ -74,7 +74,7 @@ void print_answer(const TaskRunOptions& options, const Task& task, const TaskRes
     fmt::print("search      {} states checked\n", result.states_checked);
     if (result.remembered_rows > 0) {
       fmt::print("memory      {} ranked the alternatives\n",
-                 counted(static_cast<std::size_t>(result.remembered_rows), "plan", "plans"));
+                 counted(result.remembered_rows, "plan", "plans"));
     }
     print_stages(result);
   }
