@@ -25,8 +25,7 @@ std::string write_problems(const PlanarFiles& files) {
 }
 
 std::vector<BenchmarkRow> rows_of(const std::string& path) {
-  const auto runs = require(parse_csv(read_file(path), path));
-  return runs.rows;
+  return require(parse_csv(read_file(path), path)).rows;
 }
 
 TEST_SUITE("flow") {

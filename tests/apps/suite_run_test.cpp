@@ -29,8 +29,7 @@ std::string write_suite(const PlanarFiles& files, const std::string& more = "") 
 }
 
 std::vector<BenchmarkRow> rows_of_suite(const std::string& path) {
-  const auto runs = require(parse_csv(read_file(path), path));
-  return runs.rows;
+  return require(parse_csv(read_file(path), path)).rows;
 }
 
 /// What tells runs apart.

@@ -15,8 +15,7 @@ namespace mneme::test {
 inline Robot require_arm(const std::string& urdf) { return require(parse_robot(urdf, "arm.urdf")); }
 
 inline Robot planar_arm(const std::vector<double>& lengths, double thickness = 0.001) {
-  const auto urdf = require(planar_arm_urdf("arm", lengths, thickness));
-  return require_arm(urdf);
+  return require_arm(require(planar_arm_urdf("arm", lengths, thickness)));
 }
 
 /// The same with other limits of all joints but the first, which turns all the way.
