@@ -24,8 +24,7 @@ TEST_SUITE("flow") {
     for (BenchmarkRow& row : more) row.set = "other";
     write_file(files / "more.csv", to_csv(more));
     const ProgramRun run =
-        run_program({"bench", "report", csv, files / "more.csv", "-o", page, "--title", "A & B"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+        require_run({"bench", "report", csv, files / "more.csv", "-o", page, "--title", "A & B"});
     CHECK(contains(run.out, "360 runs with 2 figures"));
     CHECK(contains(read_file(page), "<h1>A &amp; B</h1>"));
     for (const char* name : {"1_scenario_solved", "2_other_solved"}) {
@@ -54,9 +53,7 @@ TEST_SUITE("flow") {
 
   TEST_CASE("Runs are exported for OMPL's tools") {
     const PlanarFiles files;
-    const ProgramRun run =
-        run_program({"bench", "export", write_runs(files), "--ompl-logs", files / "logs"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    require_run({"bench", "export", write_runs(files), "--ompl-logs", files / "logs"});
     CHECK(contains(read_file(files / "logs/scenario_S1.log"), "Experiment scenario_S1"));
   }
 }

@@ -33,9 +33,8 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     const std::string csv = files / "runs.csv";
     const ProgramRun run =
-        run_program({"bench", "run", write_problems(files), "--planners", "rrt_connect,prm",
+        require_run({"bench", "run", write_problems(files), "--planners", "rrt_connect,prm",
                      "--samplers", "uniform,halton", "--seeds", "2", "--csv", csv, "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     const Json json = Json::parse(run.out);
     CHECK(json["runs"] == 16);
     CHECK(json["invalid"] == Json{"pairs#blocked"});
@@ -62,14 +61,13 @@ TEST_SUITE("flow") {
     const std::string csv = files / "runs.csv";
     const std::vector<std::string> command = {"bench", "run", write_problems(files), "--seeds", "2",
                                               "--csv", csv};
-    REQUIRE(run_program(command).exit_code == 0);
+    require_run(command);
     const std::string whole = read_file(csv);
     const std::size_t third = whole.find('\n', whole.find("\nblocked") + 1) + 1;
     write_file(csv, whole.substr(0, third + 7));
     std::vector<std::string> resumed = command;
     resumed.push_back("--resume");
-    const ProgramRun run = run_program(resumed);
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const ProgramRun run = require_run(resumed);
     CHECK(rows_of(csv).size() == 4);
     CHECK(read_file(csv).substr(0, third) == whole.substr(0, third));
     CHECK(contains(run.out, "1/1/2") == false);
@@ -83,9 +81,8 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     write_problems(files);
     write_file(files / "scene.yaml", "circles: {a: [1, 2, 3]}\n");
-    const ProgramRun run = run_program(
+    const ProgramRun run = require_run(
         {"bench", "run", files / "", "--max-iterations", "1", "--timeout", "1", "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     const Json json = Json::parse(run.out);
     CHECK(json["runs"] == 3);
     REQUIRE(json["sets"].size() == 3);
@@ -96,9 +93,8 @@ TEST_SUITE("flow") {
   TEST_CASE("names of files cannot steer a terminal") {
     const PlanarFiles files;
     std::filesystem::rename(write_problems(files), files / "p\x1b[31mq.json");
-    const ProgramRun run = run_program(
+    const ProgramRun run = require_run(
         {"bench", "run", files / "p\x1b[31mq.json", "--max-iterations", "1", "--timeout", "1"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     CHECK(contains(run.out, "p\\x1b[31mq "));
     CHECK(contains(run.out, "p\\x1b[31mq#blocked"));
     CHECK_FALSE(contains(run.out + run.err, "\x1b"));
@@ -107,8 +103,7 @@ TEST_SUITE("flow") {
   TEST_CASE("memory is drawn from where there is one") {
     const PlanarFiles files;
     const ProgramRun run =
-        run_program({"bench", "run", files.problem(), "--db", files.database(), "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+        require_run({"bench", "run", files.problem(), "--db", files.database(), "--json"});
     const Json json = Json::parse(run.out);
     REQUIRE(json["sets"].size() == 2);
     CHECK(json["sets"][0]["sampler"] == "gl");
@@ -119,10 +114,8 @@ TEST_SUITE("flow") {
     const std::string csv = files / "runs.csv";
     for (const char* after : {"0", "1"}) {
       CAPTURE(after);
-      const ProgramRun run =
-          run_program({"bench", "run", files.problem(), "--db", files.database(), "--csv", csv,
-                       "--seeds", "5", "--walk", "0", "--retrieve-after", after});
-      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      require_run({"bench", "run", files.problem(), "--db", files.database(), "--csv", csv,
+                   "--seeds", "5", "--walk", "0", "--retrieve-after", after});
       for (const BenchmarkRow& row : rows_of(csv)) {
         CHECK((row.retrieval_time_s > 0) == (row.sampler == "gl"));
         CHECK(row.retrieval_time_s <= row.planning_time_s);

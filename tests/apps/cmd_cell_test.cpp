@@ -39,8 +39,7 @@ TEST_SUITE("flow") {
     const std::string region = directory / "region.yaml", cell = directory / "a.cell";
     write_file(region, kRegion);
     const ProgramRun built =
-        run_program({"cell", "build", region, "-o", cell, "--boxes", "20", "--json"});
-    REQUIRE_MESSAGE(built.exit_code == 0, built.err);
+        require_run({"cell", "build", region, "-o", cell, "--boxes", "20", "--json"});
     const Json summary = Json::parse(built.out);
     CHECK(summary["boxes"] > 0);
     CHECK(summary["starts"].size() == 2);
@@ -48,30 +47,25 @@ TEST_SUITE("flow") {
     CHECK(summary["starts"][0]["proven"] > 0.95);
 
     const ProgramRun asked =
-        run_program({"cell", "query", cell, "--at", "0.01,-0.02", "--start", "side", "--json"});
-    REQUIRE_MESSAGE(asked.exit_code == 0, asked.err);
+        require_run({"cell", "query", cell, "--at", "0.01,-0.02", "--start", "side", "--json"});
     const Json answer = Json::parse(asked.out);
     CHECK(answer["tier"] == "certified");
     CHECK(answer["path"][0][0] == 0.4);
 
-    const ProgramRun verified = run_program({"cell", "verify", cell, "--samples", "50"});
-    CHECK_MESSAGE(verified.exit_code == 0, verified.err);
+    const ProgramRun verified = require_run({"cell", "verify", cell, "--samples", "50"});
     CHECK(contains(verified.out, "0 in contact"));
 
-    const ProgramRun shown = run_program({"cell", "show", cell});
-    CHECK(shown.exit_code == 0);
+    const ProgramRun shown = require_run({"cell", "show", cell});
     CHECK(contains(shown.out, "proven for the modelled scene"));
     CHECK(contains(shown.out, "paths change by 0.5 rad or more across 0 of "));
 
     const std::string page = directory / "a.html";
-    const ProgramRun viewed = run_program({"cell", "show", cell, "--view", page});
-    CHECK_MESSAGE(viewed.exit_code == 0, viewed.err);
+    require_run({"cell", "show", cell, "--view", page});
     CHECK(contains(read_file(page), "<html"));
     CHECK(run_program({"cell", "show", cell, "--view", cell}).exit_code != 0);
 
     const ProgramRun more =
-        run_program({"cell", "build", region, "-o", cell, "--boxes", "20", "--resume", "--json"});
-    REQUIRE_MESSAGE(more.exit_code == 0, more.err);
+        require_run({"cell", "build", region, "-o", cell, "--boxes", "20", "--resume", "--json"});
     CHECK(Json::parse(more.out)["boxes"] >= summary["boxes"]);
   }
 
@@ -79,7 +73,7 @@ TEST_SUITE("flow") {
     const TemporaryDirectory directory;
     const std::string region = directory / "region.yaml", cell = directory / "a.cell";
     write_file(region, kRegion);
-    REQUIRE(run_program({"cell", "build", region, "-o", cell, "--boxes", "1"}).exit_code == 0);
+    require_run({"cell", "build", region, "-o", cell, "--boxes", "1"});
     const ProgramRun start = run_program({"cell", "query", cell, "--at", "0", "--start", "sude"});
     CHECK(start.exit_code == 1);
     CHECK(contains(start.err, "did you mean 'side'?"));
@@ -106,13 +100,10 @@ TEST_SUITE("flow") {
     problem.resize(problem.find("region:"));
     write_file(directory / "task.yaml", problem);
     const ProgramRun made =
-        run_program({"cell", "regions", directory / "task.yaml", "--link", "panda_hand",
+        require_run({"cell", "regions", directory / "task.yaml", "--link", "panda_hand",
                      "--extents", "0.02,0.02,0,0.1", "--tries", "3", "-o", directory / "made"});
-    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
     const std::string region = made.out.substr(0, made.out.find('\n'));
-    const ProgramRun built =
-        run_program({"cell", "build", region, "-o", directory / "a.cell", "--boxes", "5"});
-    CHECK_MESSAGE(built.exit_code == 0, built.err);
+    require_run({"cell", "build", region, "-o", directory / "a.cell", "--boxes", "5"});
   }
 }
 

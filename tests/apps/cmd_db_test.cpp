@@ -41,8 +41,7 @@ TEST_SUITE("flow") {
   TEST_CASE("info of an empty file says that nobody's experience is in it") {
     const TemporaryDirectory directory;
     write_file(directory / "new.db", "");
-    const ProgramRun words = run_program({"db", "info", directory / "new.db"});
-    CHECK(words.exit_code == 0);
+    const ProgramRun words = require_run({"db", "info", directory / "new.db"});
     CHECK(contains(words.out, "the database is empty"));
     CHECK_FALSE(contains(words.out, "older"));
     CHECK(run_json({"db", "info", directory / "new.db"})["schema_version"] == 0);
@@ -158,9 +157,8 @@ TEST_SUITE("flow") {
   TEST_CASE("memory of whole paths is queried by problems, and has keys of its own") {
     const PlanarFiles files;
     const std::string memory = files / "paths.db";
-    const ProgramRun learned = run_program({"learn", "--problems", files.problem(), "--kind",
-                                            "paths", "--db", memory, "--paths", "1"});
-    REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
+    require_run({"learn", "--problems", files.problem(), "--kind", "paths", "--db", memory,
+                 "--paths", "1"});
     const Json json = run_json({"db", "query", memory, "--problem", files.problem()});
     REQUIRE(json["primitives"].size() == 1);
     REQUIRE(json["primitives"][0]["matches"].size() == 1);
@@ -190,9 +188,8 @@ TEST_SUITE("flow") {
 
   TEST_CASE("a database of several kinds is queried for each of them") {
     const PlanarFiles files;
-    const ProgramRun learned = run_program({"learn", "--problems", files.problem(), "--kind",
-                                            "paths", "--db", files.database(), "--paths", "1"});
-    REQUIRE_MESSAGE(learned.exit_code == 0, learned.err);
+    require_run({"learn", "--problems", files.problem(), "--kind", "paths", "--db",
+                 files.database(), "--paths", "1"});
     CHECK(run_json({"db", "info", files.database()})["kinds"].size() == 2);
     const Json json = run_json({"db", "query", files.database(), "--problem", files.problem()});
     REQUIRE(json["primitives"].size() == 2);

@@ -26,8 +26,7 @@ TEST_SUITE("flow") {
     const std::string out = files / "out/demo";
     const std::vector<std::string> command = {
         "demo", "--scenes", small_scenes(files), "--out", out, "--seeds", "2", "--timeout", "0.3"};
-    const ProgramRun run = run_program(command);
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const ProgramRun run = require_run(command);
     CHECK(contains(run.err, "skipped: there is no"));
     CHECK(contains(run.out, "rrt_connect"));
     CHECK(contains(run.out, out + "/report.html"));
@@ -41,12 +40,11 @@ TEST_SUITE("flow") {
     const std::string page = report.substr(begin, report.find('"', begin) - begin);
     CHECK(contains(read_file(out + "/" + page), "mneme-trace"));
     CHECK(contains(read_file(out + "/results.csv"), "rrt_connect,gl"));
-    CHECK(run_program({"db", "verify", out + "/planar.db"}).exit_code == 0);
+    require_run({"db", "verify", out + "/planar.db"});
 
     std::vector<std::string> again = command;
     again.emplace_back("--json");
-    const ProgramRun second = run_program(again);
-    REQUIRE_MESSAGE(second.exit_code == 0, second.err);
+    const ProgramRun second = require_run(again);
     const auto json = nlohmann::json::parse(second.out);
     CHECK(json["learned"] == 0);
     CHECK(json["rows"].size() == 12);

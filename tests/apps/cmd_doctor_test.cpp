@@ -15,8 +15,7 @@ using Json = nlohmann::json;
 
 TEST_SUITE("flow") {
   TEST_CASE("the doctor tries every instruction set and the database") {
-    const ProgramRun run = run_program({"doctor", "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.out);
+    const ProgramRun run = require_run({"doctor", "--json"});
     const Json json = Json::parse(run.out);
     CHECK(json["ok"] == true);
     CHECK(json["version"] == std::string(version()));
@@ -27,8 +26,7 @@ TEST_SUITE("flow") {
   }
 
   TEST_CASE("the doctor says which instruction set is used, and why") {
-    const ProgramRun run = run_program({"doctor"}, {{"MNEME_ISA=scalar"}, false});
-    CHECK(run.exit_code == 0);
+    const ProgramRun run = require_run({"doctor"}, {{"MNEME_ISA=scalar"}, false});
     CHECK(contains(run.out, "used: scalar, as MNEME_ISA says"));
     CHECK(contains(run.out, "planning, scalar"));
     CHECK(contains(run.out, "database             ok: learned 1 primitive"));
@@ -36,8 +34,7 @@ TEST_SUITE("flow") {
 
   TEST_CASE("the doctor leaves no file behind") {
     const TemporaryDirectory directory;
-    const ProgramRun run = run_program({"doctor"}, {{"TMPDIR=" + (directory / "")}, false});
-    CHECK(run.exit_code == 0);
+    require_run({"doctor"}, {{"TMPDIR=" + (directory / "")}, false});
     CHECK(std::filesystem::is_empty(directory / ""));
   }
 

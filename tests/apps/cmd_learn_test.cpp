@@ -49,8 +49,7 @@ void read_err_until(RunningProgram& program, const std::string& word) {
 }
 
 std::vector<std::string> listed_keys(const std::string& database) {
-  const ProgramRun run = run_program({"db", "list", database, "--json"});
-  REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+  const ProgramRun run = require_run({"db", "list", database, "--json"});
   std::vector<std::string> keys;
   const Json json = Json::parse(run.out);
   for (const Json& row : json["rows"]) {
@@ -72,8 +71,7 @@ ProgramRun learn_posts(const Posts& posts, const std::string& part, const std::s
 TEST_SUITE("flow") {
   TEST_CASE("a grid is learned into a database, and the summary tells its coverage") {
     const PlanarFiles files;
-    const ProgramRun run = run_program(small_learn(files, files / "new.db", {"--json"}));
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const ProgramRun run = require_run(small_learn(files, files / "new.db", {"--json"}));
     const Json json = Json::parse(run.out);
     CHECK(json["learned"] >= 3);
     CHECK(json["skipped"] == 0);
@@ -103,31 +101,30 @@ TEST_SUITE("flow") {
   TEST_CASE("learning the same again adds nothing, and another seed adds") {
     const PlanarFiles files;
     const std::string database = files / "new.db";
-    REQUIRE(run_program(small_learn(files, database)).exit_code == 0);
+    require_run(small_learn(files, database));
     const std::vector<std::string> before = listed_keys(database);
-    const ProgramRun again = run_program(small_learn(files, database, {"--json"}));
-    REQUIRE_MESSAGE(again.exit_code == 0, again.err);
+    const ProgramRun again = require_run(small_learn(files, database, {"--json"}));
     CHECK(Json::parse(again.out)["learned"] == 0);
     CHECK(listed_keys(database) == before);
 
-    REQUIRE(run_program(small_learn(files, database, {"--seed", "2"})).exit_code == 0);
+    require_run(small_learn(files, database, {"--seed", "2"}));
     const std::vector<std::string> both = listed_keys(database);
     CHECK(both.size() > before.size());
-    CHECK(run_program(small_learn(files, database)).exit_code == 0);
+    require_run(small_learn(files, database));
     CHECK(listed_keys(database) == both);
   }
 
   TEST_CASE("the number of threads does not change what is learned") {
     const PlanarFiles files;
-    REQUIRE(run_program(small_learn(files, files / "one.db", {"--jobs", "1"})).exit_code == 0);
-    REQUIRE(run_program(small_learn(files, files / "two.db", {"--jobs", "3"})).exit_code == 0);
+    require_run(small_learn(files, files / "one.db", {"--jobs", "1"}));
+    require_run(small_learn(files, files / "two.db", {"--jobs", "3"}));
     CHECK(listed_keys(files / "one.db") == listed_keys(files / "two.db"));
   }
 
   TEST_CASE("shards that are merged are what one process learns, however many there are") {
     const PlanarFiles files;
     const std::vector<std::string> grid = {"--count", "11"};
-    REQUIRE(run_program(small_learn(files, files / "whole.db", grid)).exit_code == 0);
+    require_run(small_learn(files, files / "whole.db", grid));
     const std::string whole = exported(files / "whole.db");
     for (const auto& shards :
          {std::vector<std::string>{"1/2", "2/2"}, std::vector<std::string>{"2/3", "0/3", "1/3"}}) {
@@ -135,15 +132,13 @@ TEST_SUITE("flow") {
       std::size_t learned = 0;
       for (std::size_t i = 0; i < shards.size(); ++i) {
         const std::string part = merged + "_" + std::to_string(i);
-        const ProgramRun run = run_program(
+        const ProgramRun run = require_run(
             small_learn(files, part, {"--count", "11", "--shard", shards[i], "--json"}));
-        REQUIRE_MESSAGE(run.exit_code == 0, run.err);
         const Json json = Json::parse(run.out);
         CHECK(json["learned"] >= 11 / shards.size());
         CHECK(json["coverage"].is_null());
         learned += json["learned"].get<std::size_t>();
-        const ProgramRun merge = run_program({"db", "merge", merged, part});
-        REQUIRE_MESSAGE(merge.exit_code == 0, merge.err);
+        require_run({"db", "merge", merged, part});
       }
       CHECK(learned == listed_keys(files / "whole.db").size());
       CHECK(exported(merged) == whole);
@@ -156,7 +151,7 @@ TEST_SUITE("flow") {
     if (server == nullptr) return;
     const PlanarFiles files;
     const std::string url = server->new_url();
-    REQUIRE(run_program(small_learn(files, files / "whole.db")).exit_code == 0);
+    require_run(small_learn(files, files / "whole.db"));
     const auto command = small_learn(files, url, {"--worker", "--lease", "5", "--json"});
     RunningProgram first(command);
     RunningProgram second(command);
@@ -179,9 +174,8 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     std::filesystem::copy_file(files.problem(), files / "problem2.yaml");
     const ProgramRun run =
-        run_program({"learn", "--robot", "planar8", "--scenes", files / "problem*.yaml", "--db",
+        require_run({"learn", "--robot", "planar8", "--scenes", files / "problem*.yaml", "--db",
                      files / "new.db", "--starts-per-link", "1", "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     CHECK(Json::parse(run.out)["learned"] == 1);
     CHECK(Json::parse(run.out)["coverage"].is_null());
   }
@@ -189,9 +183,8 @@ TEST_SUITE("flow") {
   TEST_CASE("scenes without primitives are learned from with a note") {
     const PlanarFiles files;
     write_file(files / "far.yaml", "circles: {a: [-5, 0, 1], b: [5, 0, 1]}\n");
-    const ProgramRun run = run_program(
+    const ProgramRun run = require_run(
         {"learn", "--robot", "planar8", "--scenes", files / "far.yaml", "--db", files / "new.db"});
-    CHECK(run.exit_code == 0);
     CHECK(contains(run.err, "no primitives"));
     CHECK(contains(run.err, "--max-gap"));
   }
@@ -209,7 +202,7 @@ TEST_SUITE("flow") {
     // Without a row there is no file.
     const bool has_rows = std::filesystem::exists(database);
     CHECK((!has_rows || run_program({"db", "verify", database}).exit_code == 0));
-    CHECK(run_program(small_learn(files, database)).exit_code == 0);
+    require_run(small_learn(files, database));
   }
 
   TEST_CASE("an interrupt while primitives are chosen ends the command with nothing learned") {
@@ -245,19 +238,17 @@ TEST_SUITE("flow") {
     CHECK(summary["rows"] == 4);
     CHECK(summary["components"] > 0);
 
-    const ProgramRun bench = run_program(
+    const ProgramRun bench = require_run(
         with_bender(posts, {"bench", "run", posts.problems(), "--part", "2/2", "--db", database,
                             "--samplers", "gl", "--retrieve-after", "0", "--seeds", "2"}));
-    REQUIRE_MESSAGE(bench.exit_code == 0, bench.err);
     CHECK(contains(bench.out, "\"solved\": 4"));
   }
 
   TEST_CASE("problems without a path are counted and named") {
     const Posts posts;
-    const ProgramRun run = run_program(
+    const ProgramRun run = require_run(
         with_bender(posts, {"learn", "--problems", posts.directory / "posts.json#0", "--db",
                             posts.directory / "bender.db", "--path-timeout", "0"}));
-    CHECK(run.exit_code == 0);
     CHECK(Json::parse(run.out)["unsolved"] == 1);
     CHECK(contains(run.err, "0: not solved: no path within the time limit"));
   }

@@ -26,24 +26,21 @@ std::vector<std::string> line_of(std::vector<std::string> more) {
 TEST_SUITE("flow") {
   TEST_CASE("a link moves along a line, and the motion is timed") {
     const TemporaryDirectory directory;
-    const ProgramRun run = run_program(line_of({"--by", "0,0.1,-0.1", "--json"}));
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const ProgramRun run = require_run(line_of({"--by", "0,0.1,-0.1", "--json"}));
     const Json json = Json::parse(run.out);
     CHECK(json["is_whole"] == true);
     CHECK(json["fractions"].back() == 1);
     CHECK(json["path"].size() == json["fractions"].size());
     CHECK(json["position_deviation"] <= 1e-4);
     const std::string file = directory / "line.csv";
-    const ProgramRun timed = run_program(line_of({"--by", "0,0.1,-0.1", "--trajectory", file}));
-    REQUIRE_MESSAGE(timed.exit_code == 0, timed.err);
+    const ProgramRun timed = require_run(line_of({"--by", "0,0.1,-0.1", "--trajectory", file}));
     CHECK(contains(timed.out, "motion      "));
     CHECK(contains(read_file(file), "panda_joint1"));
   }
 
   TEST_CASE("a line starts at a pose, and ends at a position") {
-    const ProgramRun run = run_program({"line", "panda", "--from", "panda_hand:0.4,0.1,0.5,1,0,0,0",
+    const ProgramRun run = require_run({"line", "panda", "--from", "panda_hand:0.4,0.1,0.5,1,0,0,0",
                                         "--to", "panda_hand:0.4,0.1,0.3", "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     CHECK(Json::parse(run.out)["branches"] > 0);
   }
 

@@ -8,8 +8,7 @@ namespace {
 
 TEST_SUITE("flow") {
   TEST_CASE("the manual page has every command, flag and environment variable") {
-    const ProgramRun run = run_program({"manual"});
-    REQUIRE(run.exit_code == 0);
+    const ProgramRun run = require_run({"manual"});
     CHECK(run.out.starts_with(".TH MNEME 1"));
     for (const char* part : {".SS mneme plan\n", ".SS mneme db verify\n", "\\-\\-learn\\-budget",
                              ".B MNEME_ROBOT_PATH", "130 interrupted", ".SH SEE ALSO"}) {

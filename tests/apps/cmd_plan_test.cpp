@@ -21,8 +21,7 @@ std::string list_of(const Configuration& q) {
 TEST_SUITE("flow") {
   TEST_CASE("a problem is solved without memory, and the JSON has the stable keys") {
     const PlanarFiles files;
-    const ProgramRun run = run_program({"plan", files.problem(), "--json", "--seed", "7"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const ProgramRun run = require_run({"plan", files.problem(), "--json", "--seed", "7"});
     const Json json = Json::parse(run.out);
     for (const char* key : {"status",
                             "solved",
@@ -66,8 +65,7 @@ TEST_SUITE("flow") {
       std::vector<std::string> words = command;
       words.push_back(files / file);
       words.insert(words.end(), more.begin(), more.end());
-      const ProgramRun run = run_program(words);
-      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      const ProgramRun run = require_run(words);
       return Json::parse(run.out);
     };
     const double duration = run_with("m.csv")["duration_s"];
@@ -140,8 +138,7 @@ TEST_SUITE("flow") {
   TEST_CASE("the words for people name status, times, memory and path") {
     const PlanarFiles files;
     const ProgramRun run =
-        run_program({"plan", files.problem(), "--db", files.database(), "--retrieve-after", "0"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+        require_run({"plan", files.problem(), "--db", files.database(), "--retrieve-after", "0"});
     CHECK(contains(run.out, "solved: rrt_connect, sampler gl, seed 1"));
     CHECK(contains(run.out, "1 primitive, 1 sampler retrieved"));
     CHECK(contains(run.out, "similarity error 0.000"));
@@ -169,8 +166,7 @@ TEST_SUITE("flow") {
     CHECK_FALSE(std::filesystem::exists(files.database() + ".index"));
     std::vector<std::string> small = arguments;
     small.insert(small.end(), {"--db-memory", "0"});
-    const ProgramRun partial = run_program(small);
-    REQUIRE_MESSAGE(partial.exit_code == 0, partial.err);
+    const ProgramRun partial = require_run(small);
     CHECK(std::filesystem::exists(files.database() + ".index"));
     CHECK(Json::parse(partial.out)["path"] == Json::parse(whole.out)["path"]);
     CHECK(Json::parse(partial.out)["components"] == Json::parse(whole.out)["components"]);
@@ -193,16 +189,14 @@ TEST_SUITE("flow") {
 
   TEST_CASE("an instruction set can be forced") {
     const PlanarFiles files;
-    const ProgramRun run = run_program({"plan", files.problem(), "--isa", "scalar", "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const ProgramRun run = require_run({"plan", files.problem(), "--isa", "scalar", "--json"});
     CHECK(Json::parse(run.out)["isa"] == "scalar");
   }
 
   TEST_CASE("a picture is written, also to a file with odd characters in its name") {
     const PlanarFiles files;
     const std::string picture = files / "a picture; of \"two\" \xc3\xa4\xff%s.svg";
-    const ProgramRun run = run_program({"plan", files.problem(), "--svg", picture});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    require_run({"plan", files.problem(), "--svg", picture});
     CHECK(contains(read_file(picture), "<svg"));
     CHECK(contains(read_file(picture), "</svg>"));
   }
@@ -215,9 +209,8 @@ TEST_SUITE("flow") {
     std::filesystem::copy_file(files.problem(), problem);
     std::filesystem::copy_file(files.database(), database);
     std::filesystem::copy_file(source_file("robots/planar8.urdf"), robot);
-    const ProgramRun run = run_program(
+    const ProgramRun run = require_run(
         {"plan", problem, "--db", database, "--robot", robot, "--retrieve-after", "0", "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     CHECK(Json::parse(run.out)["retrieved"] == 1);
   }
 
@@ -227,11 +220,9 @@ TEST_SUITE("flow") {
         "plan",  files.problem(),     "--db", files / "new.db",    "--learn-budget",
         "30",    "--starts-per-link", "1",    "--paths-per-start", "1",
         "--json"};
-    const ProgramRun first = run_program(command);
-    REQUIRE_MESSAGE(first.exit_code == 0, first.err);
+    const ProgramRun first = require_run(command);
     CHECK(Json::parse(first.out)["learning_time_s"] > 0);
-    const ProgramRun second = run_program(command);
-    REQUIRE_MESSAGE(second.exit_code == 0, second.err);
+    const ProgramRun second = require_run(command);
     CHECK(Json::parse(second.out)["retrieved"] == 1);
     CHECK(Json::parse(second.out)["learning_time_s"] == 0);
   }
@@ -239,8 +230,7 @@ TEST_SUITE("flow") {
   TEST_CASE("problems of a compact file are planned by name") {
     const auto problems = data_file("planar/problems.json");
     if (!problems) return;
-    const ProgramRun run = run_program({"plan", *problems + "#S1", "--json"});
-    CHECK_MESSAGE(run.exit_code == 0, run.err);
+    require_run({"plan", *problems + "#S1", "--json"});
     check_bad_inputs({{{"plan", *problems + "#S99"}, 1, {"S99"}}});
   }
 
@@ -426,8 +416,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a path in space becomes a picture that moves, and no path none") {
     const PlanarFiles files;
     const std::string problem = source_file("scenes/shelf/thin.yaml");
-    const ProgramRun solved = run_program({"plan", problem, "--svg", files / "moving.svg"});
-    CHECK_MESSAGE(solved.exit_code == 0, solved.err);
+    require_run({"plan", problem, "--svg", files / "moving.svg"});
     CHECK(contains(read_file(files / "moving.svg"), "<animate"));
     const ProgramRun stopped = run_program({"plan", problem, "--max-iterations", "1", "--svg",
                                             files / "p.svg", "--view", files / "p.html"});
@@ -439,18 +428,15 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a memory that was not used says so") {
     const PlanarFiles files;
-    const ProgramRun late = run_program(
+    const ProgramRun late = require_run(
         {"plan", files.problem(), "--db", files.database(), "--retrieve-after", "1000000"});
-    REQUIRE_MESSAGE(late.exit_code == 0, late.err);
     CHECK(contains(late.out, "memory      not used: solved before"));
     const ProgramRun without =
-        run_program({"plan", files.problem(), "--db", files.database(), "--sampler", "uniform"});
-    REQUIRE_MESSAGE(without.exit_code == 0, without.err);
+        require_run({"plan", files.problem(), "--db", files.database(), "--sampler", "uniform"});
     CHECK_FALSE(contains(without.out, "memory"));
     CHECK(contains(without.err, "--db has no effect: the sampler 'uniform' uses no memory"));
     const ProgramRun off =
-        run_program({"plan", files.problem(), "--db", files.database(), "--memory", "off"});
-    REQUIRE_MESSAGE(off.exit_code == 0, off.err);
+        require_run({"plan", files.problem(), "--db", files.database(), "--memory", "off"});
     CHECK(contains(off.out, "sampler uniform"));
   }
 
@@ -458,12 +444,10 @@ TEST_SUITE("unit") {
     const PlanarFiles files;
     const std::string problem = source_file("examples/own_robot/problem.yaml");
     const ProgramRun first =
-        run_program({"plan", problem, "--db", files / "own.db", "--remember-after", "0", "--json"});
-    REQUIRE_MESSAGE(first.exit_code == 0, first.err);
+        require_run({"plan", problem, "--db", files / "own.db", "--remember-after", "0", "--json"});
     CHECK(Json::parse(first.out)["remembered"] == "queued");
-    const ProgramRun again = run_program({"plan", problem, "--db", files / "own.db", "--replay",
+    const ProgramRun again = require_run({"plan", problem, "--db", files / "own.db", "--replay",
                                           "0", "--retrieve-after", "0", "--json"});
-    REQUIRE_MESSAGE(again.exit_code == 0, again.err);
     const ProgramRun words = run_program(
         {"plan", problem, "--db", files / "own.db", "--replay", "0", "--retrieve-after", "0"});
     CHECK(
@@ -473,14 +457,12 @@ TEST_SUITE("unit") {
         {"plan", problem, "--db", files / "own.db", "--sampler", "uniform", "--replay", "0.5"});
     CHECK(contains(uniform.out, "\nknown task  replayed row 1, 0.000 rad away\n"));
     // Planned in fewer iterations than pass before memory is asked.
-    const ProgramRun automatic = run_program({"plan", problem, "--db", files / "own.db"});
-    CHECK(automatic.exit_code == 0);
+    const ProgramRun automatic = require_run({"plan", problem, "--db", files / "own.db"});
     CHECK_FALSE(contains(automatic.out, "known task"));
     CHECK_FALSE(std::filesystem::exists(files / "own.db.index"));
     const ProgramRun small =
-        run_program({"plan", problem, "--db", files / "own.db", "--json", "--replay", "0",
+        require_run({"plan", problem, "--db", files / "own.db", "--json", "--replay", "0",
                      "--retrieve-after", "0", "--db-memory", "0"});
-    REQUIRE_MESSAGE(small.exit_code == 0, small.err);
     CHECK(std::filesystem::exists(files / "own.db.index"));
     CHECK(Json::parse(small.out)["path"] == Json::parse(again.out)["path"]);
   }
@@ -488,8 +470,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a picture replaces the old one whole and leaves no temporary file") {
     const PlanarFiles files;
     write_file(files / "p.svg", std::string(1 << 20, 'x'));
-    const ProgramRun run = run_program({"plan", files.problem(), "--svg", files / "p.svg"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    require_run({"plan", files.problem(), "--svg", files / "p.svg"});
     CHECK_FALSE(contains(read_file(files / "p.svg"), "xxx"));
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator(files / "")) {
@@ -500,9 +481,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a start given on the command line replaces the problem's") {
     const PlanarFiles files;
-    const ProgramRun run = run_program(
+    const ProgramRun run = require_run(
         {"plan", files.problem(), "--start", list_of(kGoal), "--goal", list_of(kGoal), "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     CHECK(Json::parse(run.out)["path_length"] == doctest::Approx(0).epsilon(1e-6));
   }
 }

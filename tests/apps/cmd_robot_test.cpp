@@ -29,19 +29,14 @@ TEST_SUITE("flow") {
   TEST_CASE("robots are found in the directories of MNEME_ROBOT_PATH") {
     const PlanarFiles files;
     static_cast<void>(files.short_arm_problem());
-    const ProgramRun run =
-        run_program({"robot", "info", "short"}, {{"MNEME_ROBOT_PATH=" + files / ""}, false});
-    CHECK_MESSAGE(run.exit_code == 0, run.err);
+    require_run({"robot", "info", "short"}, {{"MNEME_ROBOT_PATH=" + files / ""}, false});
   }
 
   TEST_CASE("an arm that was made is a robot of that many joints") {
     const PlanarFiles files;
     const std::string path = files / "arm of 3.urdf";
-    const ProgramRun made =
-        run_program({"robot", "planar", "--links", "1.5,1,.5", "--name", "three", "-o", path});
-    REQUIRE_MESSAGE(made.exit_code == 0, made.err);
-    const ProgramRun shown = run_program({"robot", "info", path, "--json"});
-    REQUIRE_MESSAGE(shown.exit_code == 0, shown.err);
+    require_run({"robot", "planar", "--links", "1.5,1,.5", "--name", "three", "-o", path});
+    const ProgramRun shown = require_run({"robot", "info", path, "--json"});
     CHECK(Json::parse(shown.out)["joint_count"] == 3);
     CHECK(Json::parse(shown.out)["name"] == "three");
     CHECK(run_program({"robot", "planar", "--links", "1.5,1,.5", "--name", "three"}).out ==
@@ -50,9 +45,8 @@ TEST_SUITE("flow") {
 
   TEST_CASE("check says what touches") {
     const PlanarFiles files;
-    const ProgramRun valid = run_program(
+    const ProgramRun valid = require_run(
         {"robot", "check", "planar8", "--q", "0,0,0,0,0,0,0,0", "--scene", files.problem()});
-    CHECK_MESSAGE(valid.exit_code == 0, valid.err);
     CHECK(valid.out.starts_with("valid\ntip link_8 at "));
     const ProgramRun touching =
         run_program({"robot", "check", "planar8", "--q", "-2.2,0,0,0,0,0,0,0", "--scene",

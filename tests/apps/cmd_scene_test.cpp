@@ -13,8 +13,7 @@ using Json = nlohmann::json;
 TEST_SUITE("flow") {
   TEST_CASE("a problem's obstacles, primitives and gaps are shown") {
     const PlanarFiles files;
-    const ProgramRun run = run_program({"scene", "info", files.problem(), "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const ProgramRun run = require_run({"scene", "info", files.problem(), "--json"});
     const Json json = Json::parse(run.out);
     CHECK(json["obstacles"].size() == 2);
     REQUIRE(json["primitives"].size() == 1);
@@ -28,12 +27,10 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     const std::string scene = files / "scene.yaml";
     write_file(scene, to_yaml(make_circle_scene("two", kTwoCircles)));
-    const ProgramRun alone = run_program({"scene", "info", scene, "--json"});
-    REQUIRE_MESSAGE(alone.exit_code == 0, alone.err);
+    const ProgramRun alone = require_run({"scene", "info", scene, "--json"});
     CHECK(Json::parse(alone.out)["primitives"].is_null());
     const ProgramRun with_robot =
-        run_program({"scene", "info", scene, "--robot", "planar8", "--json"});
-    REQUIRE_MESSAGE(with_robot.exit_code == 0, with_robot.err);
+        require_run({"scene", "info", scene, "--robot", "planar8", "--json"});
     CHECK(Json::parse(with_robot.out)["primitives"].size() == 1);
   }
 
@@ -44,16 +41,14 @@ TEST_SUITE("flow") {
                "property float z\nend_header\n1 2 3\nnan 0 0\n");
     write_file(files / "scan.yaml",
                "obstacles: [{name: scan, type: points, file: scan.ply, radius: 0.01}]\n");
-    const ProgramRun run = run_program({"scene", "info", files / "scan.yaml"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const ProgramRun run = require_run({"scene", "info", files / "scan.yaml"});
     CHECK(contains(run.err, "1 of 2 points are not finite and ignored"));
   }
 
   TEST_CASE("the largest gap decides what is a primitive") {
     const PlanarFiles files;
     const ProgramRun run =
-        run_program({"scene", "info", files.problem(), "--max-gap", "0.1", "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+        require_run({"scene", "info", files.problem(), "--max-gap", "0.1", "--json"});
     CHECK(Json::parse(run.out)["primitives"].empty());
   }
 }
@@ -65,8 +60,7 @@ TEST_SUITE("flow") {
                              const std::vector<std::string>& flags) {
       std::vector<std::string> arguments = {"scene", "convert", from, "-o", to};
       arguments.insert(arguments.end(), flags.begin(), flags.end());
-      const ProgramRun run = run_program(arguments);
-      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      require_run(arguments);
     };
     convert(files.problem(), files / "a.yaml", {"--format", "moveit", "--frame", "base"});
     convert(files / "a.yaml", files / "b.json", {});
@@ -87,8 +81,7 @@ TEST_SUITE("unit") {
         "scene: {circles: {\"a\\nb\\e[31m\\x9b2J\": [-5.75, -1.15, 1.73]}}\n";
     write_file(files / "odd.yaml", problem);
     const std::string shown = "a\\x0ab\\x1b[31m\\xc2\\x9b2J";
-    const ProgramRun info = run_program({"scene", "info", files / "odd.yaml"});
-    REQUIRE_MESSAGE(info.exit_code == 0, info.err);
+    const ProgramRun info = require_run({"scene", "info", files / "odd.yaml"});
     CHECK_MESSAGE(contains(info.out, shown), info.out);
     const ProgramRun check = run_program(
         {"robot", "check", "planar8", "--q", "-2.94,0,0,0,0,0,0,0", "--scene", files / "odd.yaml"});
@@ -135,9 +128,8 @@ TEST_SUITE("flow") {
     write_file(files / "v.yaml", "obstacles: {circle_*: {position: {uniform: [0.1, 0.1, 0]}}}\n");
     const auto vary = [&](const std::string& directory, const std::string& seed) {
       const ProgramRun run =
-          run_program({"scene", "vary", files.problem(), "--variations", files / "v.yaml", "-n",
+          require_run({"scene", "vary", files.problem(), "--variations", files / "v.yaml", "-n",
                        "3", "--seed", seed, "-o", files / directory, "--json"});
-      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
       const Json json = Json::parse(run.out);
       REQUIRE(json["files"].size() == 3);
       return read_file(json["files"][1].get<std::string>());

@@ -12,15 +12,15 @@ using test::check_bad_inputs;
 using test::contains;
 using test::PlanarFiles;
 using test::ProgramRun;
+using test::require_run;
 using test::run_program;
 
 TEST_SUITE("flow") {
   TEST_CASE("plan writes page and trace, and view makes the same page of the trace") {
     const PlanarFiles files;
-    const ProgramRun plan = run_program(
-        {"plan", files.problem(), "--db", files.database(), "--retrieve-after", "0", "--walk", "0",
-         "--seed", "3", "--view", files / "plan.html", "--trace", files / "plan.json"});
-    REQUIRE_MESSAGE(plan.exit_code == 0, plan.err);
+    require_run({"plan", files.problem(), "--db", files.database(), "--retrieve-after", "0",
+                 "--walk", "0", "--seed", "3", "--view", files / "plan.html", "--trace",
+                 files / "plan.json"});
     const auto trace = nlohmann::json::parse(test::read_file(files / "plan.json"));
     CHECK(trace.at("format") == "mneme-trace");
     CHECK(trace.at("waypoints").size() > 100);
@@ -29,8 +29,7 @@ TEST_SUITE("flow") {
     CHECK(trace.at("samples").at("shown").size() > 0);
     CHECK(trace.at("edges").at("shown").size() > 0);
 
-    const ProgramRun view = run_program({"view", files / "plan.json", "-o", files / "view.html"});
-    CHECK(view.exit_code == 0);
+    const ProgramRun view = require_run({"view", files / "plan.json", "-o", files / "view.html"});
     CHECK(view.out == files / "view.html" + std::string("\n"));
     const std::string page = test::read_file(files / "view.html");
     CHECK(contains(page, "<!DOCTYPE html>"));
@@ -43,8 +42,7 @@ TEST_SUITE("flow") {
     for (const bool is_watched : {false, true}) {
       std::vector<std::string> arguments = {"plan", files.problem(), "--json", "--seed", "5"};
       if (is_watched) arguments.insert(arguments.end(), {"--trace", files / "t.json"});
-      const ProgramRun run = run_program(arguments);
-      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      const ProgramRun run = require_run(arguments);
       paths.push_back(nlohmann::json::parse(run.out).at("path"));
     }
     CHECK(paths[0] == paths[1]);

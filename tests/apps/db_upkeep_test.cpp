@@ -37,8 +37,7 @@ TEST_SUITE("flow") {
     CHECK(contains(run_program({"db", "verify", files.database()}).out, "is sound"));
     CHECK_FALSE(contains(run_program({"db", "verify", files.database()}).err, ".tally"));
     write_file(files / "copy.db", read_file(files.database()));
-    const ProgramRun copied = run_program({"db", "verify", files / "copy.db"});
-    CHECK(copied.exit_code == 0);
+    const ProgramRun copied = require_run({"db", "verify", files / "copy.db"});
     CHECK(contains(copied.err, "there is no " + (files / "copy.db") + ".tally"));
     write_file(files / "empty.db", "");
     CHECK(contains(run_program({"db", "verify", files / "empty.db"}).out, "is empty"));
@@ -86,7 +85,7 @@ TEST_SUITE("flow") {
     CHECK(run_upkeep({"db", "export", files.database(), file})["rows"] == 1);
     CHECK(run_upkeep({"db", "import", files / "new.db", file})["added"] == 1);
     CHECK(run_upkeep({"db", "import", files / "all.db", file})["added"] == 0);
-    CHECK(run_program({"db", "export", files / "new.db", again}).exit_code == 0);
+    require_run({"db", "export", files / "new.db", again});
     CHECK(read_file(file) == read_file(again));
     CHECK(contains(read_file(files / "rows.jsonl"), "mneme experience 3"));
   }

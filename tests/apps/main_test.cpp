@@ -16,15 +16,13 @@ namespace {
 
 TEST_SUITE("unit") {
   TEST_CASE("the version goes to standard output") {
-    const ProgramRun run = run_program({"--version"});
-    CHECK(run.exit_code == 0);
+    const ProgramRun run = require_run({"--version"});
     CHECK(run.out == "mneme " + std::string(version()) + "\n");
     CHECK(run.err.empty());
   }
 
   TEST_CASE("help ends with examples and exit codes") {
-    const ProgramRun run = run_program({"--help"});
-    CHECK(run.exit_code == 0);
+    const ProgramRun run = require_run({"--help"});
     CHECK(contains(run.out, "mneme plan scenes/planar/scenario1.yaml"));
     CHECK(run.out.find("Examples:") > run.out.find("Subcommands:"));
     CHECK(contains(run.out, "130 interrupted"));

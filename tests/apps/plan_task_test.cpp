@@ -29,9 +29,8 @@ TEST_SUITE("flow") {
       const std::string task = source_file(std::string("examples/") + example + "/task.yaml");
       const TemporaryDirectory directory;
       const std::string page = directory / "page.html", motion = directory / "motion.json";
-      const ProgramRun run = run_program(
+      const ProgramRun run = require_run(
           {"plan", task, "--json", "--view", page, "--trajectory", motion, "--seed", "7"});
-      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
       const Json plan = Json::parse(run.out);
       CHECK(plan["status"] == "solved");
       CHECK(plan["stages"].size() == 9);
@@ -76,8 +75,7 @@ TEST_SUITE("flow") {
     const std::string task = source_file("examples/pick_and_place/task.yaml");
     const std::vector<std::string> words = {
         "plan", task, "--db", directory / "tasks.db", "--replay", "0.5", "--remember-after", "0"};
-    const ProgramRun first = run_program(words), second = run_program(words);
-    REQUIRE_MESSAGE(first.exit_code == 0, first.err);
+    const ProgramRun first = require_run(words), second = run_program(words);
     REQUIRE_MESSAGE(second.exit_code == 0, second.err);
     CHECK(!contains(first.out, "ranked the alternatives"));
     CHECK(contains(second.out, "memory      1 plan ranked the alternatives"));
@@ -86,8 +84,7 @@ TEST_SUITE("flow") {
 
   TEST_CASE("flags that mean nothing for a task are noted, and mistakes have their line") {
     const std::string task = source_file("examples/pick_and_place/task.yaml");
-    const ProgramRun run = run_program({"plan", task, "--goal", "0,0,0,0,0,0,0"});
-    CHECK(run.exit_code == 0);
+    const ProgramRun run = require_run({"plan", task, "--goal", "0,0,0,0,0,0,0"});
     CHECK(contains(run.err, "--goal and --goal-pose have no effect"));
     const ProgramRun moving = run_program({"plan", task, "--end-velocity", "0,0,0,0,0,0,0.1"});
     CHECK(moving.exit_code != 0);

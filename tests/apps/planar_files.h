@@ -34,10 +34,8 @@ class PlanarFiles {
   [[nodiscard]] std::string database() const {
     const std::string path = directory_ / "memory.db";
     if (std::filesystem::exists(path)) return path;
-    const ProgramRun run =
-        run_program({"learn", "--robot", "planar8", "--scenes", problem(), "--db", path,
-                     "--starts-per-link", "1", "--paths-per-start", "1", "--jobs", "1"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    require_run({"learn", "--robot", "planar8", "--scenes", problem(), "--db", path,
+                 "--starts-per-link", "1", "--paths-per-start", "1", "--jobs", "1"});
     return path;
   }
 

@@ -18,8 +18,7 @@ using Json = nlohmann::json;
 std::string tip_pose(const Configuration& q) {
   std::string list;
   for (const double value : q) list += (list.empty() ? "" : ",") + fmt::format("{}", value);
-  const ProgramRun run = run_program({"robot", "check", "planar8", "--q", list, "--json"});
-  REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+  const ProgramRun run = require_run({"robot", "check", "planar8", "--q", list, "--json"});
   const Json tip = Json::parse(run.out)["tips"][0];
   std::string pose = tip["link"].get<std::string>() + ":";
   for (const double value : tip["position"]) pose += fmt::format("{},", value);
@@ -31,8 +30,7 @@ std::string tip_pose(const Configuration& q) {
 TEST_SUITE("flow") {
   TEST_CASE("ik finds configurations of the pose that check prints") {
     const std::string pose = tip_pose(kGoal);
-    const ProgramRun run = run_program({"robot", "ik", "planar8", "--pose", pose, "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const ProgramRun run = require_run({"robot", "ik", "planar8", "--pose", pose, "--json"});
     const Json json = Json::parse(run.out);
     CHECK(json["message"].is_null());
     REQUIRE(!json["solutions"].empty());
@@ -48,8 +46,7 @@ TEST_SUITE("flow") {
   TEST_CASE("a problem is solved to a pose of its tip") {
     const PlanarFiles files;
     const ProgramRun run =
-        run_program({"plan", files.problem(), "--goal-pose", tip_pose(kGoal), "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+        require_run({"plan", files.problem(), "--goal-pose", tip_pose(kGoal), "--json"});
     const Json json = Json::parse(run.out);
     CHECK(json["goal_time_s"] > 0);
     const Robot robot = planar8();
@@ -57,9 +54,8 @@ TEST_SUITE("flow") {
     CHECK((robot.link_poses(path.back()).back().translation -
            robot.link_poses(kGoal).back().translation)
               .norm() < 1e-4);
-    const ProgramRun told = run_program(
+    const ProgramRun told = require_run(
         {"plan", files.problem(), "--goal-pose", tip_pose(kGoal), "--goal-pose", "link_8:3,3,0"});
-    REQUIRE_MESSAGE(told.exit_code == 0, told.err);
     CHECK(contains(told.out, "for 2 poses"));
   }
 

@@ -41,9 +41,8 @@ struct ArmFiles {
 TEST_SUITE("flow") {
   TEST_CASE("a robot of boxes, cylinders and meshes becomes one of spheres") {
     const ArmFiles arm;
-    const ProgramRun run = run_program({"robot", "spheres", arm.urdf, "-o", arm.out, "--srdf-out",
+    const ProgramRun run = require_run({"robot", "spheres", arm.urdf, "-o", arm.out, "--srdf-out",
                                         arm.srdf, "--samples", "500", "--json"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     const Json json = Json::parse(run.out);
     REQUIRE(json["links"].size() == 3);
     for (const Json& link : json["links"]) {
@@ -65,8 +64,7 @@ TEST_SUITE("flow") {
   TEST_CASE("the table names each link, and settings bound its spheres") {
     const ArmFiles arm;
     const ProgramRun run =
-        run_program({"robot", "spheres", arm.urdf, "-o", arm.out, "--max-per-link", "2"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+        require_run({"robot", "spheres", arm.urdf, "-o", arm.out, "--max-per-link", "2"});
     CHECK(contains(run.out, "uncovered"));
     CHECK(contains(run.out, "\na "));
     CHECK(contains(run.out, "wrote " + arm.out));
@@ -78,8 +76,7 @@ TEST_SUITE("flow") {
     const ArmFiles arm;
     const auto spheres_of = [&](std::vector<std::string> more) {
       more.insert(more.begin(), {"robot", "spheres", arm.urdf, "-o", arm.out, "--json"});
-      const ProgramRun run = run_program(more);
-      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      const ProgramRun run = require_run(more);
       CHECK(Json::parse(run.out)["links"].size() == 3);
       const auto robot = require(load_robot(arm.out));
       return std::pair(robot.links()[0].spheres.size(), robot.links()[1].spheres.size());
@@ -95,10 +92,8 @@ TEST_SUITE("flow") {
     write_file(arm.files / "own.srdf",
                "<robot name=\"arm\"><group name=\"g\"><joint name=\"j\"/></group>"
                "<disable_collisions link1=\"a\" link2=\"d\" reason=\"mine\"/></robot>");
-    const ProgramRun run =
-        run_program({"robot", "spheres", arm.urdf, "-o", arm.out, "--srdf-out", arm.srdf, "--srdf",
-                     arm.files / "own.srdf", "--samples", "2000"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    require_run({"robot", "spheres", arm.urdf, "-o", arm.out, "--srdf-out", arm.srdf, "--srdf",
+                 arm.files / "own.srdf", "--samples", "2000"});
     const std::string text = read_file(arm.srdf);
     CHECK(contains(text, "<disable_collisions link1=\"a\" link2=\"d\" reason=\"User\"/>"));
     CHECK(contains(text, "<disable_collisions link1=\"a\" link2=\"b\" reason=\"Adjacent\"/>"));
@@ -109,8 +104,7 @@ TEST_SUITE("flow") {
       "info and plan approximate what needs it, say so, and find it in the cache from then on") {
     const ArmFiles arm;
     const ProcessChanges with_cache{{"XDG_CACHE_HOME=" + arm.files / "cache"}, false};
-    const ProgramRun info = run_program({"robot", "info", arm.urdf, "--json"}, with_cache);
-    REQUIRE_MESSAGE(info.exit_code == 0, info.err);
+    const ProgramRun info = require_run({"robot", "info", arm.urdf, "--json"}, with_cache);
     CHECK(contains(info.err, "mneme: warning: approximated the geometry of 3 links by"));
     CHECK_FALSE(contains(info.err, "from the cache"));
     write_file(arm.files / "problem.yaml",
@@ -118,8 +112,7 @@ TEST_SUITE("flow") {
                "    - {name: ball, type: sphere, position: [0, 5, 0], radius: 0.1}\n"
                "start: [0, 0, 0]\ngoal: [0.5, 0.2, 0.3]\n");
     const ProgramRun plan =
-        run_program({"plan", arm.files / "problem.yaml", "--sampler", "uniform"}, with_cache);
-    CHECK_MESSAGE(plan.exit_code == 0, plan.err);
+        require_run({"plan", arm.files / "problem.yaml", "--sampler", "uniform"}, with_cache);
     CHECK(contains(plan.err, "; 3 from the cache " + arm.files / "cache/mneme"));
     // Whichever way a command comes by a robot, it says the same of it.
     const std::string said = run_program({"robot", "info", arm.urdf}, with_cache).err;

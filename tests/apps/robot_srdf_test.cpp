@@ -31,20 +31,17 @@ TEST_SUITE("flow") {
     CHECK(refused.exit_code != 0);
     CHECK(contains(refused.err, "`allow: [[base, head]]`"));
     CHECK(contains(refused.err, "`mneme robot srdf`"));
-    const ProgramRun run = run_program(
+    const ProgramRun run = require_run(
         {"robot", "srdf", files / "nod.urdf", "--samples", "300", "-o", files / "nod.srdf"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     CHECK(contains(run.err, "3 allowed pairs (2 Adjacent, 1 Default)"));
-    const ProgramRun planned = run_program({"plan", files / "p.yaml"});
-    CHECK_MESSAGE(planned.exit_code == 0, planned.err);
+    require_run({"plan", files / "p.yaml"});
   }
 
   TEST_CASE("contact elsewhere gets no such advice, and rest can be checked") {
     const TemporaryDirectory files;
     write_file(files / "nod.urdf", kNodding);
     const ProgramRun run =
-        run_program({"robot", "srdf", files / "nod.urdf", "--samples", "300", "--check-rest"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+        require_run({"robot", "srdf", files / "nod.urdf", "--samples", "300", "--check-rest"});
     CHECK(contains(run.out, "reason=\"Adjacent\""));
     CHECK_FALSE(contains(run.out, "Default"));
   }

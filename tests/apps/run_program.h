@@ -113,6 +113,16 @@ inline ProgramRun run_program(const std::vector<std::string>& arguments,
   return RunningProgram(arguments, changes).wait();
 }
 
+/// Runs the program. Unless it succeeds, the test ends with what was printed. `file` and `line`:
+/// the caller's.
+inline ProgramRun require_run(const std::vector<std::string>& arguments,
+                              const ProcessChanges& changes = {},
+                              const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  ProgramRun run = run_program(arguments, changes);
+  if (run.exit_code != 0) ADD_FAIL_AT(file, line, (run.out + run.err));
+  return run;
+}
+
 /// A wrong command line, and what the user is told.
 struct BadInput {
   std::vector<std::string> arguments;

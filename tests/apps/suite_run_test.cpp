@@ -46,8 +46,7 @@ TEST_SUITE("flow") {
     const PlanarFiles files;
     const std::string out = files / "out";
     const ProgramRun run =
-        run_program({"bench", "run", write_suite(files), "--out", out, "--json", "--jobs", "2"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+        require_run({"bench", "run", write_suite(files), "--out", out, "--json", "--jobs", "2"});
     CHECK(Json::parse(run.out)["runs"] == 12);
     const auto rows = rows_of_suite(out + "/runs.csv");
     REQUIRE(rows.size() == 12);
@@ -75,9 +74,8 @@ TEST_SUITE("flow") {
   TEST_CASE("One setting alone learns no memory of others; rows come in order with several jobs") {
     const PlanarFiles files;
     const std::string out = files / "out";
-    const ProgramRun run = run_program(
+    require_run(
         {"bench", "run", write_suite(files), "--out", out, "--setting", "without", "--jobs", "3"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
     std::string order;
     for (const BenchmarkRow& row : rows_of_suite(out + "/runs.csv")) {
       order += row.planner + std::to_string(row.seed) + " ";
@@ -93,9 +91,7 @@ TEST_SUITE("flow") {
                "settings: {a: {planners: [\"ompl:RRTConnect\", rrt_connect, \"ompl:RRT\"],\n"
                "               samplers: [uniform], max-iterations: 3000}}\n");
     const auto iterations = [&](const std::string& jobs) {
-      const ProgramRun run =
-          run_program({"bench", "run", files / "ompl.yaml", "--out", files / jobs, "--jobs", jobs});
-      REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+      require_run({"bench", "run", files / "ompl.yaml", "--out", files / jobs, "--jobs", jobs});
       std::set<std::string> names;
       for (const BenchmarkRow& row : rows_of_suite(files / jobs + "/runs.csv")) {
         names.insert(row.planner + std::to_string(row.seed) + " " + std::to_string(row.iterations));
@@ -119,8 +115,7 @@ TEST_SUITE("flow") {
                      "  planners: [\"ompl:Lightning\", \"ompl:Thunder\"]}}\n");
     };
     write("problems: [problem.yaml], paths: 2");
-    const ProgramRun run = run_program({"bench", "run", files / "old.yaml", "--out", out});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    const ProgramRun run = require_run({"bench", "run", files / "old.yaml", "--out", out});
     if (contains(run.err, "skipped: ompl:Lightning")) {
       MESSAGE("skipped: mneme was built without OMPL");
       return;
@@ -146,9 +141,7 @@ TEST_SUITE("flow") {
                    source_file("scenes/planar/threaded_b2.yaml") +
                    ", robot: thin.urdf}], paths: 1}}\n"
                    "settings: {a: {memory: m}}\n");
-    const ProgramRun run =
-        run_program({"bench", "run", files / "given.yaml", "--out", files / "out"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    require_run({"bench", "run", files / "given.yaml", "--out", files / "out"});
     const auto memory = require(Database::inspect(files / "out/memories/m.db"));
     CHECK(memory.signature().model_hash == load_robot(files / "thin.urdf")->hash());
   }
@@ -168,9 +161,8 @@ TEST_SUITE("flow") {
     const auto before = rows_of_suite(csv);
     REQUIRE_FALSE(before.empty());
     const std::uint64_t seeds = before.back().seed + 1;
-    const ProgramRun run = run_program({"bench", "run", suite, "--out", out, "--resume", "--seeds",
-                                        std::to_string(seeds), "--timeout", "1"});
-    REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+    require_run({"bench", "run", suite, "--out", out, "--resume", "--seeds", std::to_string(seeds),
+                 "--timeout", "1"});
     const auto after = rows_of_suite(csv);
     CHECK(after.size() == 4 * seeds);
     CHECK(names_of(after).size() == after.size());
