@@ -64,7 +64,7 @@ TEST_SUITE("unit") {
     const Error error = require_error(connection.query("SELECT * FROM nothing"));
     CHECK(error.code == ErrorCode::corrupt);
     CHECK(connection.last_state() == "42P01");
-    CHECK(!contains(error.message, '\n'));
+    CHECK(!contains(error.message, "\n"));
     CHECK(connection.query("SELECT 1 / 0").error().code == ErrorCode::io);
     CHECK(connection.copy_in("COPY nothing FROM STDIN", "x").error().code == ErrorCode::corrupt);
     CHECK(connection.query("SELECT 1").has_value());

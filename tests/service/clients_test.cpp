@@ -189,8 +189,8 @@ TEST_SUITE("flow") {
         waiting.emplace_back(path, SOCK_NONBLOCK);
         REQUIRE(waiting.size() < 100);
       }
-      CHECK(require_error(Service::start(planar8(), nullptr, settings))
-                contains(.message, "another program listens there"));
+      CHECK(contains(require_error(Service::start(planar8(), nullptr, settings)).message,
+                     "another program listens there"));
       CHECK(std::filesystem::exists(path));
     }
     SUBCASE("of a successor") {
