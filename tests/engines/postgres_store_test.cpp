@@ -405,10 +405,8 @@ TEST_SUITE("flow") {
     PostgresServer* server = PostgresServer::instance();
     if (server == nullptr) return;
     Rng rng(8);
-    DatabaseSettings settings;
-    settings.answer_timeout_s = 0.3;
-    auto database =
-        require(Database::open(server->new_url(), arm_signature(), OpenMode::create, settings));
+    auto database = require(Database::open(server->new_url(), arm_signature(), OpenMode::create,
+                                           {.answer_timeout_s = 0.3}));
     REQUIRE(database.insert(random_rows(rng, 3)));
     struct Hang {
       explicit Hang(const PostgresServer& stopped) : server(stopped) { server.signal(SIGSTOP); }

@@ -20,9 +20,7 @@ EnclosedSettings few_boxes() {
 
 /// Whether all obstacles are more than `margin` metres away all along the witness.
 bool has_clearance(const Robot& robot, const EnclosedInstance& instance, double margin) {
-  CheckerSettings settings;
-  settings.margin = margin;
-  const auto checker = require(CollisionChecker::make(robot, instance.scene, settings));
+  const auto checker = require(CollisionChecker::make(robot, instance.scene, {.margin = margin}));
   CheckCounters counters;
   return checker.is_valid(std::span<const double>(instance.start)) &&
          find_invalid_motion(checker, instance.witness, counters) == -1;

@@ -74,10 +74,8 @@ TEST_SUITE("flow") {
   TEST_CASE("one refresh without an answer of the server makes the service degraded") {
     PostgresServer* server = PostgresServer::instance();
     if (server == nullptr) return;
-    DatabaseSettings kept;
-    kept.answer_timeout_s = 0.3;
-    auto opened =
-        Database::open(server->new_url(), make_signature(planar8()), OpenMode::create, kept);
+    auto opened = Database::open(server->new_url(), make_signature(planar8()), OpenMode::create,
+                                 {.answer_timeout_s = 0.3});
     REQUIRE_MESSAGE(opened.has_value(), (opened ? "" : opened.error().message));
     ServiceSettings settings;
     settings.threads = 1;

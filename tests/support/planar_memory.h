@@ -52,9 +52,7 @@ inline Problem planar_problem(const std::string& name) {
 }
 
 inline CollisionChecker make_checker(const Robot& robot, const Scene& scene, double margin = 0) {
-  CheckerSettings settings;
-  settings.margin = margin;
-  return require(CollisionChecker::make(robot, scene, settings));
+  return require(CollisionChecker::make(robot, scene, {.margin = margin}));
 }
 
 /// A pair of circles well within the arm's reach, canonical.
