@@ -18,9 +18,12 @@ static_assert(std::endian::native == std::endian::little);
 
 namespace mneme::internal {
 
-/// A value as a multiple of `step`.
+/// Multiples of a step that are written are less than this: floats hold them as integers.
+inline constexpr double kMostMultiple = 1e15;
+
+/// The number of steps in a value that is a multiple of `step`.
 [[nodiscard]] inline std::int64_t multiples(float value, double step) {
-  return std::llround(value / step);
+  return static_cast<std::int64_t>(value / step);
 }
 
 /// Appends values.
@@ -72,15 +75,18 @@ class ByteReader {
     const std::uint64_t wide = next();
     value = static_cast<Integer>(wide);
     if (static_cast<std::uint64_t>(value) == wide) return;
-    is_good_ = false;  // no such value was written
+    fail();  // no such value was written
     value = Integer{};
   }
   void multiple(float& value, double step, float base = 0) {
     const std::uint64_t doubled = next();
     const auto half = static_cast<std::int64_t>(doubled >> 1);
     const std::int64_t difference = (doubled & 1) != 0 ? ~half : half;
-    const double sum = static_cast<double>(multiples(base, step)) + static_cast<double>(difference);
+    const double sum = base / step + static_cast<double>(difference);
     value = static_cast<float>(sum * step);
+    if (std::abs(sum) < kMostMultiple) return;
+    fail();
+    value = 0;
   }
   template <class T, class Each>
   void list(std::vector<T>& items, const Each& each) {
@@ -91,27 +97,32 @@ class ByteReader {
   }
   /// A number of items, or 0 if the file is too short for one byte each.
   [[nodiscard]] std::size_t bounded(std::size_t count) {
-    is_good_ = is_good_ && count <= bytes_.size();
+    if (count > bytes_.size()) fail();
     return is_good_ ? count : 0;
   }
   [[nodiscard]] bool is_complete() const { return is_good_ && bytes_.empty(); }
 
  private:
+  /// Makes all further values 0.
+  void fail() {
+    is_good_ = false;
+    bytes_ = {};
+  }
   std::uint64_t next() {
     std::uint64_t value = 0;
-    for (int shift = 0; shift < 64; shift += 7) {
-      unsigned char byte = 0;
-      read(&byte, 1);
+    for (int shift = 0; shift < 64 && !bytes_.empty(); shift += 7) {
+      const auto byte = static_cast<unsigned char>(bytes_.front());
+      bytes_.remove_prefix(1);
       value |= static_cast<std::uint64_t>(byte & 127) << shift;
       if (byte < 128) return value;
     }
-    is_good_ = false;
+    fail();
     return 0;
   }
   std::size_t count() { return bounded(static_cast<std::size_t>(next())); }
   void read(void* to, std::size_t size) {
-    is_good_ = is_good_ && size <= bytes_.size();
-    if (!is_good_) {
+    if (size > bytes_.size()) {
+      fail();
       std::memset(to, 0, size);
       return;
     }

@@ -56,6 +56,11 @@ TEST_SUITE("unit") {
     double value = 1;
     reader.field(value);
     CHECK(value == 0);
+    float far = 1;
+    ByteReader beyond(std::string_view("\xff\xff\xff\xff\xff\xff\xff\xff\x7f", 9));
+    beyond.multiple(far, 1);
+    CHECK(far == 0);
+    CHECK_FALSE(beyond.is_complete());
     const std::string endless(11, '\x80');
     ByteReader wide(std::string_view("\x80\x80\x04", 3));  // 65536
     std::uint16_t narrow = 1;
