@@ -155,15 +155,27 @@ Response LinkChain::response(const JointVector& q) const {
 
 Response LinkChain::response(const JointVector& q, const Jacobian& jacobian, std::uint32_t locked,
                              double damping) const {
-  Jacobian weighted = jacobian;
+  const Response along = directions(q, jacobian, locked);
+  Square gram = jacobian * along;
+  gram.diagonal().array() += damping;
+  return along * gram.inverse();
+}
+
+Response LinkChain::directions(const JointVector& q) const {
+  Jacobian jacobian;
+  (void)place(q, &jacobian);
+  return directions(q, jacobian, 0);
+}
+
+Response LinkChain::directions(const JointVector& q, const Jacobian& jacobian,
+                               std::uint32_t locked) const {
+  Response along = jacobian.transpose();
   for (int j = 0; j < joint_count(); ++j) {
     const double room = std::min(q[j] - lower_[j], upper_[j] - q[j]);
     const bool is_locked = (locked >> j & 1) != 0;
-    weighted.col(j) *= is_locked ? 0 : std::clamp(room / kLimitRoom, kLeastWeight, 1.0);
+    along.row(j) *= is_locked ? 0 : std::clamp(room / kLimitRoom, kLeastWeight, 1.0);
   }
-  Square gram = jacobian * weighted.transpose();
-  gram.diagonal().array() += damping;
-  return weighted.transpose() * gram.inverse();
+  return along;
 }
 
 bool LinkChain::reach(const Transform& pose, const Response& response, int steps, double near,

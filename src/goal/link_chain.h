@@ -54,6 +54,8 @@ class LinkChain {
   /// `damping` is added to the squares of twists: a planar arm, which has not all twists, needs it.
   [[nodiscard]] Response response(const JointVector& q, const Jacobian& jacobian,
                                   std::uint32_t locked, double damping) const;
+  /// Columns of the same span: enough for reach(), and cheaper.
+  [[nodiscard]] Response directions(const JointVector& q) const;
   /// Moves `q` within q + span(response) until the link is at `pose`, to within 1e-7 m or `near`.
   /// False if that fails within `steps`.
   [[nodiscard]] bool reach(const Transform& pose, const Response& response, int steps, double near,
@@ -82,6 +84,9 @@ class LinkChain {
 
  private:
   LinkChain() = default;
+  /// The transposed Jacobian; joints near their limits or in `locked` count for less or nothing.
+  [[nodiscard]] Response directions(const JointVector& q, const Jacobian& jacobian,
+                                    std::uint32_t locked) const;
   /// A joint after a fixed transform; its axis is z of its frame.
   struct Step {
     Transform fixed;
