@@ -4,6 +4,7 @@
 /// mneme cell: builds, queries, verifies and shows certified cells, and makes regions for them.
 #include "mneme/benchmark.h"
 #include "mneme/cell.h"
+#include "mneme/instances.h"
 #include "mneme/report.h"
 
 #include "cell_page.h"

@@ -67,23 +67,6 @@ struct CellRegion {
 /// radians) from those of all tasks, or is beyond the box.
 [[nodiscard]] Result<CellTask> task_of(const CellRegion& region, const Transform& pose);
 
-/// A region around the goal of a problem.
-struct RegionSettings {
-  std::string link;  ///< link whose poses are the tasks
-  CellTask half_extents = {0.15, 0.1, 0.025, 0.785};
-  Vec3 pivot = Vec3::Zero();  ///< CellRegion::pivot
-  int tries = 40;             ///< middles to try; 1: the goal itself
-  std::uint64_t seed = 1;
-};
-
-/// Makes a region from a problem of one configuration or pose as goal. Its x axis is along the
-/// largest box of the scene. Obstacles smaller than 0.3 m and within 0.1 m of the pivot are
-/// dropped, as if they were grasped. Tries `tries` middles within 0.25 m of the goal, and takes the
-/// one with most tasks that can be reached 0.02 m clear. Errors: invalid, for another link or goal;
-/// those of CollisionChecker::make().
-[[nodiscard]] Result<CellRegion> make_region(const Problem& problem,
-                                             const RegionSettings& settings);
-
 struct CellSettings {
   double seconds = 60;
   std::uint64_t boxes = 1000000;

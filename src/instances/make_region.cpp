@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/goal.h"
+#include "mneme/instances.h"
 
 #include "base/as_index.h"
 #include "base/fail.h"
 #include "cell/blocked_link.h"
-#include "cell/cell_data.h"
+#include "cell/task_frame.h"
 
 #include <algorithm>
 #include <cmath>
