@@ -454,7 +454,9 @@ void print_tally(CellTally& tally) {
 }
 
 Result<ExitCode> run_cell_bench(const CellBenchOptions& options) {
+  const Stopwatch loading;
   const Cell cell = MNEME_TRY(read_cell(options.cell));
+  const double load_s = loading.elapsed_s();
   Rng rng(options.seed);
   CellTally look_ups, tasks;
   CellAnswer answer;
@@ -471,10 +473,10 @@ Result<ExitCode> run_cell_bench(const CellBenchOptions& options) {
     tasks.add(tier, stopwatch.elapsed_s());
   }
   if (options.is_json) {
-    print_json({{"look_ups", to_json(look_ups)}, {"tasks", to_json(tasks)}});
+    print_json({{"load_s", load_s}, {"look_ups", to_json(look_ups)}, {"tasks", to_json(tasks)}});
     return ExitCode::done;
   }
-  fmt::print("look-ups of random tasks\n");
+  fmt::print("loaded in {:.1f} ms\nlook-ups of random tasks\n", 1e3 * load_s);
   print_tally(look_ups);
   fmt::print("answers to random tasks\n");
   print_tally(tasks);

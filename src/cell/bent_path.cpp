@@ -45,17 +45,6 @@ void insert_at(double length, Waypoints& path) {
 
 }  // namespace
 
-double length_of(const Waypoints& path) { return arc_lengths(path).back(); }
-
-double BentPath::length() const {
-  double sum = 0;
-  for (std::size_t i = 1; i < size(); ++i) {
-    const JointVector none = JointVector::Zero(static_cast<Eigen::Index>(row(0).size()));
-    sum += (waypoint(i, none) - waypoint(i - 1, none)).norm();
-  }
-  return sum;
-}
-
 Waypoints without_straights(const Waypoints& path) {
   Waypoints kept = {path.front()};
   for (std::size_t i = 1; i + 1 < path.size(); ++i) {
@@ -69,7 +58,7 @@ Waypoints without_straights(const Waypoints& path) {
 
 BentPath bend(Waypoints path, int profile) {
   const Profile& shape = kProfiles.at(as_index(profile));
-  const double length = length_of(path);
+  const double length = arc_lengths(path).back();
   const double begin = length * std::max(0.0, 1 - shape.full - shape.ramp);
   const double end = length * (1 - shape.full);
   insert_at(begin, path);
@@ -162,8 +151,7 @@ class Prover {
     std::ranges::copy(box.at, u.begin());
     const double share =
         path_.shares[i - 1] + double{box.time} * (path_.shares[i] - path_.shares[i - 1]);
-    const JointVector from = path_.waypoint(i - 1, no_change());
-    const JointVector to = path_.waypoint(i, no_change());
+    const JointVector from = path_.waypoint(i - 1), to = path_.waypoint(i);
     failure_.q = from + double{box.time} * (to - from) + share * evaluate(shift_, u.data());
     failure_.along =
         (static_cast<double>(i - 1) + double{box.time}) / static_cast<double>(path_.size() - 1);
@@ -197,8 +185,7 @@ class Prover {
   }
 
   void push_first(std::size_t i) {
-    const double turn =
-        (path_.waypoint(i, no_change()) - path_.waypoint(i - 1, no_change())).norm();
+    const double turn = (path_.waypoint(i) - path_.waypoint(i - 1)).norm();
     const double bent = std::abs(path_.shares[i] - path_.shares[i - 1]);
     const int parts = std::max(static_cast<int>(std::ceil(bent / kFirstBend)),
                                1 + static_cast<int>(turn / kFirstMotion));
@@ -242,10 +229,6 @@ class Prover {
     float sum = 0;
     for (const float each : verdict.displacements) sum += each;
     return sum;
-  }
-
-  [[nodiscard]] JointVector no_change() const {
-    return JointVector::Zero(static_cast<Eigen::Index>(path_.row(0).size()));
   }
 
   const CollisionChecker& checker_;

@@ -36,17 +36,16 @@ struct BentPath {
     const std::size_t joints = rows.size() / shares.size();
     return {rows.data() + i * joints, joints};
   }
-  [[nodiscard]] JointVector waypoint(std::size_t i, const JointVector& change) const {
+  /// A waypoint of the unchanged path.
+  [[nodiscard]] JointVector waypoint(std::size_t i) const {
     const std::span<const float> values = row(i);
-    const Eigen::Map<const Eigen::VectorXf> map(values.data(),
-                                                static_cast<Eigen::Index>(values.size()));
-    return map.cast<double>() + double{shares[i]} * change;
+    return Eigen::Map<const Eigen::VectorXf>(values.data(), std::ssize(values)).cast<double>();
   }
-  /// L2 joint distance along the unchanged path.
-  [[nodiscard]] double length() const;
+  [[nodiscard]] JointVector waypoint(std::size_t i, const JointVector& change) const {
+    return waypoint(i) + double{shares[i]} * change;
+  }
+  [[nodiscard]] JointVector goal() const { return waypoint(size() - 1); }
 };
-
-[[nodiscard]] double length_of(const Waypoints& path);
 
 /// Drops waypoints that hardly matter, such as those that bend() adds.
 [[nodiscard]] Waypoints without_straights(const Waypoints& path);

@@ -195,13 +195,13 @@ FitFault BranchFitter::fit(const TaskBox& box, const Branch& branch, GoalShift& 
   return FitFault::none;
 }
 
-bool follow(const LinkChain& chain, const TaskFrame& frame, const Branch& branch,
-            const CellTask& from, const CellTask& to, int steps, JointVector& q) {
-  q = branch.q0;
+bool follow(const LinkChain& chain, const TaskFrame& frame, const CellTask& from,
+            const CellTask& to, int steps, JointVector& q) {
+  const Response directions = chain.directions(q);
   for (int i = 1; i <= steps; ++i) {
     CellTask task = from;
     for (std::size_t k = 0; k < kTaskSize; ++k) task[k] += (to[k] - from[k]) * i / steps;
-    if (!chain.reach(frame.pose(task), branch.response, 12, 1e-7, q)) return false;
+    if (!chain.reach(frame.pose(task), directions, 12, 1e-7, q)) return false;
   }
   return true;
 }

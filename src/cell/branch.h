@@ -29,10 +29,10 @@ inline constexpr double kShiftStep = 1.0 / 262144;
 /// The value of a family's quadratic at `u`, in double precision.
 [[nodiscard]] JointVector evaluate(const GoalShift& shift, const double* u);
 
-/// Writes the configuration of the branch at `to`, from that of `from`, which is its q0. False if
-/// Newton's method fails in one of `steps` equal steps.
-[[nodiscard]] bool follow(const LinkChain& chain, const TaskFrame& frame, const Branch& branch,
-                          const CellTask& from, const CellTask& to, int steps, JointVector& q);
+/// Moves `q` within its branch from the task `from` to `to`. False if Newton's method fails in one
+/// of `steps` equal steps.
+[[nodiscard]] bool follow(const LinkChain& chain, const TaskFrame& frame, const CellTask& from,
+                          const CellTask& to, int steps, JointVector& q);
 
 enum class FitFault { none, kinematics, limits, bends };
 

@@ -8,6 +8,7 @@
 #include "base/as_index.h"
 #include "base/threads.h"
 #include "cell/blocked_link.h"
+#include "cell/branch.h"
 #include "cell/cell_data.h"
 
 #include <fmt/format.h>
@@ -16,9 +17,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <functional>
 #include <numbers>
-#include <queue>
 #include <set>
 #include <utility>
 
@@ -32,10 +31,12 @@ using internal::StartCell;
 Result<std::shared_ptr<internal::CellData>> internal::make_cell_data(const CellRegion& region,
                                                                      double margin) {
   const Problem& problem = region.problem;
+  const std::string& link = region.middle().link;
   return std::make_shared<CellData>(
-      CellData{region, MNEME_TRY(LinkChain::make(problem.robot, region.middle().link)),
-               TaskFrame(region), MNEME_TRY(CollisionChecker::make(problem.robot, problem.scene)),
-               margin, hash_world(problem)});
+      CellData{region, MNEME_TRY(LinkChain::make(problem.robot, link)),
+               MNEME_TRY(InverseKinematics::make(problem.robot, link)), TaskFrame(region),
+               MNEME_TRY(CollisionChecker::make(problem.robot, problem.scene)), margin,
+               hash_world(problem)});
 }
 
 void internal::StartCell::drop_hints() {
@@ -69,36 +70,31 @@ void internal::StartCell::drop_hints() {
   }
 }
 
+internal::NearestBoxes::NearestBoxes(const StartCell& cell, const TaskFrame& frame,
+                                     const CellTask& task)
+    : cell_(cell), frame_(frame), task_(task) {
+  open(frame.whole(), 0);
+}
+
 /// A half may seem nearer than its node's box by a rounding error, which kRounding covers.
-std::vector<int> internal::StartCell::nearest(const CellTask& task, const TaskFrame& frame,
-                                              std::size_t most) const {
+int internal::NearestBoxes::next() {
   constexpr double kRounding = 1e-9;
-  struct Place {
-    double distance2;
-    int node;
-    TaskBox box;
-    bool operator>(const Place& other) const { return distance2 > other.distance2; }
-  };
-  std::priority_queue<Place, std::vector<Place>, std::greater<>> open;
-  std::priority_queue<std::pair<double, int>> found;  // the farthest on top
-  open.push({frame.distance2(frame.whole(), task), 0, frame.whole()});
-  while (!open.empty()) {
-    const Place place = open.top();
-    open.pop();
-    if (found.size() == most && place.distance2 > (1 + kRounding) * found.top().first) break;
-    const SplitNode& node = tree.nodes[as_index(place.node)];
+  while (!open_.empty() &&
+         (found_.empty() || open_.top().distance2 <= (1 + kRounding) * found_.top().first)) {
+    const Place place = open_.top();
+    open_.pop();
+    const SplitNode& node = cell_.tree.nodes[as_index(place.node)];
     for (int i = node.first; i < node.first + node.count; ++i) {
-      found.emplace(frame.distance2(boxes[as_index(i)].tasks, task), i);
-      if (found.size() > most) found.pop();
+      found_.emplace(frame_.distance2(cell_.boxes[as_index(i)].tasks, task_), i);
     }
     for (int side = 0; side < 2 && !node.is_leaf(); ++side) {
-      const TaskBox half = node.half(place.box, side);
-      open.push({frame.distance2(half, task), node.below + side, half});
+      open(node.half(place.box, side), node.below + side);
     }
   }
-  std::vector<int> result(found.size());
-  for (auto i = result.rbegin(); i != result.rend(); ++i, found.pop()) *i = found.top().second;
-  return result;
+  if (found_.empty()) return -1;
+  const int index = found_.top().second;
+  found_.pop();
+  return index;
 }
 
 std::string_view to_string(CellTier tier) {
@@ -126,6 +122,25 @@ constexpr double kNear = 1e-7;
 /// Configurations modelled farther beyond a limit than this are not tried, radians.
 constexpr double kLimitRoom = 0.01;
 
+/// Writes the box's path to its goal plus `change`. Returns false if it leaves the joint limits, or
+/// turns a continuous joint so far that its direction is not unique.
+bool write_path(const internal::LinkChain& chain, const CellBox& box, const JointVector& change,
+                const Configuration& start, Path& path) {
+  constexpr double kMostTurn = std::numbers::pi - 1e-3;
+  path.resize(box.path.size());
+  path.front() = start;
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    const JointVector q = box.path.waypoint(i, change);
+    if (!chain.keeps_limits(q)) return false;
+    for (Eigen::Index j = 0; j < q.size(); ++j) {
+      const double turn = q[j] - path[i - 1][static_cast<std::size_t>(j)];
+      if (chain.wraps(static_cast<int>(j)) && std::abs(turn) > kMostTurn) return false;
+    }
+    path[i].assign(q.data(), q.data() + q.size());
+  }
+  return true;
+}
+
 /// Looks one task up.
 class LookUp {
  public:
@@ -142,47 +157,28 @@ class LookUp {
     const CellBox& box = boxes_[as_index(index)];
     if (!box.is_proven || !box.tasks.contains(task_)) return false;
     const auto u = box.tasks.place_of(data_.frame.varying(), task_);
-    const JointVector modelled = internal::evaluate(box.shift, u.data());
-    JointVector q = box.branch.q0 + modelled;
+    const JointVector middle = box.path.goal(), modelled = internal::evaluate(box.shift, u.data());
+    JointVector q = middle + modelled;
     const auto& chain = data_.chain;
     if (((q - chain.upper()).array() > kLimitRoom).any()) return false;
     if (((chain.lower() - q).array() > kLimitRoom).any()) return false;
     if (!is_posed_) pose_ = data_.frame.pose(task_);
     is_posed_ = true;
-    if (!chain.reach(pose_, box.branch.response, kSteps, kNear, q)) return false;
-    const JointVector change = q - box.branch.q0;
+    if (!chain.reach(pose_, chain.directions(middle), kSteps, kNear, q)) return false;
+    const JointVector change = q - middle;
     for (Eigen::Index j = 0; j < change.size(); ++j) {
       // The proof holds for changes this close to the model.
       if (!(std::abs(change[j] - modelled[j]) <= box.shift.rest[static_cast<std::size_t>(j)])) {
         return false;
       }
     }
-    if (!write_path(box, change)) return false;
+    if (!write_path(chain, box, change, start_, answer_.path)) return false;
     answer_.tier = CellTier::certified;
     answer_.box = index;
     return true;
   }
 
  private:
-  /// False if the path leaves the joint limits, or turns a continuous joint so far that its
-  /// direction is not unique.
-  bool write_path(const CellBox& box, const JointVector& change) {
-    constexpr double kMostTurn = std::numbers::pi - 1e-3;
-    Path& path = answer_.path;
-    path.resize(box.path.size());
-    path.front() = start_;
-    for (std::size_t i = 1; i < path.size(); ++i) {
-      const JointVector q = box.path.waypoint(i, change);
-      if (!data_.chain.keeps_limits(q)) return false;
-      for (Eigen::Index j = 0; j < q.size(); ++j) {
-        const double turn = q[j] - path[i - 1][static_cast<std::size_t>(j)];
-        if (data_.chain.wraps(static_cast<int>(j)) && std::abs(turn) > kMostTurn) return false;
-      }
-      path[i].assign(q.data(), q.data() + q.size());
-    }
-    return true;
-  }
-
   const internal::CellData& data_;
   const CellTask& task_;
   const Configuration& start_;
@@ -236,92 +232,130 @@ void Cell::look_up(const CellTask& task, CellAnswer& answer, std::size_t start) 
 
 namespace {
 
-/// Paths of other boxes, bent to a task and verified.
+/// Paths of near boxes, bent to a task or extended to it, and verified as far as they are not
+/// proven.
 class PathBender {
  public:
-  PathBender(const internal::CellData& data, const CellTask& task, std::size_t start)
-      : data_(data), task_(task), start_(start) {}
+  PathBender(const internal::CellData& data, const CellTask& task, std::size_t start,
+             CellAnswer& answer)
+      : data_(data),
+        task_(task),
+        start_(data.region.starts[start].q),
+        cell_(data.starts[start]),
+        answer_(answer) {}
 
-  /// Writes the path of the nearest box that can be bent to the task.
-  bool run(CellAnswer& answer) {
-    int tried = 0;
-    for (const int index : data_.starts[start_].nearest(task_, data_.frame, kNearest)) {
-      if (tried == kTries) return false;
-      const CellBox& box = data_.starts[start_].boxes[as_index(index)];
-      JointVector q;
-      const bool is_reached =
-          follow(data_.chain, data_.frame, box.branch, box.tasks.center, task_, 2, q);
-      if (!is_reached || is_seen(q)) continue;
-      seen_.push_back(q);
-      if (!data_.chain.keeps_limits(q)) continue;
+  /// Writes the path of the nearest box that leads to the task. Returns true if there is one.
+  bool run() {
+    internal::NearestBoxes nearest(cell_, data_.frame, task_);
+    const Transform pose = data_.frame.pose(task_);
+    for (int i = 0, tried = 0; i < kNearest && tried < kTries; ++i) {
+      const int index = nearest.next();
+      if (index < 0) return false;
+      const CellBox& box = cell_.boxes[as_index(index)];
+      const JointVector middle = box.path.goal(), inside = change_towards(box);
+      JointVector q = middle + inside;
+      if (!data_.chain.reach(pose, data_.chain.directions(middle), kFarSteps, kNear, q)) continue;
+      if (!data_.chain.keeps_limits(q) || !is_worth_trying(q, box.origin)) continue;
       ++tried;
-      for (Path& path : paths_to(box, q)) {
-        if (take(index, path, answer)) return true;
+      if (bend(index, q - middle) || extend(index, inside, internal::to_configuration(q))) {
+        return true;
       }
     }
     return false;
   }
 
   /// The same with configurations of other branches, which paths of near boxes lead up to.
-  bool run(const std::vector<Configuration>& goals, CellAnswer& answer) {
-    constexpr std::size_t kMostBoxes = 6;
-    const auto boxes = data_.starts[start_].nearest(task_, data_.frame, kMostBoxes);
+  bool run(const std::vector<Configuration>& goals) {
+    constexpr int kMostBoxes = 6;
     for (const Configuration& goal : goals) {
-      for (const int index : boxes) {
-        const CellBox& box = data_.starts[start_].boxes[as_index(index)];
-        Path path = bend_to(box, JointVector::Zero(data_.chain.joint_count()));
-        for (; path.size() > 1; path.erase(path.end() - 2)) {
-          path.back() = goal;
-          if (take(index, path, answer)) return true;
-        }
+      internal::NearestBoxes nearest(cell_, data_.frame, task_);
+      for (int i = 0; i < kMostBoxes; ++i) {
+        const int index = nearest.next();
+        if (index < 0) break;
+        if (extend(index, change_towards(cell_.boxes[as_index(index)]), goal, 2)) return true;
       }
     }
     return false;
   }
 
  private:
-  static constexpr int kTries = 12;
-  static constexpr std::size_t kNearest = 64;
+  static constexpr int kTries = 12, kNearest = 64, kFarSteps = 12;
   static constexpr double kSame = 0.02;
 
-  /// Makes a path the answer if it is free.
-  bool take(int index, Path& path, CellAnswer& answer) const {
-    CheckCounters counters;
-    const MotionVerifier verifier(data_.checker);
-    if (path.empty() || verifier.find_invalid_motion(path, counters) >= 0) return false;
-    answer.tier = CellTier::verified;
-    answer.box = index;
-    answer.path = std::move(path);
+  struct TriedGoal {
+    JointVector q;
+    int origin;
+    bool is_free;
+  };
+
+  /// The modelled change of the box's goal for the task of the box that is nearest to the task.
+  [[nodiscard]] JointVector change_towards(const CellBox& box) const {
+    auto u = box.tasks.place_of(data_.frame.varying(), task_);
+    for (double& value : u) value = std::clamp(value, -1.0, 1.0);
+    return internal::evaluate(box.shift, u.data());
+  }
+
+  /// False for goals in contact, and for those that a path of the same plan was tried for.
+  bool is_worth_trying(const JointVector& q, int origin) {
+    for (const TriedGoal& other : tried_) {
+      if ((other.q - q).norm() >= kSame) continue;
+      if (!other.is_free || other.origin == origin) return false;
+    }
+    tried_.push_back({q, origin, data_.checker.is_valid(internal::to_configuration(q))});
+    return tried_.back().is_free;
+  }
+
+  /// Makes the box's path, bent to its goal plus `change`, the answer if it is free.
+  bool bend(int index, const JointVector& change) {
+    const CellBox& box = cell_.boxes[as_index(index)];
+    if (!write_path(data_.chain, box, change, start_, answer_.path)) return false;
+    const std::vector<float>& shares = box.path.shares;
+    std::size_t proven = 0;  // motions that do not bend
+    while (box.is_proven && proven + 2 < shares.size() && shares[proven + 1] == 0) ++proven;
+    return take(index, proven);
+  }
+
+  /// The same for a path to a task of the box, and then straight to `goal`; then for shorter parts
+  /// of it, of at least `least` waypoints; 0: all.
+  bool extend(int index, const JointVector& change, const Configuration& goal,
+              std::size_t least = 0) {
+    const CellBox& box = cell_.boxes[as_index(index)];
+    Path& path = answer_.path;
+    if (!write_path(data_.chain, box, change, start_, path)) return false;
+    path.push_back(goal);
+    while (!take(index, box.is_proven ? path.size() - 2 : 0)) {
+      if (least == 0 || path.size() <= least) return false;
+      path.erase(path.end() - 2);
+    }
     return true;
   }
 
-  [[nodiscard]] bool is_seen(const JointVector& q) const {
-    return std::ranges::any_of(seen_,
-                               [&](const auto& other) { return (other - q).norm() < kSame; });
-  }
-
-  /// The box's path bent to the goal; then with a motion from its middle to the goal.
-  [[nodiscard]] std::array<Path, 2> paths_to(const CellBox& box, const JointVector& q) const {
-    const JointVector change = q - box.branch.q0;
-    Path longer = bend_to(box, 0 * change);
-    if (!longer.empty()) longer.push_back(internal::to_configuration(q));
-    return {bend_to(box, change), std::move(longer)};
-  }
-
-  [[nodiscard]] Path bend_to(const CellBox& box, const JointVector& change) const {
-    Path path = {data_.region.starts[start_].q};
-    for (std::size_t i = 1; i < box.path.size(); ++i) {
-      const JointVector q = box.path.waypoint(i, change);
-      if (!data_.chain.keeps_limits(q)) return {};
-      path.push_back(internal::to_configuration(q));
+  /// Makes the path an answer if it is free. Its first motions may be proven.
+  bool take(int index, std::size_t proven) {
+    const Robot& robot = data_.region.problem.robot;
+    const MotionVerifier verifier(data_.checker);
+    CheckCounters counters;
+    const auto row = [&](std::size_t i) {
+      const Configuration q = robot.normalized(answer_.path[i]);
+      return std::vector<float>(q.begin(), q.end());
+    };
+    // Most paths are blocked near the goal.
+    for (std::size_t i = answer_.path.size() - 1; i > proven; --i) {
+      const MotionEnds ends{i == 1, i + 1 == answer_.path.size()};
+      if (!verifier.is_free(row(i - 1), row(i), ends, counters)) return false;
     }
-    return path;
+    answer_.path = unwrapped(robot, std::move(answer_.path), start_);
+    answer_.tier = CellTier::verified;
+    answer_.box = index;
+    return true;
   }
 
   const internal::CellData& data_;
   const CellTask& task_;
-  std::size_t start_;
-  std::vector<JointVector> seen_;
+  const Configuration& start_;
+  const StartCell& cell_;
+  CellAnswer& answer_;
+  std::vector<TriedGoal> tried_;
 };
 
 /// Plans to all configurations of the task that inverse kinematics finds.
@@ -332,21 +366,16 @@ void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t
   goal.link = data.region.middle().link;
   goal.pose = data.frame.pose(task);
   const Configuration& from = data.region.starts[start].q;
-  const auto kinematics = InverseKinematics::make(robot, goal.link);
-  if (!kinematics) {
-    answer.note = kinematics.error().message;
-    return;
-  }
   const Stopwatch stopwatch;
   IkSettings ik;
   ik.is_over = [&] { return stopwatch.elapsed_s() > timeout_s; };
-  const IkResult found = kinematics->solve(goal, from, ik, &data.checker, kVerificationMargin);
+  const IkResult found = data.kinematics.solve(goal, from, ik, &data.checker, kVerificationMargin);
   if (found.solutions.empty()) {
     answer.note = found.blocked.empty() ? "inverse kinematics finds no configuration of this task"
                                         : "all configurations found for this task are in contact";
     return;
   }
-  if (PathBender(data, task, start).run(found.solutions, answer)) return;
+  if (PathBender(data, task, start, answer).run(found.solutions)) return;
   PlanSettings settings;
   settings.timeout_s = std::max(0.0, timeout_s - stopwatch.elapsed_s());
   const PlanResult planned = plan_with(rrt_connect, data.checker, {from, found.solutions},
@@ -374,8 +403,9 @@ CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s) 
   }
   look_up(task, answer, start);
   if (answer.tier != CellTier::none) return answer;
-  if (PathBender(*data_, task, start).run(answer)) return answer;
+  if (PathBender(*data_, task, start, answer).run()) return answer;
   if (timeout_s > 0) plan_anew(*data_, task, start, timeout_s, answer);
+  if (answer.tier == CellTier::none) answer.path.clear();
   return answer;
 }
 

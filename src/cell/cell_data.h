@@ -6,17 +6,20 @@
 
 #include "mneme/cell.h"
 #include "mneme/collision.h"
+#include "mneme/goal.h"
 
 #include "cell/bent_path.h"
-#include "cell/branch.h"
 #include "goal/link_chain.h"
 #include "cell/split_tree.h"
 #include "cell/task_frame.h"
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <queue>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mneme::internal {
@@ -24,9 +27,8 @@ namespace mneme::internal {
 /// A box of tasks with its path.
 struct CellBox {
   TaskBox tasks;
-  Branch branch;
   BentPath path;
-  GoalShift shift;  ///< over the box, as a change of branch.q0
+  GoalShift shift;  ///< over the box, as a change of the path's goal
   int origin = 0;   ///< the box whose planned path this one bends; itself if it was planned
   bool is_proven = true;
   bool was_proven = true;  ///< is free of links and of all obstacles but CellData::changed
@@ -51,12 +53,36 @@ struct StartCell {
     }
     while (count > 0 && !visit(found[--count])) continue;
   }
-  /// Indices of at most `most` > 0 boxes by the distance of the task from them, relative to the
-  /// region; then by index. Cost: a best-first walk of the tree.
-  [[nodiscard]] std::vector<int> nearest(const CellTask& task, const TaskFrame& frame,
-                                         std::size_t most) const;
   /// Removes boxes that are not proven. Leaves that they served are not examined then.
   void drop_hints();
+};
+
+/// Boxes by the distance of a task from them, relative to the region; then by index. Walks the tree
+/// as far as needed.
+class NearestBoxes {
+ public:
+  /// Refers to its arguments.
+  NearestBoxes(const StartCell& cell, const TaskFrame& frame, const CellTask& task);
+
+  /// Returns the index of the next box, or -1.
+  [[nodiscard]] int next();
+
+ private:
+  struct Place {
+    double distance2;
+    int node;
+    TaskBox box;
+    bool operator>(const Place& other) const { return distance2 > other.distance2; }
+  };
+  using Found = std::pair<double, int>;
+
+  void open(const TaskBox& box, int node) { open_.push({frame_.distance2(box, task_), node, box}); }
+
+  const StartCell& cell_;
+  const TaskFrame& frame_;
+  const CellTask& task_;
+  std::priority_queue<Place, std::vector<Place>, std::greater<>> open_;
+  std::priority_queue<Found, std::vector<Found>, std::greater<>> found_;
 };
 
 /// True if the path of the box keeps the joint limits for the task, by its model.
@@ -79,6 +105,7 @@ struct WorldHash {
 struct CellData {
   CellRegion region;
   LinkChain chain;
+  InverseKinematics kinematics;
   TaskFrame frame;
   CollisionChecker checker;
   double margin = 0;

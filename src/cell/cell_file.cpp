@@ -7,6 +7,7 @@
 #include "base/byte_stream.h"
 #include "base/fail.h"
 #include "base/files.h"
+#include "cell/branch.h"
 #include "cell/cell_data.h"
 
 #include <xxhash.h>
@@ -179,8 +180,6 @@ bool complete(StartCell& start, const CellStart& from, const CellData& data) {
     if (box.path.size() < 2 || as_index(box.origin) >= start.boxes.size()) return false;
     std::ranges::transform(from.q, box.path.rows.begin(),
                            [](double value) { return static_cast<float>(value); });
-    const JointVector none = JointVector::Zero(data.chain.joint_count());
-    box.branch = make_branch(data.chain, box.path.waypoint(box.path.size() - 1, none));
     box.was_proven = box.is_proven;
     box.is_proven = box.is_proven && data.is_of_this_world;
   }

@@ -221,13 +221,13 @@ class Examination {
   }
 
   /// Tries to prove one path over the box. True if all tasks are served then.
-  bool prove_path(const Waypoints& path, const Branch& branch, const GoalShift& shift, int origin) {
+  bool prove_path(const Waypoints& path, const GoalShift& shift, int origin) {
     for (const int profile : order_) {
       const BentPath bent = bend(path, profile);
       ProofFailure failure;
       CheckCounters counters;
       if (prove(e_.levels_.back().checker, bent, shift, proof_settings(), failure, counters)) {
-        result_.boxes.push_back({box_, branch, bent, shift, origin, true});
+        result_.boxes.push_back({box_, bent, shift, origin, true});
         result_.profiles.push_back(profile);
         serve(result_.boxes.back());
         return needed_ == 0;
@@ -252,9 +252,8 @@ class Examination {
     std::vector<JointVector> seen;
     for (std::size_t i = 0; i < count && tried < kNeighbours; ++i) {
       const CellBox& box = known_[near[i].second];
-      JointVector q;
-      if (!follow(e_.chain(), e_.frame(), box.branch, box.tasks.center, box_.center, 4, q))
-        continue;
+      JointVector q = box.path.goal();
+      if (!follow(e_.chain(), e_.frame(), box.tasks.center, box_.center, 4, q)) continue;
       if (is_among(seen, q, kSameBranch)) continue;
       seen.push_back(q);
       ++tried;
@@ -270,10 +269,10 @@ class Examination {
     if (!fit(branch, shift)) return false;
     Waypoints path;
     for (std::size_t i = 0; i < box.path.size(); ++i) {
-      path.push_back(box.path.waypoint(i, branch.q0 - box.branch.q0));
+      path.push_back(box.path.waypoint(i, branch.q0 - box.path.goal()));
     }
     path.back() = branch.q0;
-    return prove_path(without_straights(path), branch, shift, box.origin);
+    return prove_path(without_straights(path), shift, box.origin);
   }
 
   [[nodiscard]] double distance_to(const CellBox& box) const {
@@ -330,7 +329,7 @@ class Examination {
     const Branch branch = make_branch(e_.chain(), path->back());
     GoalShift shift;
     if (!fit(branch, shift)) return false;
-    return prove_path(*path, branch, shift, kOwnPath);
+    return prove_path(*path, shift, kOwnPath);
   }
 
   std::vector<Candidate> find_candidates() {

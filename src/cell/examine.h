@@ -10,6 +10,7 @@
 #include "mneme/sampling.h"
 
 #include "cell/blocked_link.h"
+#include "cell/branch.h"
 #include "cell/cell_data.h"
 
 #include <array>

@@ -52,7 +52,6 @@ TaskFrame::TaskFrame(const CellRegion& region)
     : half_extents_(region.half_extents),
       middle_(region.middle().pose),
       axes_(region.axes),
-      pivot_(region.pivot),
       from_pivot_(middle_.rotation * -region.pivot) {
   for (std::size_t k = 0; k < kTaskSize; ++k) {
     if (half_extents_[k] > 0) varying_.push_back(static_cast<int>(k));

@@ -46,7 +46,6 @@ class TaskFrame {
   [[nodiscard]] double share_of(const TaskBox& box) const;
   /// Task from one corner of the region to the other for values in [-1, 1].
   [[nodiscard]] TaskBox whole() const { return {{}, half_extents_}; }
-  [[nodiscard]] Vec3 pivot() const { return pivot_; }  ///< from the link's origin, in its frame
 
  private:
   [[nodiscard]] Eigen::Matrix3d turn_of(const CellTask& task) const;
@@ -55,7 +54,7 @@ class TaskFrame {
   CellTask half_extents_;
   Transform middle_;
   Eigen::Matrix3d axes_;
-  Vec3 pivot_, from_pivot_;  ///< the latter: to the link's origin, in the root's frame
+  Vec3 from_pivot_;  ///< to the link's origin, in the root's frame
 };
 
 }  // namespace mneme::internal

@@ -73,10 +73,8 @@ TEST_SUITE("unit") {
     JointVector q = internal::to_vector(region.problem.start);
     REQUIRE(chain->reach(frame.pose({}), chain->response(q), 30, 1e-7, q));
     const internal::TaskBox box{{0.02, -0.03, 0, 0.1}, {0.03, 0.04, 0, 0.1}};
-    JointVector middle;
-    const internal::Branch first = internal::make_branch(*chain, q);
-    REQUIRE(internal::follow(*chain, frame, first, {}, box.center, 4, middle));
-    const internal::Branch branch = internal::make_branch(*chain, middle);
+    REQUIRE(internal::follow(*chain, frame, {}, box.center, 4, q));
+    const internal::Branch branch = internal::make_branch(*chain, q);
     GoalShift shift;
     REQUIRE(fitter.fit(box, branch, shift) == internal::FitFault::none);
     Rng rng(2);
@@ -90,6 +88,9 @@ TEST_SUITE("unit") {
       JointVector exact = modelled;
       const Transform pose = frame.pose(box.at(frame.varying(), u.data()));
       REQUIRE(chain->reach(pose, branch.response, 8, 1e-8, exact));
+      JointVector same = modelled;
+      REQUIRE(chain->reach(pose, chain->directions(branch.q0), 8, 1e-8, same));
+      CHECK((same - exact).norm() < 1e-6);
       for (Eigen::Index j = 0; j < exact.size(); ++j) {
         CHECK(std::abs(exact[j] - modelled[j]) <= double{shift.rest[static_cast<std::size_t>(j)]});
       }
