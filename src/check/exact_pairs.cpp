@@ -97,7 +97,22 @@ ExactPairs::ExactPairs(const Robot& robot, const LinkDistances& links, const Sce
 
 bool ExactPairs::empty() const { return pairs_->empty(); }
 
-bool ExactPairs::are_apart(std::span<const float> q) const { return stay_apart(q, {}, 0); }
+void ExactPairs::check_states(std::span<const float> configurations,
+                              std::span<std::uint8_t> are_apart, const KnownStates& known) const {
+  const std::size_t joints = are_apart.empty() ? 0 : configurations.size() / are_apart.size();
+  std::vector<std::uint8_t> is_known(are_apart.size());
+  for (const Pair& pair : *pairs_) {
+    bool is_told = false;
+    for (std::size_t i = 0; i < are_apart.size(); ++i) {
+      const auto q = configurations.subspan(i * joints, joints);
+      if (are_apart[i] == 0 || !pair.unproven(q, {}, 0)) continue;
+      if (!is_told && pair.links && !known(*pair.links, is_known)) std::ranges::fill(is_known, 0);
+      is_told = pair.links.has_value();
+      if (is_told && is_known[i] != 0) continue;
+      are_apart[i] = pair.stays_apart(q, {}, {}, 0) ? 1 : 0;
+    }
+  }
+}
 
 bool ExactPairs::stay_apart(std::span<const float> from, std::span<const float> delta,
                             double extra) const {

@@ -3,9 +3,9 @@
 #include "check/free_cells.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -13,166 +13,36 @@
 namespace mneme::internal {
 namespace {
 
-/// Metres that points move within half a cell: smaller cells are more, larger ones prove less.
+/// Metres that points move within half of a smallest cell, unless kMostBits limits the number of
+/// cells: smaller cells prove more, and take longer.
 constexpr double kCellMotion = 1e-3;
-/// Cells overlap by this fraction, so that rounding leaves no gap.
-constexpr double kOverlap = 0.01;
-constexpr std::int64_t kMostCells = 1 << 20;
+/// Cells overlap by this share of a smallest one, so that rounding leaves no gap.
+constexpr double kOverlap = 0.02;
+/// The largest cells are 2^kTopBits for each joint, the smallest at most 2^kMostBits: of one joint,
+/// or of two.
+constexpr int kTopBits = 2;
+constexpr std::array<int, 2> kMostBits = {8, 7};
+/// Changes with what proofs decide, so that older ones in the cache are not found.
+constexpr double kCellVersion = 1;
+/// The character of the first verdict in the cache.
+constexpr char kFirstVerdict = '0';
 
-}  // namespace
+using Step = JointChain::Step;
 
-/// What a link can reach while it rolls about an axis: in slices along the axis, the largest
-/// distance from it.
-class RoundBody {
- public:
-  /// `X`: pose of the link in a frame whose z axis is the axis.
-  RoundBody(const ExactLink& link, const Transform& X);
-
-  /// True if no part of `solid` is closer than `margin` metres; `X` is the pose of its tree. May be
-  /// false for parts that are nearly so close.
-  [[nodiscard]] bool is_clear_of(const SweptSolid& solid, const Transform& X, double margin) const;
-
-  /// Middle of the axis, and the distance of the farthest point from the origin.
-  [[nodiscard]] Vec3 middle() const { return {0, 0, 0.5 * (low_ + high_)}; }
-  [[nodiscard]] double reach() const {
-    return std::hypot(std::max(std::abs(low_), std::abs(high_)), std::ranges::max(radii_));
+/// The joints that move these steps of a chain, if each is in one place of it.
+std::vector<int> joints_of(std::span<const Step> steps) {
+  std::vector<int> joints;
+  for (const Step& step : steps) {
+    if (!joints.empty() && joints.back() == step.joint) continue;
+    if (std::ranges::count(joints, step.joint) > 0) return {};
+    joints.push_back(step.joint);
   }
-
- private:
-  static constexpr int kSlices = 32;
-
-  [[nodiscard]] double edge_of(int slice) const { return low_ + (high_ - low_) * slice / kSlices; }
-  void add(const Capsule& edge);
-  [[nodiscard]] bool is_beyond(double distance, double low, double high, double margin) const;
-  [[nodiscard]] bool is_beyond(const Triangle& t, double margin, int splits) const;
-
-  double low_ = std::numeric_limits<double>::infinity(), high_ = -low_;
-  std::array<double, kSlices> radii_{};
-};
-
-namespace {
-
-/// The edges of a link's triangles, and the axes of its capsules. `X`: pose of the link.
-std::vector<Capsule> edges_of(const ExactLink& link, const Transform& X) {
-  std::vector<Capsule> edges;
-  for (const Capsule& shape : link.shapes()) {
-    edges.push_back({X * shape.a, X * shape.b, shape.radius});
-  }
-  for (const Mesh& surface : link.surfaces()) {
-    const Transform X_surface = X * surface.pose;
-    for (const Triangle& t : surface.parts->list()) {
-      const std::array<Vec3, 3> corners = {X_surface * t.a, X_surface * t.b, X_surface * t.c};
-      for (std::size_t i = 0; i < 3; ++i) {
-        edges.push_back({corners[i], corners[(i + 1) % 3], surface.radius});
-      }
-    }
-  }
-  return edges;
+  return joints;
 }
 
-/// Distance of a triangle from the z axis.
-double distance_to_axis(const Triangle& t) {
-  const std::array<Eigen::Vector2d, 3> corners = {t.a.head<2>(), t.b.head<2>(), t.c.head<2>()};
-  double least = std::numeric_limits<double>::infinity();
-  int left = 0, right = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Eigen::Vector2d& a = corners[i];
-    const Eigen::Vector2d edge = corners[(i + 1) % 3] - a;
-    const double length2 = edge.squaredNorm();
-    const double share = length2 > 0 ? std::clamp(-a.dot(edge) / length2, 0.0, 1.0) : 0;
-    least = std::min(least, (a + share * edge).norm());
-    ++(edge.x() * a.y() - edge.y() * a.x() > 0 ? left : right);
-  }
-  return left == 3 || right == 3 ? 0 : least;
-}
-
-}  // namespace
-
-RoundBody::RoundBody(const ExactLink& link, const Transform& X) {
-  const std::vector<Capsule> edges = edges_of(link, X);
-  for (const Capsule& edge : edges) {
-    low_ = std::min({low_, edge.a.z() - edge.radius, edge.b.z() - edge.radius});
-    high_ = std::max({high_, edge.a.z() + edge.radius, edge.b.z() + edge.radius});
-  }
-  for (const Capsule& edge : edges) add(edge);
-}
-
-/// A triangle is farthest from the axis at its edges, and a segment at its ends.
-void RoundBody::add(const Capsule& edge) {
-  const double rise = edge.b.z() - edge.a.z();
-  for (int slice = 0; slice < kSlices; ++slice) {
-    const double begin = edge_of(slice) - edge.radius, end = edge_of(slice + 1) + edge.radius;
-    if (std::max(edge.a.z(), edge.b.z()) < begin || std::min(edge.a.z(), edge.b.z()) > end)
-      continue;
-    double from = 0, to = 1;
-    if (rise != 0) {
-      from = std::clamp((begin - edge.a.z()) / rise, 0.0, 1.0);
-      to = std::clamp((end - edge.a.z()) / rise, 0.0, 1.0);
-    }
-    const auto radius_at = [&](double t) {
-      return (edge.a + t * (edge.b - edge.a)).head<2>().norm();
-    };
-    double& radius = radii_[as_index(slice)];
-    radius = std::max(radius, std::max(radius_at(from), radius_at(to)) + edge.radius);
-  }
-}
-
-/// True for points from `low` to `high` along the axis and `distance` metres or more away from it.
-bool RoundBody::is_beyond(double distance, double low, double high, double margin) const {
-  for (int slice = 0; slice < kSlices; ++slice) {
-    const double beside = std::max({0.0, edge_of(slice) - high, low - edge_of(slice + 1)});
-    const double beyond = std::max(0.0, distance - radii_[as_index(slice)]);
-    if (beside * beside + beyond * beyond < margin * margin) return false;
-  }
-  return true;
-}
-
-bool RoundBody::is_beyond(const Triangle& t, double margin, int splits) const {
-  const auto [low, high] = std::minmax({t.a.z(), t.b.z(), t.c.z()});
-  const double distance = distance_to_axis(t);
-  if (is_beyond(distance, low, high, margin)) return true;
-  if (splits == 0 || !is_beyond(std::max(t.a.head<2>().norm(), 0.0), t.a.z(), t.a.z(), margin)) {
-    return false;
-  }
-  const Vec3 ab = 0.5 * (t.a + t.b), bc = 0.5 * (t.b + t.c), ca = 0.5 * (t.c + t.a);
-  return is_beyond({ab, bc, ca}, margin, splits - 1) &&
-         is_beyond({t.a, ab, ca}, margin, splits - 1) &&
-         is_beyond({ab, t.b, bc}, margin, splits - 1) &&
-         is_beyond({ca, bc, t.c}, margin, splits - 1);
-}
-
-bool RoundBody::is_clear_of(const SweptSolid& solid, const Transform& X, double margin) const {
-  constexpr int kMostSplits = 3;
-  const double reach = margin + solid.radius();
-  const Eigen::Matrix3d extent = X.rotation.cwiseAbs();
-  std::vector<int> open = {0};
-  while (!open.empty()) {
-    const int index = open.back();
-    open.pop_back();
-    const BoxTree::Node& node = solid.tree().nodes()[as_index(index)];
-    const Vec3 center = X * Vec3(0.5 * (node.box.low + node.box.high));
-    const Vec3 half = extent * (0.5 * (node.box.high - node.box.low));
-    const double distance = center.head<2>().norm() - half.head<2>().norm();
-    if (is_beyond(distance, center.z() - half.z(), center.z() + half.z(), reach)) continue;
-    for (int i = node.first; i < node.first + node.count; ++i) {
-      const int part = solid.tree().order()[as_index(i)];
-      const Triangle& t = solid.triangle(part);
-      if (!is_beyond({X * t.a, X * t.b, X * t.c}, reach + solid.own_radius(part), kMostSplits)) {
-        return false;
-      }
-    }
-    if (node.right >= 0) open.insert(open.end(), {index + 1, node.right});
-  }
-  return true;
-}
-
-namespace {
-
-/// The only joint that moves these steps of a chain, if there is one.
-std::optional<int> only_joint(std::span<const JointChain::Step> steps) {
-  if (steps.empty()) return std::nullopt;
-  const auto is_first = [&](const auto& step) { return step.joint == steps.front().joint; };
-  return std::ranges::all_of(steps, is_first) ? std::optional(steps.front().joint) : std::nullopt;
+/// Speeds of points of a body that a step moves. `X`: pose of the body in the step's frame.
+PointSpeeds speeds_by(const Step& step, const Transform& X) {
+  return {X, std::abs(step.rate), step.is_prismatic};
 }
 
 /// Cells of the chain from `a` to `b` without its last joint, about which `b` rolls.
@@ -180,12 +50,13 @@ std::shared_ptr<const FreeCells> make_rolled(const Robot& robot, const LinkDista
                                              int b) {
   JointChain chain(robot, a, b);
   const auto steps = chain.steps();
-  if (steps.size() < 2 || steps.back().is_prismatic) return nullptr;
-  const auto joint = only_joint(steps.first(steps.size() - 1));
-  if (!joint || *joint == steps.back().joint) return nullptr;
+  if (steps.size() < 2 || steps.size() > 3 || steps.back().is_prismatic) return nullptr;
+  std::vector<int> joints = joints_of(steps);
+  if (joints.size() != steps.size()) return nullptr;
+  joints.pop_back();
   auto round = std::make_shared<const RoundBody>(links.exact(b), chain.last());
   SolidPair pair(std::move(chain), links.exact(a), links.exact(b));
-  return std::make_shared<FreeCells>(robot, std::move(pair), *joint, std::move(round));
+  return std::make_shared<FreeCells>(robot, std::move(pair), joints, std::move(round));
 }
 
 /// Metres from the body's origin that no point of the solids exceeds.
@@ -200,14 +71,20 @@ double reach_of(std::span<const SweptSolid> solids) {
 }
 
 /// Metres per unit of the joint that points of one body move against the other, at most.
-double speed_of(const SolidPair& pair, double other_reach, int joint, int joint_count) {
+double speed_of(const SolidPair& pair, int joint, int joint_count) {
   std::vector<float> from(as_index(joint_count)), delta(as_index(joint_count));
   delta[as_index(joint)] = 1;
   const ChainMotion motion(pair.chain, from, delta);
   const auto most = [](const MotionBound& bound, double reach) {
     return bound.speed + reach * bound.speed_by_reach;
   };
-  return std::min(most(motion.of_a, reach_of(pair.solids)), most(motion.of_b, other_reach));
+  return std::min(most(motion.of_a, reach_of(pair.solids)),
+                  most(motion.of_b, reach_of(pair.others)));
+}
+
+/// Metres per unit of a step's joint that points of a link move at most.
+double speed_of(const ExactLink& link, const PointSpeeds& speeds) {
+  return speeds.rate * (speeds.is_prismatic ? 1 : radius_about_axis(link, speeds.X_AxisBody));
 }
 
 }  // namespace
@@ -215,94 +92,260 @@ double speed_of(const SolidPair& pair, double other_reach, int joint, int joint_
 std::vector<std::shared_ptr<const FreeCells>> FreeCells::make(const Robot& robot,
                                                               const LinkDistances& links, int first,
                                                               int second) {
-  JointChain chain(robot, first, second);
-  if (const auto joint = only_joint(chain.steps())) {
-    SolidPair pair(std::move(chain), links.exact(first), links.exact(second));
-    return {std::make_shared<FreeCells>(robot, std::move(pair), *joint)};
-  }
   std::vector<std::shared_ptr<const FreeCells>> cells = {make_rolled(robot, links, first, second),
                                                          make_rolled(robot, links, second, first)};
   std::erase(cells, nullptr);
+  JointChain chain(robot, first, second);
+  const std::vector<int> joints = joints_of(chain.steps());
+  if (joints.size() == 1 || (joints.size() == 2 && chain.steps().size() == 2)) {
+    SolidPair pair(std::move(chain), links.exact(first), links.exact(second));
+    cells.push_back(std::make_shared<FreeCells>(robot, std::move(pair), joints));
+  }
   return cells;
 }
 
-FreeCells::FreeCells(const Robot& robot, SolidPair pair, int joint,
+FreeCells::FreeCells(const Robot& robot, SolidPair pair, const std::vector<int>& joints,
                      std::shared_ptr<const RoundBody> round)
-    : pair_(std::move(pair)),
-      round_(std::move(round)),
-      joint_(joint),
-      joint_count_(robot.joint_count()) {
-  const Joint& moved = robot.group_joint(joint);
-  wraps_ = moved.type == JointType::continuous;
-  const double range = wraps_ ? 2 * std::numbers::pi : moved.upper - moved.lower;
-  // The reach of a round body is from the axis' origin, which may be another one than the link's.
-  const double reach = round_ == nullptr ? reach_of(pair_.others)
-                                         : round_->reach() + pair_.chain.last().translation.norm();
-  size_ = 2 * kCellMotion / speed_of(pair_, reach, joint, joint_count_);
-  count_ = static_cast<std::int64_t>(std::clamp(std::ceil(range / size_), 1.0, double{kMostCells}));
-  if (wraps_) size_ = range / static_cast<double>(count_);
-  lower_ = moved.lower;
-  if (!wraps_) {
-    // A cell more at each end: rounded limits, and starts barely beyond them.
-    lower_ -= size_;
-    count_ += 2;
+    : pair_(std::move(pair)), round_(std::move(round)), joint_count_(robot.joint_count()) {
+  const auto steps = pair_.chain.steps();
+  speeds_ = speeds_by(steps[0], steps[0].mount.inverse());
+  const int most_bits = kMostBits[joints.size() - 1];
+  if (joints.size() == 1) {
+    const double speed =
+        round_ ? speed_of(pair_.link, speeds_) : speed_of(pair_, joints[0], joint_count_);
+    add_axis(robot, joints[0], speed, most_bits);
+  } else {
+    add_axis(robot, joints[0], speed_of(pair_.link, speeds_), most_bits);
+    const PointSpeeds second = speeds_by(steps[1], round_ ? steps[2].mount : pair_.chain.last());
+    const double reach = round_ ? round_->reach_about(second.X_AxisBody) : 0;
+    const double speed =
+        round_ ? second.rate * (second.is_prismatic ? 1 : reach) : speed_of(*pair_.other, second);
+    add_axis(robot, joints[1], speed, most_bits);
   }
-  cells_ = std::make_unique<std::atomic<Cell>[]>(static_cast<std::size_t>(count_));
+  const int levels = 1 + std::ranges::max(axes_, {}, &Axis::bits).bits;
+  top_ = std::max(0, levels - 1 - kTopBits);
+  for (int level = 0; level <= top_; ++level) {
+    of_levels_.push_back(count_);
+    int bits = 0;
+    for (const Axis& axis : axes_) bits += std::max(0, axis.bits - level);
+    count_ += std::size_t{1} << bits;
+  }
+  verdicts_ = std::make_unique<std::atomic<Verdict>[]>(count_);
+}
+
+void FreeCells::add_axis(const Robot& robot, int index, double speed, int most_bits) {
+  const Joint& joint = robot.group_joint(index);
+  Axis axis{.joint = index, .wraps = joint.type == JointType::continuous, .speed = speed};
+  const double range = axis.wraps ? 2 * std::numbers::pi : joint.upper - joint.lower;
+  const double wanted = std::max(1.0, range * speed / (2 * kCellMotion));
+  axis.bits = std::clamp(static_cast<int>(std::ceil(std::log2(wanted))), kTopBits, most_bits);
+  const double cells = std::ldexp(1, axis.bits);
+  axis.size = range / cells;
+  axis.lower = joint.lower;
+  if (!axis.wraps) {
+    // A cell more at each end: rounded limits, and starts barely beyond them.
+    constexpr double kLeastSize = 1e-4;
+    axis.size = std::max(range / (cells - 2), kLeastSize);
+    axis.lower -= axis.size;
+  }
+  axes_.push_back(axis);
+}
+
+FreeCells::Cell FreeCells::cell_at(std::span<const float> from, std::span<const float> delta,
+                                   double share) const {
+  Cell cell = {};
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const Axis& axis = axes_[i];
+    double value = from[as_index(axis.joint)];
+    if (!delta.empty()) value += share * delta[as_index(axis.joint)];
+    cell[i] = static_cast<std::int64_t>(std::floor((value - axis.lower) / axis.size));
+  }
+  return cell;
+}
+
+bool FreeCells::is_in_range(const Cell& cell) const {
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (!axes_[i].wraps && (cell[i] < 0 || cell[i] >> axes_[i].bits != 0)) return false;
+  }
+  return true;
+}
+
+double FreeCells::end_of(const Cell& cell, int level, std::span<const float> from,
+                         std::span<const float> delta) const {
+  // Into the next cell, but not beyond the overlap.
+  constexpr double kStep = 0.5 * kOverlap;
+  double end = std::numeric_limits<double>::infinity(), step = end;
+  for (std::size_t i = 0; i < axes_.size() && !delta.empty(); ++i) {
+    const Axis& axis = axes_[i];
+    const double begin = from[as_index(axis.joint)], change = delta[as_index(axis.joint)];
+    if (change == 0) continue;
+    const int bits = std::min(level, axis.bits);
+    const std::int64_t edge = ((cell[i] >> bits) + (change > 0 ? 1 : 0)) << bits;
+    end = std::min(end, (axis.lower + static_cast<double>(edge) * axis.size - begin) / change);
+    step = std::min(step, kStep * axis.size / std::abs(change));
+  }
+  return end + step;
 }
 
 std::optional<MotionShare> FreeCells::unproven(std::span<const float> from,
                                                std::span<const float> delta,
                                                MotionShare share) const {
-  const double begin = from[as_index(joint_)];
-  const double change = delta.empty() ? 0 : delta[as_index(joint_)];
-  const auto cell_at = [&](double at) {
-    return static_cast<std::int64_t>(std::floor((begin + at * change - lower_) / size_));
-  };
-  const std::int64_t last = cell_at(share.last), step = change < 0 ? -1 : 1;
-  std::optional<std::int64_t> first_unproven;
-  std::int64_t last_unproven = 0;
-  for (std::int64_t cell = cell_at(share.first);; cell += step) {
-    if (!is_free(cell)) {
-      if (!first_unproven) first_unproven = cell;
-      last_unproven = cell;
+  std::optional<MotionShare> open;
+  for (double at = share.first;;) {
+    const Cell cell = cell_at(from, delta, at);
+    if (!is_in_range(cell)) return MotionShare{open ? open->first : at, share.last};
+    const int level = free_level(cell);
+    const double end = std::min(share.last, end_of(cell, std::max(level, 0), from, delta));
+    if (level < 0) open = {open ? open->first : at, end};
+    if (!(end > at) || end >= share.last) return open;
+    at = end;
+  }
+}
+
+int FreeCells::free_level(const Cell& cell) const {
+  for (int level = top_; level >= 0; --level) {
+    std::atomic<Verdict>& verdict = verdicts_[index_of(cell, level)];
+    Verdict known = verdict.load(std::memory_order_relaxed);
+    if (known == Verdict::unknown) {
+      known = prove(ranges_of(cell, level)) ? Verdict::free : Verdict::unproven;
+      verdict.store(known, std::memory_order_relaxed);
     }
-    if (cell == last) break;
+    if (known == Verdict::free) return level;
   }
-  if (!first_unproven) return std::nullopt;
-  if (change == 0) return share;
-  const auto share_at = [&](std::int64_t edge) {
-    const double at = (lower_ + static_cast<double>(edge) * size_ - begin) / change;
-    return std::clamp(at, share.first, share.last);
-  };
-  return MotionShare{share_at(*first_unproven + (step < 0 ? 1 : 0)),
-                     share_at(last_unproven + (step < 0 ? 0 : 1))};
+  return -1;
 }
 
-bool FreeCells::is_free(std::int64_t index) const {
-  if (wraps_) index = (index % count_ + count_) % count_;
-  if (index < 0 || index >= count_) return false;
-  std::atomic<Cell>& cell = cells_[static_cast<std::size_t>(index)];
-  Cell known = cell.load(std::memory_order_relaxed);
-  if (known == Cell::unknown) {
-    known = prove(index) ? Cell::free : Cell::unproven;
-    cell.store(known, std::memory_order_relaxed);
+std::size_t FreeCells::index_of(const Cell& cell, int level) const {
+  std::size_t index = 0;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const int bits = std::max(0, axes_[i].bits - level);
+    const auto number = static_cast<std::size_t>(cell[i] >> std::min(level, axes_[i].bits));
+    index = (index << bits) | (number & ((std::size_t{1} << bits) - 1));
   }
-  return known == Cell::free;
+  return of_levels_[as_index(level)] + index;
 }
 
-bool FreeCells::prove(std::int64_t index) const {
+FreeCells::Ranges FreeCells::ranges_of(const Cell& cell, int level) const {
+  Ranges ranges;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    const Axis& axis = axes_[i];
+    const int bits = std::min(level, axis.bits);
+    const std::int64_t turn = (std::int64_t{1} << axis.bits) - 1;
+    const std::int64_t first = ((cell[i] & turn) >> bits) << bits;
+    const double half = std::ldexp(0.5, bits);
+    ranges.middle[i] = axis.lower + (static_cast<double>(first) + half) * axis.size;
+    ranges.half[i] = (half + kOverlap) * axis.size;
+  }
+  return ranges;
+}
+
+/// Within the cell, the first joint moves one link and the second joint the other one, seen from
+/// the body between both joints.
+bool FreeCells::prove(const Ranges& cell) const {
+  if (round_) return prove_round(cell);
+  std::size_t swept = 0;
+  double margin = kCellSpare;
+  if (axes_.size() == 2) {
+    const double first = cell.half[0] * axes_[0].speed, second = cell.half[1] * axes_[1].speed;
+    if (second > first) swept = 1;
+    margin += std::min(first, second);
+  }
+  std::vector<float> from(as_index(joint_count_)), delta(as_index(joint_count_));
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    from[as_index(axes_[i].joint)] = static_cast<float>(cell.middle[i]);
+  }
+  const std::size_t joint = as_index(axes_[swept].joint);
+  from[joint] = static_cast<float>(cell.middle[swept] - cell.half[swept]);
+  delta[joint] = static_cast<float>(2 * cell.half[swept]);
+  ChainMotion motion(pair_.chain, from, delta);
+  return pair_.stays_apart_as_whole(motion, margin);
+}
+
+bool FreeCells::prove_round(const Ranges& cell) const {
   std::vector<float> middle(as_index(joint_count_));
-  middle[as_index(joint_)] =
-      static_cast<float>(lower_ + (static_cast<double>(index) + 0.5) * size_);
-  ChainMotion state(pair_.chain, middle, {});
-  const double margin = (1 + kOverlap) * kCellMotion + kCellSpare;
-  if (round_ == nullptr) return pair_.stays_apart(state, margin);
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    middle[as_index(axes_[i].joint)] = static_cast<float>(cell.middle[i]);
+  }
+  const ChainMotion state(pair_.chain, middle, {});
+  PointMargin margin{kCellSpare, speeds_, cell.half[0]};
+  if (axes_.size() == 2) margin.least += cell.half[1] * axes_[1].speed;
   // The frame of the roll joint, at any of its values, from that of the first link.
   const Transform X_AxisA = pair_.chain.last() * state.interval(0).pose.X_AB.inverse();
   for (const SweptSolid& solid : pair_.solids) {
-    if (!round_->is_clear_of(solid, X_AxisA * solid.pose(), margin)) return false;
+    if (!round_->is_clear_of(solid, X_AxisA, margin)) return false;
   }
   return !pair_.link.may_enclose(Sphere{X_AxisA.inverse() * round_->middle(), 0});
+}
+
+void FreeCells::prove_all(const ContentCache& cache) const {
+  const std::string key = this->key();
+  std::string text = cache.find(key).value_or("");
+  if (text.size() == count_) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      const int verdict = text[i] - kFirstVerdict;
+      const bool is_one = verdict >= 0 && verdict <= static_cast<int>(Verdict::unproven);
+      if (is_one) verdicts_[i] = static_cast<Verdict>(verdict);
+    }
+    return;
+  }
+  const std::int64_t rows = axes_.size() == 2 ? std::int64_t{1} << axes_[1].bits : 1;
+  for (std::int64_t i = 0; i < std::int64_t{1} << axes_[0].bits; ++i) {
+    poll_interrupt();
+    for (std::int64_t k = 0; k < rows; ++k) static_cast<void>(free_level({i, k}));
+  }
+  text.clear();
+  for (std::size_t i = 0; i < count_; ++i) {
+    text += static_cast<char>(kFirstVerdict + static_cast<int>(verdicts_[i].load()));
+  }
+  // Without a cache the proofs are made anew by the next program.
+  static_cast<void>(cache.store(key, text));
+}
+
+namespace {
+
+void add(std::vector<double>& numbers, const Vec3& v) {
+  numbers.insert(numbers.end(), v.begin(), v.end());
+}
+
+void add(std::vector<double>& numbers, const Transform& X) {
+  for (int axis = 0; axis < 3; ++axis) add(numbers, Vec3(X.rotation.col(axis)));
+  add(numbers, X.translation);
+}
+
+void add(std::vector<double>& numbers, const ExactLink& link) {
+  for (const Capsule& shape : link.shapes()) {
+    add(numbers, shape.a);
+    add(numbers, shape.b);
+    numbers.push_back(shape.radius);
+  }
+  for (const Mesh& surface : link.surfaces()) {
+    numbers.push_back(static_cast<double>(surface.parts->list().size()));
+    numbers.push_back(surface.radius);
+    add(numbers, surface.pose);
+    for (const Triangle& t : surface.parts->list()) {
+      for (const Vec3& corner : {t.a, t.b, t.c}) add(numbers, corner);
+    }
+  }
+  numbers.push_back(static_cast<double>(link.shapes().size()));
+}
+
+}  // namespace
+
+std::string FreeCells::key() const {
+  std::vector<double> numbers = {kCellVersion, kCellSpare, kOverlap, round_ ? 1.0 : 0.0};
+  for (const Step& step : pair_.chain.steps()) {
+    add(numbers, step.mount);
+    numbers.insert(numbers.end(), {step.is_prismatic ? 1.0 : 0.0, step.rate, step.offset});
+  }
+  add(numbers, pair_.chain.last());
+  for (const Axis& axis : axes_) {
+    numbers.insert(numbers.end(), {axis.wraps ? 1.0 : 0.0, axis.lower, axis.size,
+                                   static_cast<double>(axis.bits), axis.speed});
+  }
+  add(numbers, pair_.link);
+  add(numbers, *pair_.other);
+  return ContentCache::hash_of(
+      {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
 }
 
 const FreeCellsOfPairs::Cells& FreeCellsOfPairs::of(const Robot& robot, const LinkDistances& links,

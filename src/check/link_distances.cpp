@@ -145,6 +145,14 @@ const std::vector<std::shared_ptr<const FreeCells>>& LinkDistances::free_cells(c
   return (is_bare ? bare_cells_ : cells_)->of(robot, *this, first, second);
 }
 
+void LinkDistances::prove_cells(const Robot& robot, const std::string& cache_directory) const {
+  if (cache_directory.empty()) return;
+  const ContentCache cache(cache_directory, "cells");
+  for (const auto& [first, second] : robot.exact_pairs()) {
+    for (const auto& cells : free_cells(robot, first, second)) cells->prove_all(cache);
+  }
+}
+
 /// Adds the links that are new, such as attached objects.
 void LinkDistances::add_links(const Robot& robot) {
   const std::vector<bool> is_moving = find_moving_links(robot);

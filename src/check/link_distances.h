@@ -16,6 +16,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -109,6 +110,10 @@ class LinkDistances {
   [[nodiscard]] const std::vector<std::shared_ptr<const FreeCells>>& free_cells(const Robot& robot,
                                                                                 int first,
                                                                                 int second) const;
+  /// Proves the cells of all pairs that the robot checks by exact geometry, or finds them in a
+  /// directory; without one they are proven at their first use. Cost: tenths of a second per pair,
+  /// milliseconds if found. Throws Interrupted.
+  void prove_cells(const Robot& robot, const std::string& cache_directory) const;
   /// Metres between the surfaces of a link and an obstacle. Exact up to `enough`, otherwise any
   /// larger value. Negative in contact, by at most the radius of the link's shape. Infinite for a
   /// link that may touch the obstacle. Uses exact geometry for the pairs that are checked by it.
@@ -183,18 +188,20 @@ class ExactPairs {
   ExactPairs(const Robot& robot, const LinkDistances& links, const Scene& scene, double margin);
 
   [[nodiscard]] bool empty() const;
-  /// True if no pair touches at `q`.
-  [[nodiscard]] bool are_apart(std::span<const float> q) const;
+  /// Writes 1 for each state at which two links are known to be apart, 0 for others. Returns false
+  /// if nothing is known of these links.
+  using KnownStates = std::function<bool(std::pair<int, int> links, std::span<std::uint8_t> apart)>;
+  /// Sets are_apart[i] to 0 if a pair touches at the i-th configuration. Skips those that are 0.
+  void check_states(std::span<const float> configurations, std::span<std::uint8_t> are_apart,
+                    const KnownStates& known) const;
   /// True if no pair comes closer than `extra` metres on the motion from `from` by `delta`. Motions
   /// that come closer than `extra` + 5e-5 m may fail.
   [[nodiscard]] bool stay_apart(std::span<const float> from, std::span<const float> delta,
                                 double extra) const;
-  /// Writes 1 for each state of a motion at which two links are known to be apart: state k of n is
-  /// at share (k + 1) / n. Returns false if nothing is known of these links.
-  using KnownStates = std::function<bool(std::pair<int, int> links, std::span<std::uint8_t> apart)>;
   /// True if no pair comes closer than `extra` metres at the motion's end and, as `known`, bounds
   /// or exact geometry tell, at about `count` > 0 states on the way. The start is assumed free.
-  /// `known` may be empty; states that it knows keep no `extra`.
+  /// State k of `known` is at share (k + 1) / count of the motion. `known` may be empty; states
+  /// that it knows keep no `extra`.
   [[nodiscard]] bool are_apart_at_states(std::span<const float> from, std::span<const float> delta,
                                          double extra, int count, const KnownStates& known) const;
 

@@ -153,6 +153,14 @@ SolidPair::SolidPair(JointChain chain_to_shapes, ExactLink first, std::vector<Sh
       others(shapes.begin(), shapes.end()),
       margin(their_margin) {}
 
+template <class AreApart>
+bool SolidPair::all_pairs(const AreApart& are_apart) const {
+  return std::ranges::all_of(solids, [&](const SweptSolid& solid) {
+    return std::ranges::all_of(others,
+                               [&](const SweptSolid& theirs) { return are_apart(solid, theirs); });
+  });
+}
+
 /// True unless it is proven that nothing is inside a surface of the pair.
 bool SolidPair::may_be_inside(const Transform& X_AB) const {
   if (other) return link.may_enclose(*other, X_AB) || other->may_enclose(link, X_AB.inverse());
@@ -165,11 +173,16 @@ bool SolidPair::stays_apart(ChainMotion& motion, double extra) const {
   return is_apart_at_states(motion, extra, 0) && !may_be_inside(motion.interval(0).pose.X_AB);
 }
 
+bool SolidPair::stays_apart_as_whole(ChainMotion& motion, double extra) const {
+  return all_pairs([&](const SweptSolid& solid, const SweptSolid& theirs) {
+           return internal::stay_apart_as_whole(solid, theirs, motion, margin + extra);
+         }) &&
+         !may_be_inside(motion.interval(0).pose.X_AB);
+}
+
 bool SolidPair::is_apart_at_states(ChainMotion& motion, double extra, double finest) const {
-  return std::ranges::all_of(solids, [&](const SweptSolid& solid) {
-    return std::ranges::all_of(others, [&](const SweptSolid& theirs) {
-      return internal::stay_apart(solid, theirs, motion, margin + extra, finest);
-    });
+  return all_pairs([&](const SweptSolid& solid, const SweptSolid& theirs) {
+    return internal::stay_apart(solid, theirs, motion, margin + extra, finest);
   });
 }
 

@@ -67,6 +67,8 @@ struct SolidPair {
   /// True if both stay `extra` metres and the margin apart on the motion. Motions that come closer
   /// by 5e-5 m may fail.
   [[nodiscard]] bool stays_apart(ChainMotion& motion, double extra) const;
+  /// As stays_apart() by bounds on the motion as a whole, at the cost of a state.
+  [[nodiscard]] bool stays_apart_as_whole(ChainMotion& motion, double extra) const;
   /// True if the surfaces stay so far apart at states, two `finest` shares of the motion from each
   /// other. States of which motion bounds tell so are left out. Does not look for enclosure.
   [[nodiscard]] bool is_apart_at_states(ChainMotion& motion, double extra, double finest) const;
@@ -79,6 +81,8 @@ struct SolidPair {
   double margin = 0;
 
  private:
+  template <class AreApart>
+  [[nodiscard]] bool all_pairs(const AreApart& are_apart) const;
   [[nodiscard]] bool may_be_inside(const Transform& X_AB) const;
 };
 

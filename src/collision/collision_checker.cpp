@@ -125,6 +125,17 @@ struct CollisionChecker::Tables {
     return world.scene.compounds.empty() || extra_margin <= internal::kSpareReach;
   }
 
+  /// ExactPairs::KnownStates: the states at which the spheres of two links are apart.
+  [[nodiscard]] bool find_apart(std::pair<int, int> links, std::span<const float> states,
+                                std::span<std::uint8_t> apart, CheckCounters& counters) const {
+    const auto& pairs = *checked_robot->exact_pairs;
+    const auto pair = std::ranges::find(pairs, links, &internal::PairTables::links);
+    if (pair == pairs.end()) return false;
+    kernels->check_states(pair->tables, no_obstacles, states.data(), static_cast<int>(apart.size()),
+                          0, apart.data(), counters);
+    return true;
+  }
+
   /// Exact geometry decides at states of the motion where the spheres of a pair touch.
   [[nodiscard]] bool are_exact_pairs_apart(std::span<const float> from,
                                            std::span<const float> delta, int count, double extra,
@@ -134,18 +145,14 @@ struct CollisionChecker::Tables {
     if (count <= 0) return exact_pairs.stay_apart(from, {}, extra);
     constexpr int kMostKept = 10000;  // others would fill the memory
     if (count > kMostKept) return exact_pairs.are_apart_at_states(from, delta, extra, count, {});
-    std::vector<float> states;
-    for (int k = 1; k <= count; ++k) {
-      const float share = static_cast<float>(k) / static_cast<float>(count);
-      for (std::size_t j = 0; j < from.size(); ++j) states.push_back(from[j] + share * delta[j]);
-    }
+    std::vector<float> states;  // made when the first pair needs them
     const auto known = [&](std::pair<int, int> links, std::span<std::uint8_t> apart) {
-      const auto& pairs = *checked_robot->exact_pairs;
-      const auto pair = std::ranges::find(pairs, links, &internal::PairTables::links);
-      if (pair == pairs.end()) return false;
-      kernels->check_states(pair->tables, no_obstacles, states.data(), count, 0, apart.data(),
-                            counters);
-      return true;
+      const int missing = states.empty() ? count : 0;
+      for (int k = 1; k <= missing; ++k) {
+        const float share = static_cast<float>(k) / static_cast<float>(count);
+        for (std::size_t j = 0; j < from.size(); ++j) states.push_back(from[j] + share * delta[j]);
+      }
+      return find_apart(links, states, apart, counters);
     };
     return exact_pairs.are_apart_at_states(from, delta, extra, count, known);
   }
@@ -253,10 +260,14 @@ void CollisionChecker::check_states(std::span<const float> configurations,
   const std::size_t joints = t.joints();
   for (std::size_t i = 0; i < is_valid.size(); ++i) {
     const auto q = configurations.subspan(i * joints, joints);
-    const bool is_free =
-        is_valid[i] != 0 && is_within_reach(q) && t.cones.contain(q) && t.exact_pairs.are_apart(q);
+    const bool is_free = is_valid[i] != 0 && is_within_reach(q) && t.cones.contain(q);
     is_valid[i] = is_free ? 1 : 0;
   }
+  if (t.exact_pairs.empty()) return;
+  t.exact_pairs.check_states(configurations, is_valid,
+                             [&](std::pair<int, int> links, std::span<std::uint8_t> apart) {
+                               return t.find_apart(links, configurations, apart, counters);
+                             });
 }
 
 bool CollisionChecker::is_motion_valid(std::span<const float> from, std::span<const float> to,

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -75,13 +76,15 @@ struct Snapshot {
 /// Searches the trees of two solids and the intervals of a motion together.
 class SweptGap {
  public:
+  /// Intervals on which parts move no farther than `finest_motion` metres are not halved.
   SweptGap(const SweptSolid& a, const SweptSolid& b, BodyMotion& motion, double margin,
-           double finest)
+           double finest, double finest_motion = kFinestMotion)
       : a_(a),
         b_(b),
         motion_(motion),
         margin_(margin),
         finest_(finest),
+        finest_motion_(finest_motion),
         reach_(margin + a.radius() + b.radius()) {}
 
   [[nodiscard]] bool stay_apart() { return search(0, 0, {motion_, 0, a_, b_, finest_}); }
@@ -106,11 +109,11 @@ class SweptGap {
     const double size_a = box_a.half.squaredNorm(), size_b = box_b.half.squaredNorm();
     const double moved = boxes.moved;
     const bool is_fast = boxes.ratio > kHalvingRatio || moved * moved > std::max(size_a, size_b);
-    if (moved > kFinestMotion && is_fast) return search_halves(i, k, at);
+    if (moved > finest_motion_ && is_fast) return search_halves(i, k, at);
     if (a.right < 0 && b.right < 0) {
       const double least = leaf_distance(a, b, at, margin_ + moved);
       if (least > 0 && least >= margin_ + moved) return true;
-      const bool is_certain = !(least > 0) || least < margin_ || moved <= kFinestMotion;
+      const bool is_certain = !(least > 0) || least < margin_ || moved <= finest_motion_;
       return !is_certain && search_halves(i, k, at);
     }
     const bool splits_a = b.right < 0 || (a.right >= 0 && size_a > size_b);
@@ -218,7 +221,7 @@ class SweptGap {
 
   const SweptSolid &a_, &b_;
   BodyMotion& motion_;
-  double margin_, finest_, reach_;
+  double margin_, finest_, finest_motion_, reach_;
   std::vector<std::unique_ptr<const Snapshot>> known_;  ///< by interval; null: not made yet
 };
 
@@ -295,6 +298,12 @@ double SweptSolid::distance_to(const Triangle& t, int part, double limit) const 
 bool stay_apart(const SweptSolid& a, const SweptSolid& b, BodyMotion& motion, double margin,
                 double finest) {
   return SweptGap(a, b, motion, margin, finest).stay_apart();
+}
+
+bool stay_apart_as_whole(const SweptSolid& a, const SweptSolid& b, BodyMotion& motion,
+                         double margin) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  return SweptGap(a, b, motion, margin, 0, kAny).stay_apart();
 }
 
 }  // namespace mneme::internal

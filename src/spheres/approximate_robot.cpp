@@ -17,7 +17,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <xxhash.h>
 
 #include <unistd.h>
 #include <algorithm>
@@ -25,8 +24,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <iterator>
 #include <map>
@@ -37,11 +34,6 @@ namespace mneme::internal {
 namespace {
 
 using Json = nlohmann::json;
-
-std::string hash_of(std::string_view bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
-}
 
 Json to_json(const LinkSpheres& link) {
   Json spheres = Json::array();
@@ -86,22 +78,15 @@ std::string sphere_key(const TriangleMesh& surface, const SphereSettings& settin
       for (const double coordinate : corner) numbers.push_back(coordinate + 0.0);
     }
   }
-  return hash_of({reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
-}
-
-std::string SphereCache::path_of(const std::string& key) const {
-  return fmt::format("{}/spheres-{}.json", directory_, key);
+  return ContentCache::hash_of(
+      {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
 }
 
 std::optional<LinkSpheres> SphereCache::find(const std::string& key) const {
-  if (directory_.empty()) return std::nullopt;
-  std::ifstream file(path_of(key), std::ios::binary);
-  std::string text;
-  std::string checksum;
-  if (!std::getline(file, text) || !std::getline(file, checksum)) return std::nullopt;
-  if (checksum != hash_of(key + text)) return std::nullopt;
+  const auto text = files_.find(key);
+  if (!text) return std::nullopt;
   try {
-    return from_json(Json::parse(text));
+    return from_json(Json::parse(*text));
   } catch (const Json::exception&) {
     return std::nullopt;
   }
@@ -117,14 +102,7 @@ CachedSurface approximate_surface(const TriangleMesh& surface, const SphereSetti
 }
 
 bool SphereCache::store(const std::string& key, const LinkSpheres& spheres) const {
-  std::error_code error;
-  if (!directory_.empty()) std::filesystem::create_directories(directory_, error);
-  if (directory_.empty() || error) return false;
-  const std::string text = to_json(spheres).dump();
-  auto file = NewFile::create(path_of(key));
-  // Another program may be writing the same entry.
-  if (!file) return std::filesystem::exists(path_of(key) + ".unfinished", error);
-  return file->write(fmt::format("{}\n{}\n", text, hash_of(key + text))) && file->finish();
+  return files_.store(key, to_json(spheres).dump());
 }
 
 namespace {

@@ -6,6 +6,7 @@
 
 #include "mneme/spheres.h"
 
+#include "base/content_cache.h"
 #include "spheres/triangle_mesh.h"
 
 #include <optional>
@@ -18,13 +19,13 @@ namespace mneme::internal {
 /// Returns a hash of 32 hexadecimal digits of surface, settings and version of the algorithm.
 [[nodiscard]] std::string sphere_key(const TriangleMesh& surface, const SphereSettings& settings);
 
-/// A directory with one file per link. Several programs may use it at the same time.
+/// Sphere approximations in a ContentCache.
 class SphereCache {
  public:
   /// An empty `directory` is no cache: nothing is found or stored.
-  explicit SphereCache(std::string directory) : directory_(std::move(directory)) {}
+  explicit SphereCache(std::string directory) : files_(std::move(directory), "spheres") {}
 
-  [[nodiscard]] const std::string& directory() const { return directory_; }
+  [[nodiscard]] const std::string& directory() const { return files_.directory(); }
   /// Returns the spheres stored under `key`, without the link's name. Nothing if there are none or
   /// the file is damaged.
   [[nodiscard]] std::optional<LinkSpheres> find(const std::string& key) const;
@@ -32,8 +33,7 @@ class SphereCache {
   bool store(const std::string& key, const LinkSpheres& spheres) const;
 
  private:
-  [[nodiscard]] std::string path_of(const std::string& key) const;
-  std::string directory_;
+  ContentCache files_;
 };
 
 /// The spheres of a surface.

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tables/make_tables.h"
+#include "base/files.h"
 #include "robot/kinematics.h"
 
 #include <map>
@@ -34,8 +35,10 @@ class Registry {
 Result<CheckedRobot> make_checked_robot(const Robot& robot) {
   if (robot.attached().empty()) {
     RobotTables tables = MNEME_TRY(make_robot_tables(robot));
+    LinkDistances links(robot);
+    links.prove_cells(robot, cache_directory());
     return CheckedRobot{
-        std::move(tables), LinkDistances(robot), reach_of(robot),
+        std::move(tables), std::move(links), reach_of(robot),
         std::make_shared<const std::vector<PairTables>>(MNEME_TRY(make_pair_tables(robot)))};
   }
   const auto bare = MNEME_TRY(share_checked_robot(robot.without_attached()));
