@@ -64,7 +64,7 @@ Scene read_compact_scene(const Input& problem, const std::string& name) {
   if (!problem.find("circles") && !problem.find("obstacles")) {
     problem.fail(ErrorCode::parse, "expected the key circles or obstacles, both are missing");
   }
-  return read_bodies(problem, kCompactSpelling, name);
+  return read_bodies(problem, kCompactSpelling, name).scene;
 }
 
 /// One problem of a file, which must outlive it.

@@ -7,6 +7,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 namespace mneme::internal {
 Obstacle moved(const Transform& X_AB, Obstacle obstacle) {
   for (Shape& shape : obstacle.shapes) shape = transformed(X_AB, shape);
@@ -18,6 +21,23 @@ Scene moved(const Transform& X_AB, Scene scene) {
   return scene;
 }
 
+namespace {
+
+/// The shape; nothing for a cloud without points.
+std::vector<Shape> occupied(const Shape& shape) {
+  const auto* cloud = std::get_if<PointCloud>(&shape);
+  const bool is_empty = cloud != nullptr && cloud->parts->list().empty();
+  return is_empty ? std::vector<Shape>() : std::vector<Shape>{shape};
+}
+
+/// NaN is not.
+bool is_within_reach(const Shape& shape) {
+  const Sphere bound = bounding_sphere(shape);
+  return bound.center.norm() + bound.radius <= kFarthestShape;
+}
+
+}  // namespace
+
 std::optional<std::string> SceneBuilder::add(const std::string& name, const std::string& body,
                                              const Shape& shape) {
   poll_interrupt();
@@ -25,9 +45,8 @@ std::optional<std::string> SceneBuilder::add(const std::string& name, const std:
   if (!decode_utf8(name) || !decode_utf8(body)) {
     return fmt::format("expected a name that is UTF-8 text without NUL, got \"{}\"", name + body);
   }
-  const Sphere bound = bounding_sphere(shape);
-  // NaN fails, too.
-  if (!(bound.center.norm() + bound.radius <= kFarthestShape)) {
+  std::vector<Shape> shapes = occupied(shape);
+  if (!std::ranges::all_of(shapes, is_within_reach)) {
     return fmt::format("expected a shape within {} m of the origin", kFarthestShape);
   }
   const bool is_new_body = !body.empty() && !bodies_.contains(body);
@@ -41,17 +60,27 @@ std::optional<std::string> SceneBuilder::add(const std::string& name, const std:
     return fmt::format("expected a unique name, got \"{}\" a second time", name);
   }
   if (body.empty()) {
-    obstacles_.push_back({name, {shape}});
+    obstacles_.push_back({name, std::move(shapes)});
   } else if (is_new_body) {
     bodies_[body] = obstacles_.size();
-    obstacles_.push_back({body, {shape}});
+    obstacles_.push_back({body, std::move(shapes)});
   } else {
-    obstacles_[bodies_[body]].shapes.push_back(shape);
+    std::ranges::move(shapes, std::back_inserter(obstacles_[bodies_[body]].shapes));
   }
   return std::nullopt;
 }
 
-Scene SceneBuilder::take(std::string name) { return {std::move(name), std::move(obstacles_)}; }
+Bodies SceneBuilder::take(std::string name) {
+  Bodies bodies{{std::move(name), {}}, {}};
+  for (Obstacle& obstacle : obstacles_) {
+    if (obstacle.shapes.empty()) {
+      bodies.empty.push_back(std::move(obstacle.name));
+    } else {
+      bodies.scene.obstacles.push_back(std::move(obstacle));
+    }
+  }
+  return bodies;
+}
 
 namespace {
 
@@ -69,17 +98,11 @@ void add(const Input& input, const std::string& name, const std::string& body, c
   if (const auto wrong = scene.add(name, body, shape)) input.fail(ErrorCode::parse, *wrong);
 }
 
-bool is_empty_cloud(const Shape& shape) {
-  const auto* cloud = std::get_if<PointCloud>(&shape);
-  return cloud != nullptr && cloud->parts->list().empty();
-}
-
 }  // namespace
 
 void read_obstacles(const Input& list, const ObstacleSpelling& spelling, SceneBuilder& scene) {
   for (const Input& input : list.items()) {
     const Shape shape = read_shape(input, spelling);
-    if (is_empty_cloud(shape)) continue;  // a camera may see nothing
     add(input, read_name(input, "name"), read_name(input, "body"), shape, scene);
   }
 }
@@ -157,20 +180,20 @@ void read_allowed_contacts(const Input& list, Scene& scene) {
   }
 }
 
-Scene read_bodies(const Input& input, const ObstacleSpelling& spelling, const std::string& name) {
+Bodies read_bodies(const Input& input, const ObstacleSpelling& spelling, const std::string& name) {
   InputFindings findings;
   const Input bodies = input.collecting(findings);
   SceneBuilder scene;
   if (const auto circles = bodies.find("circles")) read_circles(*circles, scene);
   if (const auto obstacles = bodies.find("obstacles")) read_obstacles(*obstacles, spelling, scene);
-  Scene result = scene.take(name);
-  findings.append_to(result.warnings);
+  Bodies result = scene.take(name);
+  findings.append_to(result.scene.warnings);
   return result;
 }
 
 Scene read_scene(const Input& input, const std::string& default_name) {
   input.allow_keys({"name", "circles", "obstacles", "allow"});
-  Scene result = read_bodies(input, kSceneSpelling, input.text_or("name", default_name));
+  Scene result = read_bodies(input, kSceneSpelling, input.text_or("name", default_name)).scene;
   if (const auto allowed = input.find("allow")) read_allowed_contacts(*allowed, result);
   return result;
 }

@@ -73,16 +73,23 @@ void refuse_file(const Input& input, const ObstacleSpelling& spelling);
 [[nodiscard]] Obstacle moved(const Transform& X_AB, Obstacle obstacle);
 [[nodiscard]] Scene moved(const Transform& X_AB, Scene scene);
 
+/// Obstacles of an input. A camera may see nothing: `empty` names the obstacles that consist of
+/// clouds without points, which are no part of the scene.
+struct Bodies {
+  Scene scene;
+  std::vector<std::string> empty;
+};
+
 class SceneBuilder {
  public:
   /// Adds `shape` as an obstacle, or to the composite obstacle `body` if that is not empty; only
   /// then may `name` be empty. Returns the fault if a name is missing, taken or not UTF-8.
   [[nodiscard]] std::optional<std::string> add(const std::string& name, const std::string& body,
                                                const Shape& shape);
-  [[nodiscard]] Scene take(std::string name);
+  [[nodiscard]] Bodies take(std::string name);
 
  private:
-  std::vector<Obstacle> obstacles_;
+  std::vector<Obstacle> obstacles_;            ///< Without shapes for a cloud without points.
   std::set<std::string> names_;                ///< Names of shapes.
   std::map<std::string, std::size_t> bodies_;  ///< Positions of composite obstacles.
 };
@@ -128,8 +135,8 @@ class ObstacleContacts {
 void read_allowed_contacts(const Input& list, Scene& scene);
 
 /// Reads the keys `circles` and `obstacles`, each of which may be missing.
-[[nodiscard]] Scene read_bodies(const Input& input, const ObstacleSpelling& spelling,
-                                const std::string& name);
+[[nodiscard]] Bodies read_bodies(const Input& input, const ObstacleSpelling& spelling,
+                                 const std::string& name);
 
 /// Reads a scene file. `default_name` is the name of a scene without one.
 [[nodiscard]] Scene read_scene(const Input& input, const std::string& default_name);

@@ -37,7 +37,7 @@ class SceneText {
       }
       read_object();
     }
-    Scene scene = scene_.take(name.empty() ? default_name : std::string(name));
+    Scene scene = scene_.take(name.empty() ? default_name : std::string(name)).scene;
     findings_.append_to(scene.warnings);
     return scene;
   }

@@ -70,11 +70,11 @@ void check_count(const Input& input, const Scene& scene, const RequestContext& c
 }
 
 /// Reads the keys `circles` and `obstacles`, without changing their frame.
-Scene read_framed_scene(const Input& input, const std::string& name,
-                        const RequestContext& context) {
-  Scene scene = read_bodies(input, kRequestSpelling, name);
-  check_count(input, scene, context);
-  return scene;
+Bodies read_framed_bodies(const Input& input, const std::string& name,
+                          const RequestContext& context) {
+  Bodies bodies = read_bodies(input, kRequestSpelling, name);
+  check_count(input, bodies.scene, context);
+  return bodies;
 }
 
 Scene find_scene(const Input& id, const RequestContext& context) {
@@ -101,15 +101,17 @@ double read_margin(const Input& input) {
 }
 
 /// Reads the scene of a request. Obstacles of the request come first and replace obstacles of the
-/// named scene with the same names. Without a named scene they stay in the request's frame. Without
-/// scene and obstacles it is the scene of the service's problem.
+/// named scene with the same names; a cloud without points removes them. Without a named scene they
+/// stay in the request's frame. Without scene and obstacles it is the scene of the service's
+/// problem.
 Scene read_scene_of_request(const Input& input, const std::string& name,
                             const RequestContext& context) {
-  Scene scene = read_framed_scene(input, name, context);
+  Bodies own = read_framed_bodies(input, name, context);
+  Scene& scene = own.scene;
   const auto id = input.find("scene");
   const std::shared_ptr<const Problem>& shown = context.limits.shown;
   const bool is_of_its_own = input.find("obstacles") || input.find("circles");
-  if (!id && (is_of_its_own || shown == nullptr)) return scene;
+  if (!id && (is_of_its_own || shown == nullptr)) return std::move(scene);
   if (const auto frame = input.find("frame")) {
     frame->fail(
         ErrorCode::invalid,
@@ -120,10 +122,11 @@ Scene read_scene_of_request(const Input& input, const std::string& name,
   scene.end_contacts = std::move(kept.end_contacts);
   for (Obstacle& obstacle : kept.obstacles) {
     const bool is_replaced = scene.find(obstacle.name) != nullptr;
-    if (!is_replaced) scene.obstacles.push_back(std::move(obstacle));
+    const bool is_empty = std::ranges::find(own.empty, obstacle.name) != own.empty.end();
+    if (!is_replaced && !is_empty) scene.obstacles.push_back(std::move(obstacle));
   }
   check_count(input, scene, context);
-  return scene;
+  return std::move(scene);
 }
 
 void check_setting_names(const Input& settings, const SolveSettings& all,
@@ -428,8 +431,8 @@ Result<Scene> read_scene_request(std::string_view body, const std::string& id,
                                  const RequestContext& context) {
   return read_body(body, [&](const Input& input) {
     input.allow_keys({"frame", "obstacles", "circles", "allow"});
-    Scene scene = moved(read_frame(input, context.robot), read_framed_scene(input, id, context));
-    return with_allowed(input, std::move(scene));
+    Scene scene = read_framed_bodies(input, id, context).scene;
+    return with_allowed(input, moved(read_frame(input, context.robot), std::move(scene)));
   });
 }
 
@@ -440,9 +443,10 @@ Result<Scene> edit_scene(std::string_view body, const Scene& scene, const Reques
     if (const auto names = input.find("remove")) {
       for (const Input& name : names->items()) remove_obstacle(name, edited);
     }
-    Scene added =
-        moved(read_frame(input, context.robot), read_framed_scene(input, scene.name, context));
+    Bodies bodies = read_framed_bodies(input, scene.name, context);
+    Scene added = moved(read_frame(input, context.robot), std::move(bodies.scene));
     for (Obstacle& obstacle : added.obstacles) set_obstacle(std::move(obstacle), edited);
+    for (const std::string& name : bodies.empty) static_cast<void>(edited.remove(name));
     edited.warnings = std::move(added.warnings);
     check_count(input, edited, context);
     return with_allowed(input, std::move(edited));

@@ -20,7 +20,7 @@ TEST_SUITE("unit") {
     CHECK_FALSE(builder.add("leg", "table", Sphere{}));
     CHECK_FALSE(builder.add("ball", "", Sphere{}));
     CHECK_FALSE(builder.add("", "table", Box{}));
-    const Scene scene = builder.take("room");
+    const Scene scene = builder.take("room").scene;
     CHECK(scene.name == "room");
     REQUIRE(scene.obstacles.size() == 2);
     CHECK(scene.obstacles[0].name == "table");
@@ -44,7 +44,7 @@ TEST_SUITE("unit") {
           "expected a unique name, got \"body\", which names a body");
     CHECK(builder.add("b", "a", Sphere{}) ==
           "expected a unique body name, got \"a\", which names an obstacle");
-    CHECK(builder.take("").obstacles.size() == 2);
+    CHECK(builder.take("").scene.obstacles.size() == 2);
   }
 }
 
@@ -81,7 +81,7 @@ Result<Scene> read_obstacle_list(const std::string& yaml,
     const auto value = internal::parse_yaml(yaml, "f");
     internal::SceneBuilder builder;
     internal::read_obstacles(internal::Input(value, kObstacleSource), spelling, builder);
-    return builder.take("");
+    return builder.take("").scene;
   });
 }
 
@@ -181,7 +181,7 @@ TEST_SUITE("unit") {
     internal::SceneBuilder builder;
     internal::read_circles(both[0], builder);
     internal::read_circles(both[1], builder);
-    const Scene scene = builder.take("");
+    const Scene scene = builder.take("").scene;
     REQUIRE(scene.obstacles.size() == 2);
     CHECK(scene.obstacles[0].name == "a");
     CHECK(scene.obstacles[1].name == "circle_1");

@@ -125,6 +125,21 @@ TEST_SUITE("flow") {
     CHECK(patched.body["obstacles"].back() == "new");
     CHECK(reply_of(client->Get("/v1/scenes/cell")).body == patched.body);
 
+    const auto cloud_of = [](std::vector<double> points) {
+      return Json{{"obstacles",
+                   {{{"name", "new"},
+                     {"type", "points"},
+                     {"radius", 0.1},
+                     {"points", std::move(points)}}}}};
+    };
+    for (const std::size_t points : {3, 0}) {
+      const Json scan = cloud_of(std::vector<double>(points, 20));
+      const Reply seen =
+          reply_of(client->Patch("/v1/scenes/cell", scan.dump(), "application/json"));
+      CHECK_MESSAGE(seen.body["obstacles"].size() == count - (points == 0 ? 1 : 0),
+                    seen.body.dump());
+    }
+
     CHECK(reply_of(client->Delete("/v1/scenes/cell")).status == 200);
     CHECK(reply_of(client->Delete("/v1/scenes/cell")).status == 404);
     CHECK(post(*client, "/v1/plan", inside).status == 400);
@@ -269,6 +284,9 @@ TEST_SUITE("flow") {
     CHECK(is_free() == true);
     body["obstacles"] = Json::array({ball("b", 4, 0.5), ball("a", 40, 0.5)});
     CHECK(is_free() == false);
+    body["obstacles"] = {
+        {{"name", "a"}, {"type", "points"}, {"radius", 0.1}, {"points", Json::array()}}};
+    CHECK(is_free() == true);
   }
 
   TEST_CASE("plans that were hard are remembered, and metrics count them") {
