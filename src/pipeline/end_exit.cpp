@@ -68,8 +68,11 @@ std::string EndExit::describe(const Touch& touch) const {
   const auto links = checker_.robot().links();
   const std::string& other = touch.is_self ? links[as_index(touch.other)].name
                                            : checker_.scene().obstacles[as_index(touch.other)].name;
-  return fmt::format("'{}' touches {} '{}'", links[as_index(touch.link)].name,
-                     touch.is_self ? "link" : "obstacle", other);
+  const double distance = touch.distance + (touch.is_self ? 0 : checker_.margin());
+  return fmt::format(
+      "'{}' {} {} '{}'", links[as_index(touch.link)].name,
+      touch.distance > 0 ? fmt::format("is {:.2g} mm from", 1e3 * distance) : "touches",
+      touch.is_self ? "link" : "obstacle", other);
 }
 
 }  // namespace mneme::internal

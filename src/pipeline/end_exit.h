@@ -37,7 +37,7 @@ class EndExit {
                                                    int seeds) const;
   /// True if the straight motion between `end` and `inside` only leaves contact.
   [[nodiscard]] bool is_left_by(const Configuration& end, const Configuration& inside) const;
-  /// Returns "'cup' touches obstacle 'table'".
+  /// Returns "'cup' touches obstacle 'table'", or with its distance if it is only near.
   [[nodiscard]] std::string describe(const Touch& touch) const;
 
   [[nodiscard]] const EndMotions& motions() const { return motions_; }

@@ -156,9 +156,9 @@ class EndMover {
           constraint.link, excess));
     }
     for (const Touch& touch : touches) {
-      notes.push_back(fmt::format(
-          "{}: {}; the {}", name, exit_->describe(touch),
-          is_start_ ? "first motion leaves this contact" : "last motion enters this contact"));
+      notes.push_back(
+          fmt::format("{}: {}; the {}", name, exit_->describe(touch),
+                      is_start_ ? "first motion leads away" : "last motion leads there"));
     }
   }
 
@@ -172,6 +172,15 @@ class EndMover {
 };
 
 }  // namespace
+
+std::vector<std::string> GivenEnds::names(const PlanQuery& ends) const {
+  std::vector<std::string> names = {start ? "after the first motion" : "start"};
+  for (const Configuration& q : ends.goals) {
+    const bool is_given = std::ranges::find(goals, q, &Goal::inside) == goals.end();
+    names.emplace_back(is_given ? "goal" : "before the last motion");
+  }
+  return names;
+}
 
 Path GivenEnds::completed(const Robot& robot, Path path) const {
   constexpr double kSame = 1e-6;  // rounding to single precision

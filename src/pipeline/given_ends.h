@@ -22,6 +22,8 @@ struct GivenEnds {
   std::vector<std::string> notes;  ///< for people: a sentence about each exception
 
   [[nodiscard]] bool empty() const { return !start && goals.empty(); }
+  /// Names of the start and of each goal of `ends` in notes, which tell replaced ones from given.
+  [[nodiscard]] std::vector<std::string> names(const PlanQuery& ends) const;
   /// Returns `path` with the given start and goal as its first and last waypoint.
   [[nodiscard]] Path completed(const Robot& robot, Path path) const;
 };

@@ -19,9 +19,11 @@ IkSettings ik_settings(const Query& query) {
   return settings;
 }
 
-Result<CellChecker> make_checker(const Query& query, const PlanQuery& ends) {
+Result<CellChecker> make_checker(const Query& query, const PlanQuery& ends,
+                                 const GivenEnds& given) {
   const Problem& problem = query.problem;
-  return make_query_checker(problem.robot, problem.scene, query.checker_settings(), ends)
+  return make_query_checker(problem.robot, problem.scene, query.checker_settings(), ends,
+                            given.names(ends))
       .map([](QueryChecker made) {
         return CellChecker{std::move(made), nullptr};
       });
@@ -42,7 +44,7 @@ Result<GivenEnds> move_inside(const Query& query, CellChecker& made, PlanQuery& 
     return GivenEnds{};
   }
   GivenEnds given = move_ends_inside(query, made.checked.checker, ends);
-  if (!given.empty()) made = MNEME_TRY(make_checker(query, ends));
+  if (!given.empty()) made = MNEME_TRY(make_checker(query, ends, given));
   return given;
 }
 
@@ -103,7 +105,7 @@ Result<void> enter_contact(const Query& query, CellChecker& made, PlanQuery& end
   for (const GivenEnds::Goal& goal : entered.goals) ends.goals.push_back(goal.inside);
   std::ranges::move(entered.goals, std::back_inserter(given.goals));
   std::ranges::move(entered.notes, std::back_inserter(given.notes));
-  made = MNEME_TRY(make_checker(query, ends));
+  made = MNEME_TRY(make_checker(query, ends, given));
   return {};
 }
 

@@ -4,7 +4,10 @@
 /// Contacts at the ends of a query.
 #pragma once
 
-#include "mneme/collision.h"
+#include "mneme/planning.h"
+
+#include <string>
+#include <vector>
 
 namespace mneme::internal {
 
@@ -16,5 +19,11 @@ namespace mneme::internal {
 /// kSolidClearance: then make_query_checker() checks these pairs by exact geometry.
 [[nodiscard]] bool is_clear_by_exact_geometry(const CollisionChecker& checker,
                                               const Configuration& q);
+
+/// As make_query_checker(). `names` are those of the start and of each goal in notes.
+[[nodiscard]] Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
+                                                      const CheckerSettings& settings,
+                                                      const PlanQuery& ends,
+                                                      const std::vector<std::string>& names);
 
 }  // namespace mneme::internal

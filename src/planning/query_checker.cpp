@@ -78,14 +78,10 @@ bool internal::is_clear_by_exact_geometry(const CollisionChecker& checker, const
   return is_clear(checker, q) || !find_sphere_contacts(checker, q).empty();
 }
 
-Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
-                                        const CheckerSettings& settings, const PlanQuery& ends) {
-  const CollisionChecker plain = MNEME_TRY(CollisionChecker::make(robot, scene, settings));
-  return make_query_checker(plain, settings, ends);
-}
+namespace {
 
-Result<QueryChecker> make_query_checker(const CollisionChecker& plain,
-                                        const CheckerSettings& settings, const PlanQuery& ends) {
+Result<QueryChecker> check_ends(const CollisionChecker& plain, const CheckerSettings& settings,
+                                const PlanQuery& ends, const std::vector<std::string>& names) {
   const Robot& robot = plain.robot();
   QueryChecker result{plain, {}, true};
   std::optional<Scene> checked_scene;
@@ -99,11 +95,34 @@ Result<QueryChecker> make_query_checker(const CollisionChecker& plain,
       if (add_exact(found.contact, *checked_scene)) result.notes.push_back(describe(found, end));
     }
   };
-  judge(ends.start, "start");
-  for (const Configuration& goal : ends.goals) judge(goal, "goal");
+  judge(ends.start, names.at(0));
+  for (std::size_t i = 0; i < ends.goals.size(); ++i) judge(ends.goals[i], names.at(i + 1));
   if (!checked_scene) return result;
   result.checker = MNEME_TRY(CollisionChecker::make(robot, *checked_scene, settings));
   return result;
+}
+
+}  // namespace
+
+Result<QueryChecker> make_query_checker(const CollisionChecker& plain,
+                                        const CheckerSettings& settings, const PlanQuery& ends) {
+  std::vector<std::string> names(1 + ends.goals.size(), "goal");
+  names.front() = "start";
+  return check_ends(plain, settings, ends, names);
+}
+
+Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,
+                                        const CheckerSettings& settings, const PlanQuery& ends) {
+  const CollisionChecker plain = MNEME_TRY(CollisionChecker::make(robot, scene, settings));
+  return make_query_checker(plain, settings, ends);
+}
+
+Result<QueryChecker> internal::make_query_checker(const Robot& robot, const Scene& scene,
+                                                  const CheckerSettings& settings,
+                                                  const PlanQuery& ends,
+                                                  const std::vector<std::string>& names) {
+  const CollisionChecker plain = MNEME_TRY(CollisionChecker::make(robot, scene, settings));
+  return check_ends(plain, settings, ends, names);
 }
 
 }  // namespace mneme

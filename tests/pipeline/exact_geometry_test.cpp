@@ -153,6 +153,26 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("notes tell a start in contact from where its first motion leads") {
+    for (const double gap : {-0.0005, 0.0005}) {
+      const std::string contact = gap < 0 ? "touches" : "is 0.5 mm from";
+      Problem problem = below_a_plate(gap, Whose::carried);
+      const SolveResult result = require_solve(problem);
+      REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+      REQUIRE(result.notes.size() == 2);
+      CHECK(result.notes[0] ==
+            "start: 'load' " + contact + " obstacle 'plate'; the first motion leads away");
+      CHECK(result.notes[1].starts_with(
+          "after the first motion: link 'load' touches obstacle 'plate' only with its spheres"));
+      std::swap(problem.start, problem.goals[0]);
+      const SolveResult back = require_solve(problem);
+      REQUIRE_MESSAGE(back.plan.is_solved(), back.plan.message);
+      REQUIRE(back.notes.size() == 2);
+      CHECK(back.notes[0].starts_with("goal: 'load' "));
+      CHECK(back.notes[1].starts_with("before the last motion: link 'load' touches "));
+    }
+  }
+
   TEST_CASE("where links touch each other with spheres only, plans are checked by exact geometry") {
     const auto is_apart = [](const Configuration& q) { return q[1] > -0.004; };
     for (const Whose whose : kAll) {

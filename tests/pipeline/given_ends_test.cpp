@@ -139,7 +139,7 @@ TEST_SUITE("flow") {
     const double radius = thick_arm({1, 1, 0.5}).links().back().capsules.front().radius;
     Problem problem = planar_world({0, 0, 0}, {-1, 0.3, 0.2}, {{2.25, 0.3 + radius - 5e-4, 0.3}});
     const SolveResult result = require_solved(problem);
-    CHECK(has_note(result, "the first motion leaves this contact"));
+    CHECK(has_note(result, "touches obstacle 'circle_1'; the first motion leads away"));
     CHECK_FALSE(is_path_free(problem.robot, problem.scene, result.plan.path, 0.002));
     problem.scene = make_circle_scene("deeper", {{2.25, 0.3 + radius - 2e-3, 0.3}});
     CHECK(status_of(problem, {}) == PlanStatus::invalid_start);
@@ -157,11 +157,11 @@ TEST_SUITE("flow") {
       CHECK(status_of(problem, settings) == PlanStatus::solved);
     }
     const SolveResult left = require_solved(problem);
-    CHECK(has_note(left, "the first motion leaves this contact"));
+    CHECK(has_note(left, "touches obstacle 'circle_1'; the first motion leads away"));
     CHECK(is_path_free(problem.robot, problem.scene,
                        {left.plan.path.begin() + 1, left.plan.path.end()}, 0.002));
     std::swap(problem.start, problem.goals[0]);
-    CHECK(has_note(require_solved(problem), "the last motion enters this contact"));
+    CHECK(has_note(require_solved(problem), "the last motion leads there"));
     problem.scene.end_contacts[0].first = "hand";
     const auto refused = solve(problem, nullptr, {});
     REQUIRE_FALSE(refused.has_value());
