@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace mneme::internal {
@@ -93,10 +94,11 @@ struct RunUp {
   Configuration from, goal;
 };
 
-/// The run-ups that are free. If there are none, `fault` says why for the last goal. Without an end
-/// velocity there are none and no fault.
+/// The run-ups that are free. If there are none, `fault` says why for the last goal; otherwise
+/// `notes` do for the others. Without an end velocity there are none and no fault.
 Result<std::vector<RunUp>> find_run_ups(const Problem& problem, const SolveSettings& settings,
-                                        const RateLimits& limits, std::string& fault) {
+                                        const RateLimits& limits, std::string& fault,
+                                        std::vector<std::string>& notes) {
   std::vector<RunUp> run_ups;
   if (problem.end_velocity.empty()) return run_ups;
   if (!problem.pose_goals.empty()) {
@@ -107,7 +109,9 @@ Result<std::vector<RunUp>> find_run_ups(const Problem& problem, const SolveSetti
   for (const Configuration& goal : problem.goals) {
     Rest rest = MNEME_TRY(find_rest(problem, settings, limits, goal, false));
     fault = std::move(rest.fault);
+    const auto number = &goal - problem.goals.data() + 1;
     if (fault.empty()) run_ups.push_back({std::move(rest.q), goal});
+    if (!fault.empty()) notes.push_back(fmt::format("goal {} is ignored: {}", number, fault));
   }
   if (!run_ups.empty()) fault.clear();
   return run_ups;
@@ -143,11 +147,13 @@ Result<SolveResult> solve_moving(
     resting.start = stop.q;
   }
   std::string fault;
-  const auto run_ups = MNEME_TRY(find_run_ups(problem, settings, limits, fault));
+  std::vector<std::string> notes;
+  const auto run_ups = MNEME_TRY(find_run_ups(problem, settings, limits, fault, notes));
   if (!fault.empty()) return refused(settings, PlanStatus::invalid_goal, std::move(fault));
   if (!run_ups.empty()) resting.goals.clear();
   for (const RunUp& run_up : run_ups) resting.goals.push_back(run_up.from);
   SolveResult result = MNEME_TRY(solve_at_rest(resting));
+  std::ranges::move(notes, std::back_inserter(result.notes));
   if (!run_ups.empty()) add_run_up(problem.robot, run_ups, result);
   Path& path = result.plan.path;
   const bool is_stopped = resting.start != problem.start;

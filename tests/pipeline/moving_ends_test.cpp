@@ -36,28 +36,38 @@ SolveSettings settings_within(const Robot& robot) {
   return settings;
 }
 
+Path require_path(const Problem& problem, const SolveSettings& settings) {
+  const auto result = solve(problem, nullptr, settings);
+  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+  REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
+  CHECK(result->plan.path.front() == problem.start);
+  CHECK(is_path_free(problem.robot, problem.scene, result->plan.path, 0.002));
+  return result->plan.path;
+}
+
+/// The timed motion, at states that are free of contact.
+Trajectory require_motion(const Problem& problem, const SolveSettings& settings, const Path& path) {
+  auto motion = make_trajectory(problem, settings, path, *settings.plan.limits);
+  REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+  const auto checker = CollisionChecker::make(problem.robot, problem.scene);
+  for (int i = 0; i <= 300; ++i) {
+    CHECK(checker->contacts(motion->at(motion->duration_s() * i / 300).position).empty());
+  }
+  return *std::move(motion);
+}
+
 TEST_SUITE("flow") {
   TEST_CASE("a robot that moves at the start is planned from where it can stop, and timed") {
     for (const double speed : {-0.4, 0.4}) {
       const Problem problem = arm_beside(kBetween, {speed, 0.2, 0});
       const SolveSettings settings = settings_within(problem.robot);
-      const auto result = solve(problem, nullptr, settings);
-      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-      REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
-      const Path& path = result->plan.path;
-      const RateLimits& limits = *settings.plan.limits;
-      CHECK(path.front() == problem.start);
-      CHECK(path[1] ==
-            stopping_point(problem.robot, problem.start, problem.start_velocity, limits).value());
-      CHECK(is_path_free(problem.robot, problem.scene, path, 0.002));
-      const auto motion = make_trajectory(problem, settings, path, limits);
-      REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
-      CHECK(motion->at(0).velocity[0] == doctest::Approx(speed));
-      CHECK(motion->at(0).velocity[1] == doctest::Approx(0.2));
-      const auto checker = CollisionChecker::make(problem.robot, problem.scene);
-      for (int i = 0; i <= 300; ++i) {
-        CHECK(checker->contacts(motion->at(motion->duration_s() * i / 300).position).empty());
-      }
+      const Path path = require_path(problem, settings);
+      CHECK(path[1] == stopping_point(problem.robot, problem.start, problem.start_velocity,
+                                      *settings.plan.limits)
+                           .value());
+      const Trajectory motion = require_motion(problem, settings, path);
+      CHECK(motion.at(0).velocity[0] == doctest::Approx(speed));
+      CHECK(motion.at(0).velocity[1] == doctest::Approx(0.2));
     }
   }
 
@@ -65,29 +75,31 @@ TEST_SUITE("flow") {
     for (const std::vector<double>& start : {std::vector<double>{}, {-0.4, 0.2, 0}}) {
       Problem problem = arm_beside(kBetween, start);
       problem.end_velocity = {0.3, -0.2, 0.1};
-      const Configuration far = {1.5, 100, 0.1};  // no configuration: left out
-      problem.goals.push_back(far);
       const SolveSettings settings = settings_within(problem.robot);
-      const auto result = solve(problem, nullptr, settings);
-      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-      REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
-      const Path& path = result->plan.path;
-      const RateLimits& limits = *settings.plan.limits;
+      const Path path = require_path(problem, settings);
       const Configuration& goal = problem.goals.front();
-      CHECK(path.front() == problem.start);
       CHECK(path.back() == goal);
-      CHECK(result->goals == std::vector<Configuration>{goal});
       CHECK(path[path.size() - 2] ==
-            run_up_point(problem.robot, goal, problem.end_velocity, limits).value());
-      CHECK(is_path_free(problem.robot, problem.scene, path, 0.002));
-      const auto motion = make_trajectory(problem, settings, path, limits);
-      REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
-      const auto points = motion->sample(0.01).value();
+            run_up_point(problem.robot, goal, problem.end_velocity, *settings.plan.limits).value());
+      const auto points = require_motion(problem, settings, path).sample(0.01).value();
       CHECK(points.back().velocity[0] == doctest::Approx(0.3));
       CHECK(points.back().velocity[1] == doctest::Approx(-0.2));
-      const auto checker = CollisionChecker::make(problem.robot, problem.scene);
-      for (const auto& point : points) CHECK(checker->contacts(point.position).empty());
     }
+  }
+
+  TEST_CASE("goals without a free run-up are ignored with a note each") {
+    Problem problem = arm_beside({{2.3, 0.75, 0.3}}, {});
+    problem.start = {-1.5, 0.1, 0.1};
+    problem.end_velocity = {-0.6, 0, 0};
+    const Configuration blocked = {0, 0.1, 0.1}, far = {1.5, 100, 0.1}, free = {-0.5, 0.2, 0.1};
+    problem.goals = {blocked, free, far};
+    const auto result = solve(problem, nullptr, settings_within(problem.robot));
+    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+    REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
+    CHECK(result->goals == std::vector<Configuration>{free});
+    REQUIRE(result->notes.size() == 2);
+    CHECK(result->notes[0].starts_with("goal 1 is ignored: end velocity: the straight run-up"));
+    CHECK(result->notes[1].starts_with("goal 3 is ignored: goal: joint 'joint_2' (value 2 of 3)"));
   }
 
   TEST_CASE("an end velocity is refused if no run-up is free, or with a pose as the goal") {
