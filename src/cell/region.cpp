@@ -27,8 +27,8 @@ void read_extents(const Input& input, CellRegion& region) {
   for (std::size_t k = 0; k < kTaskSize; ++k) {
     const auto extent = input.find_value(kTaskNames[k]);
     if (!extent) continue;
-    region.half_extents[k] = extent->finite_number();
     const bool is_turn = k + 1 == kTaskSize;
+    region.half_extents[k] = extent->taking_angles(is_turn).finite_number();
     if (region.half_extents[k] < 0 || (is_turn && region.half_extents[k] > std::numbers::pi)) {
       extent->fail_expecting(is_turn ? "half of an angle, 0 to pi radians"
                                      : "half of an extent, metres");
@@ -50,7 +50,7 @@ void read_region(const Input& file, CellRegion& region) {
   const Input input = file.at("region");
   input.allow_keys({"x", "y", "z", "yaw", "heading", "pivot", "starts"});
   read_extents(input, region);
-  const auto heading = input.find_value("heading");
+  const auto heading = input.taking_angles().find_value("heading");
   region.axes = internal::read_frame(file, region.problem.robot).rotation *
                 rotation_about(Vec3::UnitZ(), heading ? heading->finite_number() : 0);
   if (const auto pivot = input.find_value("pivot")) region.pivot = internal::read_point(*pivot);

@@ -51,6 +51,9 @@ struct Describe {
   std::string operator()(bool value) const { return value ? "true" : "false"; }
   std::string operator()(std::uint64_t value) const { return fmt::format("{}", value); }
   std::string operator()(double value) const { return fmt::format("{}", value); }
+  std::string operator()(InputValue::Angle angle) const {
+    return fmt::format("an angle of {:.6g} rad, which this is not", angle.radians);
+  }
   std::string operator()(const InputValue::Text& text) const {
     const auto value = text.is_quoted ? std::nullopt : parse_yaml_number(text.text);
     return value ? text.text : in_quotes(text.text);
@@ -109,6 +112,12 @@ Input Input::collecting(InputFindings& findings) const {
   return result;
 }
 
+Input Input::taking_angles(bool is_angle) const {
+  Input result = *this;
+  result.takes_angles_ = takes_angles_ || is_angle;
+  return result;
+}
+
 void Input::warn(const std::string& what) const {
   if (findings_ != nullptr) findings_->add(what, place(what));
 }
@@ -116,6 +125,7 @@ void Input::warn(const std::string& what) const {
 Input Input::inner(const InputValue& value, std::string path) const {
   Input result(value, *source_, std::move(path));
   result.findings_ = findings_;
+  result.takes_angles_ = takes_angles_;
   return result;
 }
 
@@ -184,7 +194,9 @@ std::vector<Input> Input::items(std::string_view key) const {
   return list ? list->items() : std::vector<Input>();
 }
 
-std::optional<double> Input::as_number(const InputValue& value) {
+std::optional<double> Input::as_number(const InputValue& value) const {
+  const auto* angle = std::get_if<InputValue::Angle>(&value.content);
+  if (angle != nullptr && takes_angles_) return angle->radians;
   if (const auto* number = std::get_if<double>(&value.content)) return *number;
   if (const auto* whole = std::get_if<std::uint64_t>(&value.content)) {
     return static_cast<double>(*whole);

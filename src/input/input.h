@@ -34,8 +34,12 @@ struct InputValue {
     std::string text;
     bool is_quoted = false;
   };
+  /// A number with a tag of angles.
+  struct Angle {
+    double radians = 0;
+  };
   /// Integers are separate since a double is exact up to 2^53 only.
-  std::variant<std::monostate, bool, std::uint64_t, double, Text, List, Map> content;
+  std::variant<std::monostate, bool, std::uint64_t, double, Angle, Text, List, Map> content;
   int line = 0;  ///< from 1; 0 if unknown
 };
 
@@ -71,6 +75,9 @@ class Input {
   Input(InputValue&&, const std::string&, std::string = {}) = delete;
   /// Returns access that adds warnings of this value and those in it to `findings`.
   [[nodiscard]] Input collecting(InputFindings& findings) const;
+  /// Returns access that takes InputValue::Angle as a number, here and in the value; other access
+  /// does not: a length in degrees is a fault. `is_angle`: false returns access as it is.
+  [[nodiscard]] Input taking_angles(bool is_angle = true) const;
   /// Counts a fault that is tolerated; without findings it is dropped.
   void warn(const std::string& what) const;
 
@@ -144,7 +151,7 @@ class Input {
   [[nodiscard]] std::vector<double> finite_numbers(std::size_t count, std::string_view what) const;
 
  private:
-  [[nodiscard]] static std::optional<double> as_number(const InputValue& value);
+  [[nodiscard]] std::optional<double> as_number(const InputValue& value) const;
   [[nodiscard]] const InputValue::Map& map() const;
   [[nodiscard]] const InputValue::List& list() const;
   [[nodiscard]] Input inner(const InputValue& value, std::string path) const;
@@ -154,6 +161,7 @@ class Input {
   const std::string* source_;
   std::string key_;
   InputFindings* findings_ = nullptr;
+  bool takes_angles_ = false;
 };
 
 /// Returns a number of YAML, whatever the locale: decimal, or .inf and .nan. Nothing for other
@@ -162,8 +170,8 @@ class Input {
 
 /// Parses the one document of `yaml`; empty ones may follow. `source` names it in messages. The
 /// tags !degrees and !radians of an angle such as 30 or pi/6, and deg(ANGLE) and rad(ANGLE), give
-/// radians; merge keys << are expanded. Throws InputFailure, also for other tags, a repeated key
-/// and more than 4 million values with aliases expanded.
+/// InputValue::Angle; merge keys << are expanded. Throws InputFailure, also for other tags, a
+/// repeated key and more than 4 million values with aliases expanded.
 [[nodiscard]] InputValue parse_yaml(std::string_view yaml, const std::string& source);
 
 /// Parses JSON with lines; `source` names it in messages. Throws InputFailure.

@@ -190,12 +190,13 @@ std::optional<double> parse_angle(std::string_view text) {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// Radians of deg(ANGLE) or rad(ANGLE), as rosparam has them.
-std::optional<double> parse_rosparam_angle(std::string_view text) {
+/// Reads deg(ANGLE) or rad(ANGLE), as rosparam has them.
+std::optional<InputValue::Angle> parse_rosparam_angle(std::string_view text) {
   const bool is_degrees = text.starts_with("deg(");
   if ((!is_degrees && !text.starts_with("rad(")) || !text.ends_with(')')) return std::nullopt;
   const auto angle = parse_angle(text.substr(4, text.size() - 5));
-  return angle && is_degrees ? *angle * kDegree : angle;
+  if (!angle) return std::nullopt;
+  return InputValue::Angle{is_degrees ? *angle * kDegree : *angle};
 }
 
 /// Uses the events of the parser: yaml-cpp's tree keeps repeated keys, and its reader of several
@@ -281,7 +282,7 @@ class YamlListener : public YAML::EventHandler {
                                        "got \"{}\"",
                                        tag, text));
       }
-      return tag == "!radians" ? *angle : *angle * kDegree;
+      return InputValue::Angle{tag == "!radians" ? *angle : *angle * kDegree};
     }
     if (std::ranges::find(kScalars, tag) == kScalars.end()) refuse_tag(line, tag, "str");
     if (const auto angle = parse_rosparam_angle(text)) return *angle;

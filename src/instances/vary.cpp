@@ -50,7 +50,7 @@ void read_into(const Input& input, std::string_view key, std::size_t least, std:
 
 void read_motion(const Input& input, Variation& variation) {
   read_into(input, "position", 3, 3, variation.position);
-  read_into(input, "rpy", 3, 3, variation.rpy);
+  read_into(input.taking_angles(), "rpy", 3, 3, variation.rpy);
   read_into(input, "scale", 1, 1, variation.scale);
 }
 

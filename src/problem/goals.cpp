@@ -25,7 +25,8 @@ Configuration read_joint_map(const Input& input, const Robot& robot) {
       value.fail(ErrorCode::invalid, "expected a joint of the planning group ({}), got \"{}\"",
                  fmt::join(names, ", "), name);
     }
-    q[as_index(joint)] = value.number();
+    q[as_index(joint)] =
+        value.taking_angles(is_turning(robot.group_joint(static_cast<int>(joint)))).number();
     is_given[as_index(joint)] = true;
   }
   const auto missing = std::ranges::find(is_given, false) - is_given.begin();
@@ -50,7 +51,7 @@ Vec3 read_position_tolerance(const Input& input) {
 /// Radians, or "free" for any angle.
 double read_angle(const Input& input) {
   if (input.is_text() && input.text() == "free") return std::numbers::pi;
-  return input.finite_number();
+  return input.taking_angles().finite_number();
 }
 
 Axis read_axis(const Input& input) {
@@ -106,7 +107,16 @@ Configuration read_configuration(const Input& input, const Robot& robot) {
     input.fail_expecting("a list of values, a map from joints to values or the name of a state");
   }
   if (input.is_text()) return input.take(robot.configuration_of(input.text()));
-  return input.numbers();
+  return read_joint_values(input, robot);
+}
+
+std::vector<double> read_joint_values(const Input& list, const Robot& robot) {
+  std::vector<double> values = list.taking_angles().numbers();
+  for (int i = 0; i < std::min(robot.joint_count(), static_cast<int>(values.size())); ++i) {
+    if (is_turning(robot.group_joint(i))) continue;
+    static_cast<void>(list.items()[as_index(i)].number());  // refuses an angle
+  }
+  return values;
 }
 
 Configuration read_configuration(const GivenConfiguration& given, const std::string& what,
@@ -158,7 +168,7 @@ OrientationConstraint read_constraint(const Input& input, const Transform& X_RF)
   if (const auto axis = input.find("axis")) constraint.axis = read_direction(*axis);
   if (const auto up = input.find("up")) constraint.up = read_direction(*up);
   constraint.up = X_RF.rotation * constraint.up;
-  constraint.angle = input.at("angle").finite_number();
+  constraint.angle = input.at("angle").taking_angles().finite_number();
   return constraint;
 }
 

@@ -99,7 +99,7 @@ void read_orientation(const Input& constraint, const Transform& X_RF, PoseGoal& 
     const std::string key = fmt::format("absolute_{}_axis_tolerance", "xyz"[i]);
     const auto given = constraint.find(key);
     if (!given) continue;
-    const double value = given->finite_number();
+    const double value = given->taking_angles().finite_number();
     if (value < 0) given->fail_expecting("a tolerance of 0 or more");
     tolerance[static_cast<std::size_t>(i)] = std::min(value, std::numbers::pi);
   }

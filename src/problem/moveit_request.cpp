@@ -25,7 +25,7 @@ void refuse_constraints(const Input& constraints, std::initializer_list<std::str
 double read_tolerance(const Input& constraint, std::string_view key) {
   const auto tolerance = constraint.find(key);
   if (!tolerance) return 0;
-  const double value = tolerance->finite_number();
+  const double value = tolerance->taking_angles().finite_number();
   if (value < 0) tolerance->fail_expecting("a tolerance of 0 or more");
   return value;
 }
@@ -43,7 +43,7 @@ std::map<std::string, JointRange> read_goal(const Input& goal) {
   for (const Input& constraint : goal.items("joint_constraints")) {
     constraint.allow_keys(
         {"joint_name", "position", "tolerance_above", "tolerance_below", "weight"});
-    const double position = constraint.at("position").finite_number();
+    const double position = constraint.at("position").taking_angles().finite_number();
     const JointRange range{position - read_tolerance(constraint, "tolerance_below"),
                            position + read_tolerance(constraint, "tolerance_above")};
     const Input joint = constraint.at("joint_name");

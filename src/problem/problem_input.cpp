@@ -106,6 +106,11 @@ ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& opt
   return robot;
 }
 
+bool is_angle(const Robot& robot, const std::string& name) {
+  const auto joint = std::ranges::find(robot.joints(), name, &Joint::name);
+  return joint == robot.joints().end() ? name.ends_with("/theta") : is_turning(*joint);
+}
+
 ProblemRobot read_robot(const Input& input, const std::string& directory,
                         const ProblemOptions& overrides) {
   const std::string path = find_path(input, directory, overrides.robot_path);
@@ -129,7 +134,9 @@ ProblemRobot read_robot(const Input& input, const std::string& directory,
   std::move(warnings.begin(), warnings.end(), std::back_inserter(result.warnings));
   if (const auto fixed_joints = input.find("fixed_joints")) {
     std::map<std::string, double> values;
-    for (const auto& [name, value] : fixed_joints->entries()) values[name] = value.finite_number();
+    for (const auto& [name, value] : fixed_joints->entries()) {
+      values[name] = value.taking_angles(is_angle(result.robot, name)).finite_number();
+    }
     if (fix_joints(result, options, values, *fixed_joints)) {
       result.robot = load_problem_robot(path, options, overrides).robot;
     }
@@ -176,7 +183,7 @@ void check_robot_facts(const Input& input, const Robot& robot) {
   }
   if (const auto limits = input.find("joint_limits")) {
     const std::vector<double> range =
-        limits->finite_numbers(2, "lower and upper limit of all joints");
+        limits->taking_angles().finite_numbers(2, "lower and upper limit of all joints");
     for (int i = 0; i < robot.joint_count(); ++i) {
       const Joint& joint = robot.group_joint(i);
       if (!is_close(joint.lower, range[0]) || !is_close(joint.upper, range[1])) {
@@ -339,7 +346,9 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
   problem.allowed_pairs = std::move(allowing.allowed_pairs);
   const auto velocity = [&](const char* key, const std::optional<std::vector<double>>& given) {
     const auto found = input.problem.find(key);
-    return given ? *given : found ? found->numbers() : std::vector<double>();
+    return given   ? *given
+           : found ? read_joint_values(*found, problem.robot)
+                   : std::vector<double>();
   };
   problem.start_velocity = velocity("start_velocity", options.start_velocity);
   problem.end_velocity = velocity("end_velocity", options.end_velocity);

@@ -106,9 +106,16 @@ struct ProblemInput {
 [[nodiscard]] Problem read_problem_of(ProblemRobot robot, const ProblemInput& input,
                                       const ProblemOptions& options = {});
 
+/// True if `name` is a joint that turns, or the angle of a planar joint.
+[[nodiscard]] bool is_angle(const Robot& robot, const std::string& name);
+
 /// Reads a list of values in the order of the group, a map from joints to values, or the name of an
 /// SRDF state. Planning checks the count of a list and the limits. Throws InputFailure.
 [[nodiscard]] Configuration read_configuration(const Input& input, const Robot& robot);
+
+/// Reads a list of a number per joint of the group: angles, of prismatic joints lengths. The count
+/// may be wrong. Throws InputFailure.
+[[nodiscard]] std::vector<double> read_joint_values(const Input& list, const Robot& robot);
 
 /// Returns the configuration of the options. Throws InputFailure that calls it `what`.
 [[nodiscard]] Configuration read_configuration(const GivenConfiguration& given,

@@ -92,9 +92,8 @@ constexpr double kPlaneTolerance = 1e-9;
 bool is_along_z(const Vec3& direction) { return direction.head<2>().norm() < kPlaneTolerance; }
 
 bool turns_about_z(const Joint& joint, const Transform& X_root_child) {
-  const bool is_turning = joint.type == JointType::revolute || joint.type == JointType::continuous;
   // The motion of a joint about z leaves the z axis of its frame, so the child's frame serves.
-  return is_turning && is_along_z(joint.axis) && is_along_z(X_root_child.rotation.col(2));
+  return is_turning(joint) && is_along_z(joint.axis) && is_along_z(X_root_child.rotation.col(2));
 }
 
 bool lies_in_plane(const Link& link, const Transform& X_root_link) {

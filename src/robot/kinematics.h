@@ -12,6 +12,11 @@
 
 namespace mneme::internal {
 
+/// True if the values of the joint are angles.
+[[nodiscard]] inline bool is_turning(const Joint& joint) {
+  return joint.type == JointType::revolute || joint.type == JointType::continuous;
+}
+
 /// True if the joint moves and follows no other.
 [[nodiscard]] inline bool is_free(const Joint& joint) {
   return joint.type != JointType::fixed && !joint.mimic;

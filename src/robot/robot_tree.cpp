@@ -3,6 +3,7 @@
 #include "robot/robot_tree.h"
 
 #include "base/as_index.h"
+#include "robot/kinematics.h"
 
 #include <fmt/format.h>
 
@@ -20,10 +21,6 @@ std::optional<int> find_link(std::span<const Link> links, std::string_view name)
 }
 
 namespace {
-
-bool is_turning(const Joint& joint) {
-  return joint.type == JointType::revolute || joint.type == JointType::continuous;
-}
 
 std::optional<std::string> describe_fault(const std::vector<Joint>& joints, const Mimic& mimic) {
   if (mimic.joint < 0 || as_index(mimic.joint) >= joints.size()) {

@@ -311,7 +311,9 @@ MoveitState read_moveit_state(const Input& input) {
   MoveitState state;
   if (const auto joints = input.find("joint_state")) {
     joints->allow_keys({"header", "name", "position", "velocity", "effort"});
-    const auto read_position = [](const Input& position) { return position.finite_number(); };
+    const auto read_position = [](const Input& position) {
+      return position.taking_angles().finite_number();
+    };
     read_by_joint(*joints, "name", "position", read_position, state.positions);
   }
   if (const auto joints = input.find("multi_dof_joint_state")) {

@@ -48,7 +48,8 @@ std::vector<Transform> read_variation(const Input& input) {
   if (!count || *count < 1 || *count > kMostPoses) {
     input.at("count").fail_expecting("a whole number from 1 to {}", kMostPoses);
   }
-  const double from = input.at("from").finite_number(), to = input.at("to").finite_number();
+  const Input range = input.taking_angles(turn.has_value());
+  const double from = range.at("from").finite_number(), to = range.at("to").finite_number();
   constexpr double kWholeTurn = 2 * std::numbers::pi + 1e-3;
   if (turn && std::max(std::abs(from), std::abs(to)) > kWholeTurn) {
     input.fail(ErrorCode::invalid,
@@ -60,11 +61,9 @@ std::vector<Transform> read_variation(const Input& input) {
   for (std::uint64_t i = 0; i < *count; ++i) {
     const double share = *count == 1 ? 0 : static_cast<double>(i) / static_cast<double>(*count - 1);
     const double value = from + share * (to - from);
-    Transform one;
     const Vec3 unit = Vec3::Unit(static_cast<int>(*axis));
-    if (turn) one.rotation = rotation_about(unit, value);
-    if (shift) one.translation = value * unit;
-    all.push_back(one);
+    all.push_back(turn ? Transform{rotation_about(unit, value), Vec3::Zero()}
+                       : Transform{Eigen::Matrix3d::Identity(), value * unit});
   }
   return all;
 }
@@ -122,7 +121,7 @@ class StageReader {
         return;
       case StageKind::gripper:
         for (const auto& [name, value] : input.entries())
-          stage.values[name] = value.finite_number();
+          stage.values[name] = value.taking_angles(is_angle(robot_, name)).finite_number();
         return;
     }
   }

@@ -346,7 +346,8 @@ TEST_SUITE("unit") {
     const std::string source = "f.yaml";
     const InputValue value = internal::parse_yaml(
         "[!degrees 30, !radians 0.5, !degrees \"-90\", !!float 2, !!str 3]", source);
-    const std::vector<internal::Input> items = internal::Input(value, source).items();
+    const std::vector<internal::Input> items =
+        internal::Input(value, source).taking_angles().items();
     CHECK(items[0].number() == doctest::Approx(0.5235987755982988).epsilon(1e-15));
     CHECK(items[1].number() == 0.5);
     CHECK(items[2].number() == doctest::Approx(-1.5707963267948966).epsilon(1e-15));
@@ -360,6 +361,26 @@ TEST_SUITE("unit") {
           "f.yaml:1: unknown tag tag:yaml.org,2002:python/tuple" + expected);
     CHECK(yaml_failure("a: !degrees x") ==
           "f.yaml:1: expected a number or an expression such as pi/6 after !degrees, got \"x\"");
+  }
+
+  TEST_CASE("a number that is no angle refuses tags of angles") {
+    const std::string source = "f.yaml";
+    for (const char* text : {"!degrees 90", "!radians pi/2", "deg(90)", "rad(pi/2)"}) {
+      const InputValue value =
+          internal::parse_yaml(fmt::format("a:\n  - {0}\nb: {0}", text), source);
+      const internal::Input input(value, source);
+      CHECK_FALSE(input.at("b").is_number());
+      const auto positive =
+          internal::without_throwing([&] { return input.at("b").positive_number(); });
+      const auto list =
+          internal::without_throwing([&] { return input.at("a").finite_numbers(1, "a length"); });
+      const std::string got = ": expected a number, got an angle of 1.5708 rad, which this is not";
+      REQUIRE((!positive && !list));
+      CHECK(positive.error().message == "f.yaml:3: key b" + got);
+      CHECK(list.error().message == "f.yaml:2: key a[0]" + got);
+      CHECK(input.taking_angles(false).at("b").taking_angles().number() ==
+            doctest::Approx(std::numbers::pi / 2));
+    }
   }
 
   TEST_CASE("angles may be expressions of numbers and pi") {
@@ -378,9 +399,9 @@ TEST_SUITE("unit") {
     const std::string source = "f";
     for (const auto& [text, angle] : angles) {
       const InputValue value = internal::parse_yaml("a: " + text, source);
-      CHECK_MESSAGE(
-          internal::Input(value, source).at("a").number() == doctest::Approx(angle).epsilon(1e-15),
-          text);
+      CHECK_MESSAGE(internal::Input(value, source).taking_angles().at("a").number() ==
+                        doctest::Approx(angle).epsilon(1e-15),
+                    text);
     }
     for (const char* text : {"pi pi", "2**3", "1/0", "pi/", "(pi", "inf", "2 pi", "", "pie"}) {
       CHECK_MESSAGE(yaml_failure(fmt::format("a: !radians \"{}\"", text)).find("such as pi/6") !=
@@ -433,8 +454,9 @@ TEST_SUITE("unit") {
   TEST_CASE("a tag of an angle is one of a number, not of a list") {
     const InputValue angle = internal::parse_yaml("a: deg(180)\nb: rad(2)\nc: deg(x)", "f");
     const auto& map = std::get<InputValue::Map>(angle.content);
-    CHECK(std::get<double>(map[0].value.content) == doctest::Approx(std::numbers::pi));
-    CHECK(std::get<double>(map[1].value.content) == 2);
+    using Angle = InputValue::Angle;
+    CHECK(std::get<Angle>(map[0].value.content).radians == doctest::Approx(std::numbers::pi));
+    CHECK(std::get<Angle>(map[1].value.content).radians == 2);
     CHECK(std::get<InputValue::Text>(map[2].value.content).text == "deg(x)");
     CHECK(yaml_failure("a: !degrees [30]") ==
           "f.yaml:1: expected one number after !degrees, got a list");
