@@ -19,6 +19,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <variant>
 
 namespace mneme::python {
@@ -26,13 +27,10 @@ namespace {
 
 using SceneClass = py::class_<Scene, std::shared_ptr<Scene>>;
 
-/// Metres from the origin, as in files.
-constexpr double kFarthest = 1e4;
-
 void check_size(const char* what, double value) {
-  if (value > 0 && value < kFarthest) return;
+  if (value > 0 && value < kFarthestShape) return;
   raise_invalid(fmt::format("{}: expected metres, more than 0 and less than {}, got {}", what,
-                            kFarthest, value));
+                            kFarthestShape, value));
 }
 
 Transform pose_of(const py::object& position, const py::object& quat_xyzw) {
@@ -40,16 +38,13 @@ Transform pose_of(const py::object& position, const py::object& quat_xyzw) {
   pose.translation = to_point(position, "position");
   if (quat_xyzw.is_none()) return pose;
   const std::vector<double> q = to_vector(quat_xyzw, 4, "quat_xyzw");
-  constexpr double kUnitTolerance = 1e-3, kMostFactor = 10;  // as in files
-  const double length = std::hypot(std::hypot(q[0], q[1]), std::hypot(q[2], q[3]));
-  if (!(length * kMostFactor >= 1 && length <= kMostFactor)) {
-    raise_invalid(fmt::format(
-        "quat_xyzw: expected a quaternion of length 1, got one of length {:.6g}", length));
+  const auto scaled = rotation_from_scaled_quaternion(std::span(q).first<4>());
+  if (!scaled) raise_invalid("quat_xyzw: " + scaled.error().message);
+  if (scaled->is_scaled) {
+    warn(fmt::format("quat_xyzw: the quaternion of length {:.6g} is scaled to length 1",
+                     scaled->length));
   }
-  if (std::abs(length - 1) > kUnitTolerance) {
-    warn(fmt::format("quat_xyzw: the quaternion of length {:.6g} is scaled to length 1", length));
-  }
-  pose.rotation = rotation_from_quaternion(q[3], q[0], q[1], q[2]);
+  pose.rotation = scaled->rotation;
   return pose;
 }
 
@@ -70,9 +65,9 @@ void add(Scene& scene, const std::string& name, const Shape& shape) {
   if (!bounds.center.allFinite()) {
     raise_invalid(fmt::format("obstacle '{}': expected finite coordinates", name));
   }
-  if (!(bounds.center.norm() + bounds.radius <= kFarthest)) {
-    raise_invalid(
-        fmt::format("obstacle '{}': expected a shape within {} m of the origin", name, kFarthest));
+  if (!(bounds.center.norm() + bounds.radius <= kFarthestShape)) {
+    raise_invalid(fmt::format("obstacle '{}': expected a shape within {} m of the origin", name,
+                              kFarthestShape));
   }
   unwrap(scene.add_shape(name, shape));
 }
@@ -210,7 +205,8 @@ void bind_shapes(SceneClass& scene) {
         add(self, name, Sphere{to_point(position, "position"), radius});
       },
       py::arg("name"), py::arg("position"), py::arg("radius"),
-      "Adds a sphere. position: its centre, shape (3,), metres. Shapes of one name are one body.");
+      "Adds a sphere, to the obstacle `name` if there is one. position: its centre, shape (3,),\n"
+      "metres.");
   scene.def(
       "add_box",
       [](Scene& self, const std::string& name, const py::object& position, const py::object& size,
@@ -220,7 +216,8 @@ void bind_shapes(SceneClass& scene) {
         add(self, name, Box{pose_of(position, quat_xyzw), extents / 2});
       },
       py::arg("name"), py::arg("position"), py::arg("size"), py::arg("quat_xyzw") = py::none(),
-      "Adds a box. position: its centre; size: full extents along x, y, z; shape (3,), metres.\n"
+      "Adds a box, to the obstacle `name` if there is one. position: its centre; size: full\n"
+      "extents along x, y, z; shape (3,), metres.\n"
       "quat_xyzw: orientation; scaled to length 1, with a warning if it is up to 10 times off.");
   scene.def(
       "add_cylinder",
@@ -232,8 +229,8 @@ void bind_shapes(SceneClass& scene) {
       },
       py::arg("name"), py::arg("position"), py::arg("radius"), py::arg("length"),
       py::arg("quat_xyzw") = py::none(),
-      "Adds a cylinder about its z axis. position: its centre; length: between the flat ends; "
-      "metres.");
+      "Adds a cylinder about its z axis, to the obstacle `name` if there is one. position: its\n"
+      "centre; length: between the flat ends; metres.");
   scene.def(
       "add_capsule",
       [](Scene& self, const std::string& name, const py::object& a, const py::object& b,
@@ -242,19 +239,18 @@ void bind_shapes(SceneClass& scene) {
         add(self, name, Capsule{to_point(a, "a"), to_point(b, "b"), radius});
       },
       py::arg("name"), py::arg("a"), py::arg("b"), py::arg("radius"),
-      "Adds a capsule: all points within radius of the segment from a to b, shape (3,), metres.");
-  scene.def(
-      "add_points", &add_points, py::arg("name"), py::arg("points"), py::arg("radius"),
-      py::arg("position") = std::array{0.0, 0.0, 0.0}, py::arg("quat_xyzw") = py::none(),
-      "Adds a point cloud: balls of `radius` about points, shape (n, 3), metres, in a frame at\n"
-      "position. Ignores rows that are not finite, and returns their number.");
-  scene.def(
-      "add_mesh", &add_mesh, py::arg("name"), py::arg("vertices"), py::arg("triangles"),
-      py::arg("position") = std::array{0.0, 0.0, 0.0}, py::arg("quat_xyzw") = py::none(),
-      "Adds a triangle mesh. vertices: shape (n, 3), metres, in a frame at position. triangles:\n"
-      "shape (m, 3), indices of vertices. Only the surface is checked: a body wholly inside is "
-      "not\n"
-      "in contact.");
+      "Adds a capsule, to the obstacle `name` if there is one: all points within radius of the\n"
+      "segment from a to b, shape (3,), metres.");
+  scene.def("add_points", &add_points, py::arg("name"), py::arg("points"), py::arg("radius"),
+            py::arg("position") = std::array{0.0, 0.0, 0.0}, py::arg("quat_xyzw") = py::none(),
+            "Adds a point cloud, to the obstacle `name` if there is one: balls of `radius`\n"
+            "about points, shape (n, 3), metres, in a frame at position. Ignores rows that are\n"
+            "not finite, and returns their number.");
+  scene.def("add_mesh", &add_mesh, py::arg("name"), py::arg("vertices"), py::arg("triangles"),
+            py::arg("position") = std::array{0.0, 0.0, 0.0}, py::arg("quat_xyzw") = py::none(),
+            "Adds a triangle mesh, to the obstacle `name` if there is one. vertices: shape\n"
+            "(n, 3), metres, in a frame at position. triangles: shape (m, 3), indices of\n"
+            "vertices. Only the surface is checked: a body wholly inside is not in contact.");
 }
 
 std::shared_ptr<Scene> load_file(const std::filesystem::path& path) {
@@ -307,7 +303,9 @@ void bind_contacts(SceneClass& scene) {
 
 void bind_scene(py::module_& module) {
   SceneClass scene(module, "Scene",
-                   "Named obstacles in the frame of the robot's root link. Metres.");
+                   "Named obstacles of one or more shapes, in the frame of the robot's root link.\n"
+                   "Metres. add_box() and the like add a shape to the obstacle of that name, if\n"
+                   "there is one; remove() it first to replace it.");
   scene.def(py::init([](std::string name) {
               return Scene{std::move(name), {}};
             }),

@@ -29,6 +29,17 @@ enum class Axis { x, y, z };
 [[nodiscard]] Result<Eigen::Matrix3d> rotation_from_unit_quaternion(
     std::span<const double, 4> xyzw);
 
+/// The rotation of a quaternion that was scaled to length 1.
+struct ScaledRotation {
+  Eigen::Matrix3d rotation;
+  double length = 1;       ///< of the quaternion
+  bool is_scaled = false;  ///< True if the length differs from 1 by more than 1e-3.
+};
+/// As rotation_from_unit_quaternion(), and scales quaternions whose length is 0.1 to 10, as readers
+/// of scenes do. Error: invalid, for other lengths.
+[[nodiscard]] Result<ScaledRotation> rotation_from_scaled_quaternion(
+    std::span<const double, 4> xyzw);
+
 /// A region of poses for a link to reach; without tolerances a single pose.
 struct PoseGoal {
   std::string link;

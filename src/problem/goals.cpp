@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
 #include "base/fail.h"
+#include "geometry/tolerated.h"
 #include "problem/problem_input.h"
 #include "robot/kinematics.h"
 
@@ -9,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -212,6 +214,11 @@ Eigen::Matrix3d along_axis(const Eigen::Matrix3d& rotation, Axis axis) {
   return permuted;
 }
 
+tl::unexpected<Error> refuse_length(double length) {
+  return fail(ErrorCode::invalid, "expected a quaternion of length 1, got one of length {:.6g}",
+              length);
+}
+
 }  // namespace
 
 std::optional<Axis> parse_axis(std::string_view name) {
@@ -225,14 +232,19 @@ std::string_view to_string(Axis axis) {
   return std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1);
 }
 
+Result<ScaledRotation> rotation_from_scaled_quaternion(std::span<const double, 4> xyzw) {
+  const auto [x, y, z, w] = std::array{xyzw[0], xyzw[1], xyzw[2], xyzw[3]};
+  const double length = std::hypot(std::hypot(x, y), std::hypot(z, w));
+  const auto judgement = internal::judge_length({x, y, z, w});
+  if (judgement == internal::QuaternionLength::wrong) return refuse_length(length);
+  return ScaledRotation{rotation_from_quaternion(w, x, y, z), length,
+                        judgement == internal::QuaternionLength::tolerated};
+}
+
 Result<Eigen::Matrix3d> rotation_from_unit_quaternion(std::span<const double, 4> xyzw) {
-  constexpr double kUnitTolerance = 1e-3;
-  const double length = std::hypot(std::hypot(xyzw[0], xyzw[1]), std::hypot(xyzw[2], xyzw[3]));
-  if (!(std::abs(length - 1) <= kUnitTolerance)) {
-    return fail(ErrorCode::invalid, "expected a quaternion of length 1, got one of length {:.6g}",
-                length);
-  }
-  return rotation_from_quaternion(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
+  const ScaledRotation scaled = MNEME_TRY(rotation_from_scaled_quaternion(xyzw));
+  if (scaled.is_scaled) return refuse_length(scaled.length);
+  return scaled.rotation;
 }
 
 PoseError pose_error(const Robot& robot, const PoseGoal& goal, std::span<const double> q) {
