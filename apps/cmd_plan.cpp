@@ -168,6 +168,7 @@ Result<LoadedPlan> load(const PlanOptions& options) {
   overrides.self_filter = options.self_filter;
   Problem problem = MNEME_TRY(read_problem(options.problem, overrides));
   MNEME_TRY(check_files(options, problem));
+  problem.robot = MNEME_TRY(narrow_positions(problem.robot, options.trajectory.limits));
   std::shared_ptr<const RateLimits> limits;
   if (options.trajectory.is_wanted()) {
     limits = std::make_shared<const RateLimits>(

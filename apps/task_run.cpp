@@ -28,6 +28,7 @@ Result<Task> read_task(const TaskRunOptions& options) {
                                   {"the file of limits", options.trajectory.limits}};
   add_files("a file of the task", task.files, inputs);
   MNEME_TRY(check_files_to_write(std::array{options.view, options.trajectory.file}, inputs));
+  task.robot = MNEME_TRY(narrow_positions(task.robot, options.trajectory.limits));
   return task;
 }
 

@@ -51,8 +51,8 @@ void add_trajectory_flags(CLI::App& command, TrajectoryOptions& options) {
   trajectory->type_name("FILE");
   command
       .add_option("--joint-limits", options.limits,
-                  "limits of velocity and acceleration, YAML as MoveIt's joint_limits.yaml "
-                  "(default: those of the URDF)")
+                  "limits of velocity, acceleration, jerk and position, YAML as MoveIt's "
+                  "joint_limits.yaml (default: those of the URDF)")
       ->type_name("FILE")
       ->needs(trajectory);
   for (CLI::Option* option : add_settings(command, options.settings)) option->needs(trajectory);

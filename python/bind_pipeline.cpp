@@ -22,12 +22,19 @@
 #include <pybind11/stl.h>
 
 namespace mneme::python {
+namespace {
+
+/// Empty for None.
+std::string file_name(const py::object& path) {
+  if (path.is_none()) return {};
+  return py::module_::import("os").attr("fsencode")(path).cast<std::string>();
+}
+
+}  // namespace
+
 RateLimits find_limits(const Robot& robot, const TrajectorySettings& timing,
                        const py::object& limits) {
-  const std::string file =
-      limits.is_none() ? ""
-                       : py::module_::import("os").attr("fsencode")(limits).cast<std::string>();
-  RateLimits rates = unwrap(find_rate_limits(robot, timing, file));
+  RateLimits rates = unwrap(find_rate_limits(robot, timing, file_name(limits)));
   for (const std::string& warning : rates.warnings) warn(warning);
   return rates;
 }
@@ -46,21 +53,28 @@ struct Plan {
   TrajectorySettings timing = {};  ///< of the trajectory that was announced, or defaults
 };
 
-/// Takes the keywords of Plan.trajectory() for the trajectory that will be made.
-void read_timing(const py::dict& keywords, Plan& plan) {
+/// Takes a dict of keywords of Plan.trajectory() for the trajectory that will be made.
+void read_timing(const py::object& keywords, Plan& plan) {
+  if (!py::isinstance<py::dict>(keywords)) {
+    throw py::type_error(fmt::format(
+        "plan: trajectory={}: expected a dict of keywords of Plan.trajectory(), such as {{}} or "
+        "{{'dt': 0.01}}",
+        shown(keywords)));
+  }
   auto arguments = py::reinterpret_borrow<py::kwargs>(keywords.attr("copy")());
   py::object limits = py::none();
   if (arguments.contains("limits")) limits = arguments.attr("pop")("limits");
   Keywords known("Plan.trajectory", arguments);
   known.apply(plan.timing);
   known.finish();
+  plan.problem.robot = unwrap(narrow_positions(plan.problem.robot, file_name(limits)));
   plan.settings.plan.limits =
       std::make_shared<const RateLimits>(find_limits(plan.problem.robot, plan.timing, limits));
 }
 
 Plan plan(const SharedProblem& problem, const Memory* memory, const std::string& planner,
           const std::optional<std::string>& sampler, const std::string& isa, bool is_recorded,
-          const std::optional<py::dict>& trajectory, const py::kwargs& arguments) {
+          const py::object& trajectory, const py::kwargs& arguments) {
   const std::string source = sampler.value_or(memory == nullptr ? "uniform" : "gl");
   Plan made{problem,
             problem.get(),
@@ -69,7 +83,7 @@ Plan plan(const SharedProblem& problem, const Memory* memory, const std::string&
             is_recorded ? std::make_shared<PlanRecorder>() : nullptr,
             {}};
   if (made.database == nullptr) check_without_memory("plan", made.settings);
-  if (trajectory) read_timing(*trajectory, made);
+  if (!trajectory.is_none()) read_timing(trajectory, made);
   std::atomic<bool> cancel = false;
   made.settings.plan.cancel = &cancel;
   made.settings.plan.observer = made.recorder.get();

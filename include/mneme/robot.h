@@ -7,6 +7,7 @@
 #include "mneme/base.h"
 #include "mneme/geometry.h"
 
+#include <array>
 #include <map>
 #include <memory>
 #include <optional>
@@ -235,6 +236,10 @@ class Robot {
   [[nodiscard]] Result<Robot> without_attached(const std::string& name) const;
   /// Returns this robot without attached objects.
   [[nodiscard]] Robot without_attached() const;
+
+  /// Returns this robot, without attached objects, with other limits of position [lower, upper] of
+  /// joints by name.
+  [[nodiscard]] Robot with_limits(const std::map<std::string, std::array<double, 2>>& limits) const;
 
   /// The parts from which make_robot() builds a Robot.
   struct Parts {

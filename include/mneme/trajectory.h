@@ -57,12 +57,19 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "blend. Larger is faster; at 0 the robot stops there.");
 }
 
+/// Returns the robot with its joints' limits of position narrowed to min_position and max_position
+/// of `file`, as of find_rate_limits(); the robot itself if none is narrower. Continuous joints and
+/// joints that follow others keep theirs. Plan with this robot: its hashes differ. Errors: a file
+/// that cannot be read; invalid, if a joint is left without positions.
+[[nodiscard]] Result<Robot> narrow_positions(const Robot& robot, const std::string& file);
+
 /// Returns the limits of `file` where it has them, otherwise those of the robot's URDF, otherwise
 /// those of the settings; velocity and acceleration are scaled. Joints that follow one of the group
 /// may lower its limits. `file`: YAML as MoveIt's joint_limits.yaml; empty: none. A deceleration
-/// limit also bounds the acceleration. Other keys and joints are ignored with a warning, or refused
-/// if `strict`. Errors: a file that cannot be read; a joint of the group that cannot move; settings
-/// out of range.
+/// limit also bounds the acceleration. Other keys and joints, and limits of position that the
+/// robot's own exceed (see narrow_positions()), are ignored with a warning, or refused if `strict`.
+/// Errors: a file that cannot be read; a joint of the group that cannot move; settings out of
+/// range.
 [[nodiscard]] Result<RateLimits> find_rate_limits(const Robot& robot,
                                                   const TrajectorySettings& settings = {},
                                                   const std::string& file = "",

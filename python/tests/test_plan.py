@@ -81,6 +81,11 @@ def test_a_trajectory_is_arrays_over_time(problem, tmp_path):
     limits = tmp_path / "limits.yaml"
     limits.write_text("joint_limits: {joint_1: {max_velocity: 0.01}}")
     assert plan.trajectory(limits=limits).duration > motion.duration
+    limits.write_text("joint_limits: {joint_3: {max_position: 2}}")
+    refused = mneme.plan(problem, trajectory={"limits": limits})
+    assert refused.status == "invalid_goal" and "joint 'joint_3' (value 3 of 8) is 2.054" in refused.message
+    with pytest.warns(UserWarning, match="the robot's limits of position are wider"):
+        plan.trajectory(limits=limits)
     assert motion.to_csv().startswith("time,joint_1.position,")
     assert json.loads(motion.to_json())["times"] == list(motion.times)
     assert "joint_names:" in motion.to_yaml()
@@ -94,6 +99,8 @@ def test_a_trajectory_that_is_announced_decides_what_is_shortened(problem):
     assert announced.times[1] == pytest.approx(0.05)
     with pytest.raises(TypeError, match=r"^Plan.trajectory\(\) got an unexpected"):
         mneme.plan(problem, trajectory={"acceleration": 5})
+    with pytest.raises(TypeError, match="plan: trajectory=True: expected a dict of keywords"):
+        mneme.plan(problem, trajectory=True)
     with pytest.raises(TypeError, match=r"help\(mneme.Plan.trajectory\)"):
         plan.trajectory(xyzzy=1)
 
@@ -161,7 +168,7 @@ def test_settings_are_those_that_are_declared(problem):
     ({"lambda_": -1}, "lambda_=-1 is out of range"),
     ({"lambda_": float("nan")}, "lambda_=nan"),
     ({"seed": -1}, "seed=-1 is out of range: expected 0 or more"),
-    ({"seed": 2**64}, "seed"),
+    ({"seed": 2**64}, f"seed={2**64} is out of range: expected 0 to {2**64 - 1}"),
     ({"neighbours": 0}, "neighbours=0 is out of range: expected 1 to 1000"),
     ({"timeout": float("inf")}, "timeout=inf"),
     ({"max_matches": 10**30}, "max_matches"),

@@ -169,6 +169,19 @@ void warn_of_followers(std::span<const Joint> joints, std::span<const int> group
 
 }  // namespace
 
+Robot Robot::with_limits(const std::map<std::string, std::array<double, 2>>& limits) const {
+  Model model = *bare_model();
+  for (Joint& joint : model.joints) {
+    const auto own = limits.find(joint.name);
+    if (own == limits.end()) continue;
+    joint.lower = own->second[0];
+    joint.upper = own->second[1];
+  }
+  model.hash = internal::hash_robot(model.links, model.joints, model.group, model.self_pairs,
+                                    model.exact_pairs);
+  return Robot(std::make_shared<const Model>(std::move(model)));
+}
+
 Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
   const std::string name = parts.name;
   const auto make = [&]() -> Result<Robot> {

@@ -5,12 +5,14 @@
 #include "base/fail.h"
 #include "base/files.h"
 #include "input/input.h"
+#include "robot/kinematics.h"
 #include "trajectory/speed_profile.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -55,6 +57,54 @@ std::optional<double> read_limit(const Input& joint, const std::string& quantity
   return is_below_zero ? -most->finite_number() : most->positive_number();
 }
 
+/// The map with the key joint_limits: the root, or below keys of ROS parameters.
+Input find_limits(Input input) {
+  while (input.is_map() && !input.find("joint_limits") && input.entries().size() == 1) {
+    const auto [key, inner] = input.entries().front();
+    if (!inner.is_map()) break;
+    input = inner;
+  }
+  return input;
+}
+
+/// Calls `visit(joint, own)` for each joint of a map that find_limits() returned. `own` is the
+/// robot's joint, or null.
+template <class Visit>
+void visit_joints(const Input& limits, const Robot& robot, const Visit& visit) {
+  const Input joints = limits.at("joint_limits");
+  if (joints.is_nothing()) return;
+  for (const auto& [name, joint] : joints.entries()) {
+    if (joint.is_nothing()) continue;
+    const auto found = std::ranges::find(robot.joints(), name, &Joint::name);
+    const Joint* const own = found == robot.joints().end() ? nullptr : &*found;
+    visit(joint.taking_angles(own != nullptr && is_turning(*own)), own);
+  }
+}
+
+/// Positions that a joint may have.
+struct Positions {
+  double least = -kUnlimited, most = kUnlimited;
+};
+
+/// As MoveIt, takes bounds as limits even where has_position_limits is missing.
+Positions read_positions(const Input& joint) {
+  Positions positions;
+  const auto has = joint.find("has_position_limits");
+  if (has && !has->boolean()) return positions;
+  if (const auto least = joint.find("min_position")) positions.least = least->number();
+  if (const auto most = joint.find("max_position")) positions.most = most->number();
+  if (positions.least <= positions.most) return positions;
+  joint.fail(ErrorCode::invalid, "expected a max_position of at least min_position, {}, got {}",
+             positions.least, positions.most);
+}
+
+/// True if all positions of the joint are among these.
+bool contain(const Positions& positions, const Joint& joint) {
+  const bool is_endless = joint.type == JointType::continuous;
+  return positions.least <= (is_endless ? -kUnlimited : joint.lower + kLimitTolerance) &&
+         positions.most >= (is_endless ? kUnlimited : joint.upper - kLimitTolerance);
+}
+
 /// Reads one file of limits, and collects what it ignores.
 class LimitsFile {
  public:
@@ -65,8 +115,8 @@ class LimitsFile {
   [[nodiscard]] std::vector<std::string> warnings(const std::string& file) const;
 
  private:
-  void read_joint(const Input& joint, JointRates& rates);
-  void ignore_positions(const Input& joint);
+  void read_joint(const Input& joint, const Joint& own, JointRates& rates);
+  void ignore_positions(const Input& joint, const Joint& own);
   void ignore_torque(const Input& joint);
   void ignore_other_keys(const Input& map, const std::vector<std::string_view>& known);
   void ignore(const Input& input, const std::string& name, ErrorCode code,
@@ -105,28 +155,21 @@ void LimitsFile::ignore_torque(const Input& joint) {
   }
 }
 
-/// As MoveIt, takes bounds as limits even where has_position_limits is missing.
-void LimitsFile::ignore_positions(const Input& joint) {
-  const auto has = joint.find("has_position_limits");
-  if (has && !has->boolean()) return;
-  for (const char* key : {"has_position_limits", "min_position", "max_position"}) {
-    const auto position = joint.find(key);
-    if (!position) continue;
-    return ignore(*position, position->key() + " (the URDF limits positions)",
-                  ErrorCode::unsupported,
-                  "limits of positions, which are the URDF's, are not supported here; narrow the "
-                  "<limit> of the joint");
-  }
+/// Limits of positions are the robot's, which narrow_positions() has narrowed where it can.
+void LimitsFile::ignore_positions(const Input& joint, const Joint& own) {
+  if (contain(read_positions(joint), own)) return;
+  ignore(joint, joint.key() + " (the robot's limits of position are wider)", ErrorCode::unsupported,
+         "the robot's limits of position are wider: narrow the <limit> of the joint");
 }
 
-void LimitsFile::read_joint(const Input& joint, JointRates& rates) {
+void LimitsFile::read_joint(const Input& joint, const Joint& own, JointRates& rates) {
   ignore_torque(joint);
   ignore_other_keys(
       joint, {"has_velocity_limits", "max_velocity", "has_acceleration_limits", "max_acceleration",
               "has_deceleration_limits", "max_deceleration", "has_jerk_limits", "max_jerk",
               "has_effort_limits", "max_effort", "has_torque_limits", "max_torque",
               "has_position_limits", "min_position", "max_position"});
-  ignore_positions(joint);
+  ignore_positions(joint, own);
   if (const auto velocity = read_limit(joint, "velocity")) rates.velocity = *velocity;
   const auto acceleration = read_limit(joint, "acceleration");
   const auto deceleration = read_limit(joint, "deceleration");
@@ -138,33 +181,17 @@ void LimitsFile::read_joint(const Input& joint, JointRates& rates) {
   if (const auto jerk = read_limit(joint, "jerk")) rates.jerk = *jerk;
 }
 
-/// The map with the key joint_limits: the root, or below keys of ROS parameters.
-Input find_limits(Input input) {
-  while (input.is_map() && !input.find("joint_limits") && input.entries().size() == 1) {
-    const auto [key, inner] = input.entries().front();
-    if (!inner.is_map()) break;
-    input = inner;
-  }
-  return input;
-}
-
 void LimitsFile::read(const std::string& file, Rates& rates) {
   const std::string text = value_or_throw(read_text_file(file));
   const InputValue value = parse_yaml(text, file);
   const Input input = find_limits(Input(value, file));
-  const Input joints = input.at("joint_limits");
+  static_cast<void>(input.at("joint_limits"));
   ignore_other_keys(input, {"joint_limits"});
-  if (joints.is_nothing()) return;
-  for (const auto& [name, joint] : joints.entries()) {
-    if (joint.is_nothing()) continue;
-    const auto found = rates.find(name);
-    if (found != rates.end()) {
-      read_joint(joint, found->second);
-    } else {
-      ignore(joint, joint.key() + " (no such joint)", ErrorCode::invalid,
-             fmt::format("robot '{}' has no such joint", robot_.name()));
-    }
-  }
+  visit_joints(input, robot_, [&](const Input& joint, const Joint* own) {
+    if (own != nullptr) return read_joint(joint, *own, rates.at(own->name));
+    ignore(joint, joint.key() + " (no such joint)", ErrorCode::invalid,
+           fmt::format("robot '{}' has no such joint", robot_.name()));
+  });
 }
 
 std::vector<std::string> LimitsFile::warnings(const std::string& file) const {
@@ -240,6 +267,44 @@ Result<void> check_rate_limits(const Robot& robot, const RateLimits& limits) {
 }
 
 }  // namespace internal
+
+namespace {
+
+using PositionLimits = std::map<std::string, std::array<double, 2>>;
+
+/// The limits of joints that `text`, of `file`, narrows.
+PositionLimits find_narrower(const Robot& robot, const std::string& text, const std::string& file) {
+  PositionLimits narrower;
+  const internal::InputValue value = internal::parse_yaml(text, file);
+  const internal::Input limits = internal::find_limits(internal::Input(value, file));
+  internal::visit_joints(limits, robot, [&](const internal::Input& joint, const Joint* own) {
+    const bool has_limits =
+        own != nullptr && internal::is_free(*own) && own->type != JointType::continuous;
+    const internal::Positions positions = internal::read_positions(joint);
+    if (!has_limits || internal::contain(positions, *own)) return;
+    const double lower = std::max(own->lower, positions.least);
+    const double upper = std::min(own->upper, positions.most);
+    if (lower > upper) {
+      joint.fail(ErrorCode::invalid, "expected positions within the limits [{}, {}], got {} to {}",
+                 own->lower, own->upper, positions.least, positions.most);
+    }
+    narrower[own->name] = {lower, upper};
+  });
+  return narrower;
+}
+
+}  // namespace
+
+Result<Robot> narrow_positions(const Robot& robot, const std::string& file) {
+  if (file.empty()) return robot;
+  const std::string text = MNEME_TRY(internal::read_text_file(file));
+  const PositionLimits narrower =
+      MNEME_TRY(internal::without_throwing([&] { return find_narrower(robot, text, file); }));
+  if (narrower.empty()) return robot;
+  const Robot narrowed = robot.with_limits(narrower);
+  if (robot.attached().empty()) return narrowed;
+  return narrowed.with_attached({robot.attached().begin(), robot.attached().end()});
+}
 
 Result<RateLimits> find_rate_limits(const Robot& robot, const TrajectorySettings& settings,
                                     const std::string& file, bool strict) {

@@ -4,6 +4,8 @@
 
 #include "robot/small_robots.h"
 
+#include <numbers>
+
 namespace mneme::test {
 namespace {
 
@@ -140,6 +142,44 @@ joint_limits:
     CHECK(require_limits(hand(), {}, yaml).warnings.empty());
   }
 
+  TEST_CASE("limits of position narrow those of the robot, and do not widen them") {
+    const TemporaryDirectory directory;
+    const std::string file = directory / "limits.yaml";
+    const Robot own = hand();
+    const auto narrowed = [&](const std::string& a, const Robot& robot) {
+      write_file(file, "joint_limits:\n  a: {max_velocity: 1.5, " + a + "}\n  other: {}\n");
+      const auto result = narrow_positions(robot, file);
+      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+      const auto limits = find_rate_limits(*result, {}, file, false);
+      CHECK(limits->velocity[0] == 1.5);
+      CHECK(limits->warnings.size() == 1);
+      CHECK(!contains(limits->warnings[0], "position"));
+      return *result;
+    };
+    const auto range = [](const Robot& robot) {
+      return std::pair(robot.group_joint(0).lower, robot.group_joint(0).upper);
+    };
+    CHECK(range(narrowed("min_position: -0.5, max_position: 0.25", own)) == std::pair(-0.5, 0.25));
+    CHECK(range(narrowed("max_position: !degrees 45", own)).second ==
+          doctest::Approx(std::numbers::pi / 4));
+    const Robot half = narrowed("has_position_limits: true, min_position: -0.5", own);
+    CHECK(range(half) == std::pair(-0.5, 1.0));
+    CHECK(range(narrowed("min_position: -2, max_position: 0.5", half)) == std::pair(-0.5, 0.5));
+    CHECK(half.joint_names() == own.joint_names());
+    CHECK(half.self_pairs().size() == own.self_pairs().size());
+    for (const char* same : {"min_position: -2, max_position: 1", "has_position_limits: true",
+                             "has_position_limits: false, min_position: 0.5"}) {
+      CHECK_FALSE(narrowed(same, own).identity().owner_before(own.identity()));
+      CHECK_FALSE(own.identity().owner_before(narrowed(same, own).identity()));
+    }
+    for (const char* none : {"min_position: 2", "min_position: 0.5, max_position: 0.4"}) {
+      write_file(file, "joint_limits: {a: {" + std::string(none) + "}}");
+      const auto refused = narrow_positions(own, file);
+      REQUIRE_FALSE(refused.has_value());
+      CHECK(contains(refused.error().message, "limits.yaml:1: key joint_limits.a: expected "));
+    }
+  }
+
   TEST_CASE("other keys and joints of a file are ignored with one warning, or refused if strict") {
     const test::TemporaryDirectory directory;
     const std::string file = directory / "limits.yaml";
@@ -151,7 +191,7 @@ joint_limits:
 robot_description_planning:
   default_velocity_scaling_factor: 0.1
   joint_limits:
-    a: {has_jerk: false, max_velocity: 1.5, has_position_limits: true, max_power: 9}
+    a: {has_jerk: false, max_velocity: 1.5, has_position_limits: true, min_position: -0.5, max_power: 9}
     elbow: {max_velocity: 1}
 )";
     const auto limits = read(yaml);
@@ -162,7 +202,7 @@ robot_description_planning:
           std::vector<std::string>{file + ": ignored 5 keys (an error if strict): " +
                                    "robot_description_planning.default_velocity_scaling_factor, " +
                                    key + "a.has_jerk, " + key + "a.max_power, " + key +
-                                   "a.has_position_limits (the URDF limits positions), " + key +
+                                   "a (the robot's limits of position are wider), " + key +
                                    "elbow (no such joint)"});
     CHECK(contains(read(yaml, true).error().message, "scaling_factor: unknown key"));
     CHECK(contains(read("joint_limits: {a: {has_jerk: false}}", true).error().message,
@@ -170,8 +210,7 @@ robot_description_planning:
     CHECK(contains(read("joint_limits: {elbow: {max_velocity: 1}}", true).error().message,
                    "robot 'hand' has no such joint"));
     for (const std::string& ignored :
-         std::vector<std::string>{"min_position (the URDF limits positions)",
-                                  "max_effort (limits of torque are not kept)",
+         std::vector<std::string>{"max_effort (limits of torque are not kept)",
                                   "max_torque (limits of torque are not kept)"}) {
       const std::string name = ignored.substr(0, ignored.find(' '));
       const std::string one =
@@ -185,7 +224,7 @@ robot_description_planning:
       CHECK(read(one, true).error().code == ErrorCode::unsupported);
     }
     CHECK(read("joint_limits: {a: {max_velocity: .inf}}")->velocity[0] == 1e6);
-    CHECK(read("joint_limits: {a: {has_position_limits: true}}", true).error().code ==
+    CHECK(read("joint_limits: {a: {max_position: 0.5}}", true).error().code ==
           ErrorCode::unsupported);
   }
 
