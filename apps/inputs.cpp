@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <memory>
 #include <system_error>
+#include <utility>
 
 namespace mneme::app {
 
@@ -80,11 +81,13 @@ Result<Workspace> load_workspace(const std::string& where, const ProblemOptions&
     return Workspace{std::move(*scene), std::nullopt};
   }
   if (scene.error().code == ErrorCode::io) return tl::unexpected(scene.error());
-  const Result<Problem> problem = read_problem(where, options);
-  if (problem) return from_problem(*problem);
-  return fail(problem.error().code,
-              fmt::format("'{}' is neither a scene ({}) nor a problem ({})", where,
-                          scene.error().message, problem.error().message));
+  Result<Problem> problem = read_problem(where, options);
+  if (problem) return from_problem(*std::move(problem));
+  // A file without a problem's scene is read as a scene.
+  const Result<FramedScene> extracted = extract_scene(where);
+  const bool has_scene = extracted || extracted.error().message != scene.error().message;
+  if (has_scene) return tl::unexpected(std::move(problem).error());
+  return tl::unexpected(scene.error());
 }
 
 Result<PlacedRobot> load_placed_robot(const std::string& robot, const RobotOptions& options,

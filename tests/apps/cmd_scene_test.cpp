@@ -34,6 +34,21 @@ TEST_SUITE("flow") {
     CHECK(Json::parse(with_robot.out)["primitives"].size() == 1);
   }
 
+  TEST_CASE("a file that is neither a scene nor a problem is refused with one reason") {
+    const PlanarFiles files;
+    write_file(files / "limits.yaml", "joint_limits: {joint_1: {max_velocity: 1}}");
+    const ProgramRun limits = run_program({"scene", "info", files / "limits.yaml"});
+    CHECK(limits.exit_code == 1);
+    CHECK(contains(limits.err,
+                   "limits.yaml:1: key joint_limits: unknown key, expected one of name, "
+                   "circles, obstacles, allow\n"));
+    write_file(files / "wrong.yaml", "robot: planar8\nscene: {circles: {a: [1, 2]}}\n");
+    const ProgramRun wrong = run_program({"scene", "info", files / "wrong.yaml"});
+    CHECK(wrong.exit_code == 1);
+    CHECK(contains(wrong.err, "wrong.yaml:2: key scene.circles.a: expected 3 numbers"));
+    CHECK(!contains(wrong.err, "unknown key"));
+  }
+
   TEST_CASE("what was left aside of a scene's files is told") {
     const PlanarFiles files;
     write_file(files / "scan.ply",
