@@ -83,6 +83,7 @@ class TaskCheck {
   }
 
   Result<void> check_gripper(const Stage& stage) const {
+    MNEME_TRY(with_joint_values(task_.robot, stage.values));
     for (const Joint& joint : task_.robot.joints()) {
       const auto value = stage.values.find(joint.name);
       if (value == stage.values.end() || joint.type == JointType::continuous) continue;
@@ -92,7 +93,7 @@ class TaskCheck {
       return fail(ErrorCode::invalid, "joint '{}' is to be at {}, beyond its limits [{}, {}]",
                   joint.name, given, joint.lower, joint.upper);
     }
-    return with_joint_values(task_.robot, stage.values).map([](const Robot&) {});
+    return {};
   }
 
   Result<void> check_link(const std::string& link, std::string_view what) const {

@@ -31,6 +31,8 @@ TEST_SUITE("unit") {
     fails("{move: {link: panda_hand, to: {object: cup}}}",
           "expected a held object, got 'cup'; an attach stage must come first");
     fails("{gripper: {panda_finger_joint9: 0.01}}", "panda_finger_joint9");
+    fails("{gripper: {panda_finger_joint1: 0.01}}",
+          "joint 'panda_finger_joint1' is fixed; the movable joints are: panda_joint1, ");
     fails(
         "{name: down, line: {direction: [0, 0, 1], distance: 0.1}, constraints: [{link: "
         "panda_hand, "
