@@ -91,9 +91,13 @@ template <class T>
   const std::optional<T> number = parse_number<T>(text);
   // Written so that a NaN is out of range.
   if (number && *number >= least && *number <= most) return *number;
-  throw CLI::ValidationError(flag, fmt::format("'{}' is not {} of {}", text,
-                                               std::integral<T> ? "a whole number" : "a number",
-                                               describe_range(least, most)));
+  // "0 or more" does not say why a number that is too large for T is refused.
+  const bool is_large =
+      std::integral<T> && text.find_first_not_of("0123456789") == std::string::npos;
+  throw CLI::ValidationError(
+      flag,
+      fmt::format("'{}' is not {} of {}", text, std::integral<T> ? "a whole number" : "a number",
+                  is_large ? fmt::format("{} to {}", least, most) : describe_range(least, most)));
 }
 
 /// A flag for a number from `least` to `most`. Its default is the value it has, if there is one.

@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -34,6 +35,11 @@ std::size_t start_of(const CellRegion& region, const std::string& name) {
 
 CellTask to_task(const py::object& task) {
   const std::vector<double> values = to_vector(task, static_cast<int>(kTaskSize), "task");
+  for (std::size_t k = 0; k < kTaskSize; ++k) {
+    if (std::isfinite(values[k])) continue;
+    raise_invalid(
+        fmt::format("task: {} is {}, expected a finite number", kTaskNames[k], values[k]));
+  }
   CellTask result;
   std::ranges::copy(values, result.begin());
   return result;
@@ -119,6 +125,9 @@ void bind_cell(py::module_& module) {
           [](const Cell& self, const py::object& task, const std::string& start, double timeout) {
             const CellTask offsets = to_task(task);
             const std::size_t index = start_of(self.region(), start);
+            if (!(timeout >= 0)) {
+              raise_invalid(fmt::format("timeout: expected seconds, 0 or more, got {}", timeout));
+            }
             const py::gil_scoped_release released;
             return self.ask(offsets, index, timeout);
           },

@@ -68,8 +68,10 @@ class Keywords {
   void read(const std::string& keyword, const py::object& given, Integer& value, Integer least,
             Integer most) const {
     const py::object number = whole_number(keyword, given);
-    const bool is_inside = py::int_(least) <= number && number <= py::int_(most);
-    if (!is_inside) fail_range(keyword, given, describe(least, most));
+    if (number > py::int_(most)) {
+      fail_range(keyword, given, fmt::format("{} to {}", least, most));
+    }
+    if (number < py::int_(least)) fail_range(keyword, given, describe(least, most));
     value = number.cast<Integer>();
   }
 

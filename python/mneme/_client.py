@@ -216,6 +216,9 @@ class Client:
             if velocity is not None:
                 body[key] = np.asarray(velocity, dtype=float).tolist()
         if trajectory is not None:
+            if not isinstance(trajectory, dict):
+                raise TypeError(f"Client.plan: trajectory={trajectory!r}: expected a dict of keywords of Plan.trajectory(), "
+                                "such as {} or {'dt': 0.01}")
             body["trajectory"] = _settings(trajectory)
         body.update(settings=_settings(settings), trace=trace, clearance=clearance, remember=remember)
         limit_s = None

@@ -117,13 +117,17 @@ class Connections:
 
     def __init__(self, url):
         self._url = url
-        self._idle = [_Connection(url)]
+        self._idle = []
+        self._idle.append(_Connection(url))
         self._process = os.getpid()
 
     def close(self):
         idle, self._idle = self._idle, []
         for connection in idle:
             connection.close()
+
+    def __del__(self):
+        self.close()
 
     def exchange(self, method, path, data, headers, deadline):
         """Returns the response and its body. Raises TimeoutError at `deadline`, a time.monotonic()."""
@@ -147,8 +151,9 @@ class Connections:
 
     def _take(self):
         if self._process != os.getpid():
-            # Connections that a forked process inherits belong to its parent.
-            self._idle, self._process = [], os.getpid()
+            # Connections that a forked process inherits belong to its parent, which keeps its own descriptors.
+            self.close()
+            self._process = os.getpid()
         try:
             return self._idle.pop()
         except IndexError:

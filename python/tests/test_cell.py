@@ -42,6 +42,10 @@ def test_wrong_words_of_a_cell_raise(region, tmp_path):
     with pytest.raises(mneme.Error, match="start: expected one of start"):
         cell.ask([0, 0, 0, 0], start="tray")
     assert cell.ask([1, 0, 0, 0]).message.startswith("the task is beyond the region: x is 1,")
+    with pytest.raises(mneme.Error, match="task: z is nan, expected a finite number"):
+        cell.ask([0, 0, float("nan"), 0])
+    with pytest.raises(mneme.Error, match="timeout: expected seconds, 0 or more, got nan"):
+        cell.ask([0, 0, 0, 0], timeout=float("nan"))
     with pytest.raises(TypeError):
         mneme.Cell.build(region, colour="red")
     (tmp_path / "b.cell").write_text("no cell")

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """mneme.Client plans what mneme.plan plans, over HTTP and over a Unix socket."""
 import contextlib
+import gc
 import json
 import os
 import pathlib
@@ -10,6 +11,7 @@ import struct
 import subprocess
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -60,6 +62,21 @@ def test_a_trajectory_over_http_is_that_of_this_process(client, problem):
     answer = remote.answer["trajectory"]
     np.testing.assert_allclose(answer["positions"], local.positions, atol=1e-12)
     np.testing.assert_allclose(answer["velocities"][0], velocity, atol=1e-6)
+
+
+def test_a_trajectory_that_is_no_dict_is_refused(client, problem):
+    with pytest.raises(TypeError, match="Client.plan: trajectory=True: expected a dict of keywords"):
+        client.plan(problem, trajectory=True)
+
+
+def test_a_client_that_is_dropped_leaves_no_socket_open(client):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", ResourceWarning)
+        dropped = mneme.Client(client._connections._url)
+        dropped.health()
+        del dropped
+        gc.collect()
+    assert not caught
 
 
 def test_a_plan_is_that_of_this_process(client, problem):
