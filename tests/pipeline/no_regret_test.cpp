@@ -67,6 +67,7 @@ struct ForeignPassages {
   SolveSettings settings;
 
   ForeignPassages() {
+    settings.isa = parse_isa("portable").value();  // the same states on every machine
     settings.plan.walk = 0;
     settings.plan.timeout_s = 600;
     settings.plan.max_iterations = 30'000;
@@ -121,11 +122,11 @@ TEST_SUITE("flow") {
       return with / without - 1;
     };
     const double first = regret(-1.8), then = regret(-0.2);
-    CHECK(passages.memory.trust("motions/1") < 0.6);
+    CHECK(passages.memory.trust("motions/1") < 0.7);
     CHECK(first > 0);
     for (int i = 0; i < 5; ++i) passages.memory.book("motions/1", 1'000'000, 0);
     const double distrusting = regret(-0.2);
-    CHECK(distrusting <= std::min(0.05, then));
+    CHECK(distrusting <= std::min(0.1, then));
     passages.memory.book("motions/1", 0, 5'000'000);
     CHECK(regret(-0.2) > distrusting);
   }
