@@ -6,6 +6,8 @@
 #include "mesh/surface_builder.h"
 #include "support/support.h"
 
+#include <fmt/format.h>
+
 #include <sys/stat.h>
 #include <cmath>
 #include <cstring>
