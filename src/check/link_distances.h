@@ -111,8 +111,8 @@ class LinkDistances {
                                                                                 int first,
                                                                                 int second) const;
   /// Proves the cells of all pairs that the robot checks by exact geometry, or finds them in a
-  /// directory; without one they are proven at their first use. Cost: 0.4 s per pair, milliseconds if
-  /// found. Throws Interrupted.
+  /// directory; without one they are proven at their first use. Cost: 0.4 s per pair, milliseconds
+  /// if found. Throws Interrupted.
   void prove_cells(const Robot& robot, const std::string& cache_directory) const;
   /// Metres between the surfaces of a link and an obstacle. Exact up to `enough`, otherwise any
   /// larger value. Negative in contact, by at most the radius of the link's shape. Infinite for a
