@@ -46,19 +46,19 @@ Result<void> wait_for_rows(Database& database, const PlanSettings& settings) {
 
 }  // namespace
 
-Result<void> study(const Problem& problem, Database& database, const SolveSettings& given) {
-  SolveSettings settings = given;
-  settings.replay = 0;
-  settings.remember_after = 0;
-  settings.plan.observer = nullptr;
+Result<void> study(const Problem& problem, Database& database, const SolveSettings& settings) {
+  SolveSettings search = settings;
+  search.replay = 0;
+  search.remember_after = 0;
+  search.plan.observer = nullptr;
   const auto is_cancelled = [&] { return internal::is_set(settings.plan.cancel); };
   for (std::uint64_t i = 0; i < kSearches && !is_cancelled(); ++i) {
-    settings.plan.seed = derive_seed(given.plan.seed, kStudyTask + i);
-    MNEME_TRY(solve(problem, &database, settings));
+    search.plan.seed = derive_seed(settings.plan.seed, kStudyTask + i);
+    MNEME_TRY(solve(problem, &database, search));
   }
-  MNEME_TRY(wait_for_rows(database, settings.plan));
+  MNEME_TRY(wait_for_rows(database, search.plan));
   if (is_cancelled()) return {};
-  return place_motions(problem, database, settings);
+  return place_motions(problem, database, search);
 }
 
 }  // namespace mneme
