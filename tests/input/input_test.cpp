@@ -397,11 +397,11 @@ TEST_SUITE("unit") {
         {"!radians -(1 - 2e-1)*2", -1.6},
         {"!radians .5*pi", pi / 2}};
     const std::string source = "f";
-    for (const auto& [text, angle] : angles) {
-      const InputValue value = internal::parse_yaml("a: " + text, source);
+    for (const auto& example : angles) {
+      const InputValue value = internal::parse_yaml("a: " + example.first, source);
       CHECK_MESSAGE(internal::Input(value, source).taking_angles().at("a").number() ==
-                        doctest::Approx(angle).epsilon(1e-15),
-                    text);
+                        doctest::Approx(example.second).epsilon(1e-15),
+                    example.first);
     }
     for (const char* text : {"pi pi", "2**3", "1/0", "pi/", "(pi", "inf", "2 pi", "", "pie"}) {
       CHECK_MESSAGE(yaml_failure(fmt::format("a: !radians \"{}\"", text)).find("such as pi/6") !=
