@@ -143,7 +143,8 @@ TEST_SUITE("unit") {
                                                                  {"4.9e-324", 4.9e-324, 8},
                                                                  {"1-2", 1, 1},
                                                                  {"inf", HUGE_VAL, 3}};
-    for (const auto& [text, expected, size] : numbers) {
+    for (const auto& [shown, expected, size] : numbers) {
+      const std::string_view text = shown;
       CAPTURE(text);
       CHECK(read(text, value) == std::pair(std::ptrdiff_t{size}, std::errc()));
       CHECK(value == expected);
