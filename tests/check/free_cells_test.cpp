@@ -90,8 +90,10 @@ TEST_SUITE("law") {
           CAPTURE(roll);
           CAPTURE(slide);
           CAPTURE(post);
-          const Tally tally = check_motions(require_parsed(tilting_bar({roll, slide}, post)), 100);
-          CHECK(tally.proven > 0);  // few motions over the whole ranges of three joints
+          const Robot robot = require_parsed(tilting_bar({roll, slide}, post));
+          // Motions over the whole ranges of three joints are seldom proven.
+          const Tally tally = check_motions(robot, robot.joint_count() == 3 ? 2000 : 100);
+          CHECK(tally.proven > 10);
           CHECK(tally.unproven > 10);
           CHECK(tally.touching > 10);
         }

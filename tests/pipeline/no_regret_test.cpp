@@ -112,8 +112,8 @@ TEST_SUITE("flow") {
     }
     const auto regret = [&](double first_angle) {
       double with = 0, without = 0;
-      for (int i = 0; i < 4; ++i) {
-        const double angle = first_angle + 0.4 * i;
+      for (int i = 0; i < 12; ++i) {
+        const double angle = first_angle + 0.35 * i;
         const double alone = passages.states(nullptr, angle);
         const double remembering = passages.states(&passages.memory, angle);
         without += alone;
@@ -121,14 +121,14 @@ TEST_SUITE("flow") {
       }
       return with / without - 1;
     };
-    const double first = regret(-1.8), then = regret(-0.2);
-    CHECK(passages.memory.trust("motions/1") < 0.7);
+    const double first = regret(-1.8), then = regret(-1.65);
+    CHECK(passages.memory.trust("motions/1") < 0.6);
     CHECK(first > 0);
     for (int i = 0; i < 5; ++i) passages.memory.book("motions/1", 1'000'000, 0);
-    const double distrusting = regret(-0.2);
-    CHECK(distrusting <= std::min(0.1, then));
+    const double distrusting = regret(-1.65);
+    CHECK(distrusting <= std::min(0.05, then));
     passages.memory.book("motions/1", 0, 5'000'000);
-    CHECK(regret(-0.2) > distrusting);
+    CHECK(regret(-1.65) > distrusting);
   }
 }
 
