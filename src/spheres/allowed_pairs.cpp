@@ -86,8 +86,10 @@ std::vector<Pair> pairs_with_shapes(const Robot& robot) {
   return pairs;
 }
 
+/// Links with coinciding faces touch, although rounding may part them.
 bool touch(const LinkDistances& links, const PosedLinks& posed, const Pair& pair, bool is_exact) {
-  return links.between(posed, {pair.first, pair.second, is_exact}, 0) <= 0;
+  constexpr double kRounding = 1e-6;  // metres
+  return links.between(posed, {pair.first, pair.second, is_exact}, kRounding) <= kRounding;
 }
 
 /// Checks each pair at random configurations until its record `is_settled`.
@@ -139,7 +141,7 @@ bool can_part(const Robot& robot, const LinkDistances& links, const Pair& pair) 
       largest = distance;
       best = q;
     }
-    if (links.between(posed, {pair.first, pair.second, true}, 0) > 0) return true;
+    if (!touch(links, posed, pair, true)) return true;
   }
   return false;
 }

@@ -87,6 +87,28 @@ TEST_SUITE("unit") {
           AllowedReason::never);
   }
 
+  TEST_CASE("fingers that slide along a common face are always in contact, rounded or not") {
+    Robot::Parts parts = make_bare_chain(2);
+    parts.joints[1].parent_link = 0;
+    for (Joint& joint : parts.joints) {
+      joint.type = JointType::prismatic;
+      joint.axis = Vec3::UnitY();
+      joint.origin.translation = Vec3::Zero();
+      joint.lower = 0;
+      joint.upper = 0.02;
+    }
+    constexpr double kRounding = 1e-9;
+    const Vec3 extents(0.01, 0.05, 0.017);
+    parts.links[1].solids = {make_box(extents, Vec3(-0.005 - kRounding, 0, 0))};
+    parts.links[2].solids = {make_box(extents, Vec3(0.005, 0, 0))};
+    const auto made = approximate_robot(parts);
+    REQUIRE(made.has_value());
+    CHECK(reasons_of(made->parts, {.samples = 200, .is_exact = true}).at("l1 l2") ==
+          AllowedReason::always);
+    const Robot robot = require(make_robot(made->parts));
+    CHECK(internal::find_inseparable_pairs(robot).always.size() == 1);
+  }
+
   TEST_CASE("reasons have the words of an SRDF") {
     CHECK(to_string(AllowedReason::adjacent) == "Adjacent");
     CHECK(to_string(AllowedReason::always) == "Always");
