@@ -87,9 +87,11 @@ std::optional<Answer> RequestReader::read_head(boost::beast::flat_buffer& bytes)
   return refuse_framing(request());
 }
 
+/// Beast expects the shortest end of a chunked body, 0 CR LF CR LF, at once.
 std::optional<Answer> RequestReader::read_body(boost::beast::flat_buffer& bytes) {
+  const std::size_t least = parser_.chunked() ? 5 : 1;
   boost::system::error_code error;
-  while (!is_done() && !error && bytes.size() > 0) parse(bytes, bytes.size(), error);
+  while (!is_done() && !error && bytes.size() >= least) parse(bytes, bytes.size(), error);
   if (error == http::error::need_more && bytes.size() < bytes.max_size()) return std::nullopt;
   if (error) return refuse(error);
   return std::nullopt;

@@ -3,6 +3,7 @@
 
 // Heads of requests that are not taken, whatever the body.
 #include "service/raw_client.h"
+#include "service/request_reader.h"
 #include "service/service_fixture.h"
 
 #include <sys/resource.h>
@@ -27,6 +28,27 @@ std::string heard_after(const RunningService& running, const std::string& said) 
   const RawClient client(running.port());
   static_cast<void>(client.offer(said));
   return client.hear();
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("a body of chunks is read to its end, however few bytes arrive at once") {
+    const std::string head = kPost + "Transfer-Encoding: chunked\r\n\r\n";
+    for (const auto& [chunks, body] :
+         {std::pair("0\r\n\r\n", ""), std::pair("0\r\nA: b\r\n\r\n", ""),
+          std::pair("2\r\n{}\r\n0\r\n\r\n", "{}")}) {
+      internal::RequestReader reader({.body_bytes = 100});
+      boost::beast::flat_buffer bytes;
+      for (const char c : head + chunks) {
+        CAPTURE(chunks);
+        CHECK(!reader.is_done());
+        boost::asio::buffer_copy(bytes.prepare(1), boost::asio::buffer(&c, 1));
+        bytes.commit(1);
+        CHECK(!(reader.has_head() ? reader.read_body(bytes) : reader.read_head(bytes)));
+      }
+      CHECK(reader.is_done());
+      CHECK(reader.request().body() == body);
+    }
+  }
 }
 
 TEST_SUITE("flow") {
