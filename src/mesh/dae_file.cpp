@@ -27,6 +27,8 @@ using tinyxml2::XMLElement;
 constexpr int kMostDepth = 100;
 /// Elements that are visited when all instances are expanded.
 constexpr std::size_t kMostSteps = 200'000;
+/// Characters of a name or a reference that count as one step more, because each visit reads them.
+constexpr std::size_t kStepCharacters = 256;
 
 /// An affine transform.
 struct Placement {
@@ -103,9 +105,10 @@ class DaeReader {
   }
 
   /// The element that `attribute` refers to: "#ID".
-  [[nodiscard]] const XMLElement& target(const XMLElement& element, const char* attribute) const {
+  [[nodiscard]] const XMLElement& target(const XMLElement& element, const char* attribute) {
     const char* value = element.Attribute(attribute);
     const std::string_view reference = value == nullptr ? "" : value;
+    count_steps(element, reference.size() / kStepCharacters);
     if (!reference.starts_with('#')) {
       fail(element, "{} is \"{}\", expected the id of an element in this file, such as \"#mesh\"",
            attribute, excerpt(reference));
@@ -121,7 +124,9 @@ class DaeReader {
     std::string text;
     for (const auto* node = element.FirstChild(); node != nullptr; node = node->NextSibling()) {
       if (node->ToText() != nullptr) text += node->Value();
-      if (node->ToElement() != nullptr) fail(element, "expected numbers, got <{}>", node->Value());
+      if (node->ToElement() != nullptr) {
+        fail(element, "expected numbers, got <{}>", excerpt(node->Value()));
+      }
     }
     return text;
   }
@@ -195,9 +200,8 @@ class DaeReader {
     if (std::ranges::find(path_, &parent) != path_.end())
       fail(parent, "this node contains an instance of itself");
     path_.push_back(&parent);
-    for (const XMLElement* child = parent.FirstChildElement(); child != nullptr;
-         child = child->NextSiblingElement()) {
-      count_step(*child);
+    for (const XMLElement* child = next_element(parent, parent.FirstChild()); child != nullptr;
+         child = next_element(parent, child->NextSibling())) {
       if (const Placement* own = find_transform(*child)) {
         X = X * *own;
       } else if (is_named(*child, "node")) {
@@ -207,16 +211,31 @@ class DaeReader {
       } else if (is_named(*child, "instance_geometry")) {
         add(target(*child, "url"), X);
       } else if (is_named(*child, "instance_controller")) {
-        const XMLElement* skin = target(*child, "url").FirstChildElement();
+        const XMLElement& controller = target(*child, "url");
+        const XMLElement* skin = next_element(controller, controller.FirstChild());
         if (skin != nullptr && is_named(*skin, "skin")) add(target(*skin, "source"), X);
       }
     }
     path_.pop_back();
   }
 
-  void count_step(const XMLElement& element) {
-    if (++steps_ > kMostSteps) {
-      fail(element, "all <node> and <instance_node> together expand to more than {} elements",
+  /// The first element from `node` on. Comments and texts before it are steps, too.
+  const XMLElement* next_element(const XMLElement& parent, const tinyxml2::XMLNode* node) {
+    for (; node != nullptr; node = node->NextSibling()) {
+      const XMLElement* element = node->ToElement();
+      const std::size_t length = element == nullptr ? 0 : std::string_view(element->Name()).size();
+      count_steps(parent, 1 + length / kStepCharacters);
+      if (element != nullptr) return element;
+    }
+    return nullptr;
+  }
+
+  void count_steps(const XMLElement& element, std::size_t steps) {
+    steps_ += steps;
+    if (steps_ > kMostSteps) {
+      fail(element,
+           "all <node> and <instance_node> together expand to more than {} elements, comments and "
+           "parts of long names",
            kMostSteps);
     }
   }
@@ -331,7 +350,7 @@ class DaeReader {
           fail(p, "a face has the vertex {}, but there are {}", indices[i], input.vertices.size());
         }
         all.push_back(input.vertices[indices[i]]);
-        if (all.size() > 6 * kMaxTriangles) fail_too_many();
+        if (all.size() > 6 * kMaxTriangles) surface_.fail_too_many();
       }
     };
     for (const XMLElement* p = faces.FirstChildElement("p"); p != nullptr;
@@ -366,20 +385,15 @@ class DaeReader {
   }
 
   void append_polygon(std::span<const Vec3> polygon, std::vector<Vec3>& corners) {
-    for (const auto& triangle : triangulate_polygon(polygon, surface_.source())) {
+    for (const auto& triangle : surface_.triangulate(polygon)) {
       append(polygon, triangle, corners);
     }
   }
 
   void append(std::span<const Vec3> all, const std::array<std::size_t, 3>& triangle,
               std::vector<Vec3>& corners) {
-    if (++triangles_ > kMaxTriangles) fail_too_many();
+    if (++triangles_ > kMaxTriangles) surface_.fail_too_many();
     for (const std::size_t i : triangle) corners.push_back(all[i]);
-  }
-
-  [[noreturn]] void fail_too_many() const {
-    throw_failure(ErrorCode::unsupported, "{}: has too many triangles, expected at most {}",
-                  surface_.source(), kMaxTriangles);
   }
 
   const XMLElement& root_;

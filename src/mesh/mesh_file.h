@@ -14,9 +14,11 @@
 
 namespace mneme::internal {
 
-/// Limits on the size of a file and on its number of triangles.
+/// Limits on the size of a file, on its number of triangles, and on that of vertices: as many as
+/// triangles without a common vertex have.
 inline constexpr std::size_t kMaxMeshBytes = std::size_t{256} << 20;
 inline constexpr std::size_t kMaxTriangles = 1'000'000;
+inline constexpr std::size_t kMaxVertices = 3 * kMaxTriangles;
 
 /// Reads the triangles of an STL, OBJ, DAE or PLY file, binary or text, with all objects in place.
 /// They are scaled along the axes of the mesh and then moved to `pose`. Triangles without area are

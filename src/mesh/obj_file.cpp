@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
 #include "mesh/line_reader.h"
+#include "mesh/mesh_file.h"
 #include "mesh/surface_builder.h"
 
 namespace mneme::internal {
@@ -40,6 +41,9 @@ class ObjReader {
     if (words.empty()) return;
     if (words[0] == "v") {
       if (words.size() < 4) lines_.fail(ErrorCode::parse, "expected \"v X Y Z\"");
+      if (vertices_.size() == kMaxVertices) {
+        lines_.fail_file(ErrorCode::unsupported, "has more than {} vertices", kMaxVertices);
+      }
       vertices_.emplace_back(lines_.read_number(words[1]), lines_.read_number(words[2]),
                              lines_.read_number(words[3]));
     } else if (words[0] == "f") {

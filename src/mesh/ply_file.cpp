@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mesh/line_reader.h"
+#include "mesh/mesh_file.h"
 #include "mesh/surface_builder.h"
 
 #include <algorithm>
@@ -8,6 +9,9 @@
 
 namespace mneme::internal {
 namespace {
+
+/// Strips of kMaxTriangles triangles apart from each other have fewer indices.
+constexpr std::size_t kMostIndices = 6 * kMaxTriangles;
 
 /// Numbers of a PLY file after its header. A line of text holds one item of an element.
 class PlyNumbers {
@@ -79,9 +83,12 @@ class PlyReader {
     numbers.begin_item();
     for (const PlyProperty& property : element.properties) {
       if (property.is_list) {
-        read_list(property, numbers);
-        if (element.name == "face" && is_indices(property)) add_face();
-        if (element.name == "tristrips" && is_indices(property)) add_strips();
+        const bool is_face = element.name == "face" && is_indices(property);
+        const bool is_strips = element.name == "tristrips" && is_indices(property);
+        const std::size_t most = is_face ? kMaxTriangles + 2 : is_strips ? kMostIndices : 0;
+        read_list(property, most, numbers);
+        if (is_face) add_face();
+        if (is_strips) add_strips();
         continue;
       }
       const double number = numbers.next(property.type);
@@ -92,18 +99,28 @@ class PlyReader {
       }
     }
     numbers.end_item();
-    if (element.name == "vertex") vertices_.push_back(vertex);
+    if (element.name != "vertex") return;
+    if (vertices_.size() == kMaxVertices) {
+      lines_.fail_file(ErrorCode::unsupported, "has more than {} vertices", kMaxVertices);
+    }
+    vertices_.push_back(vertex);
   }
 
   static bool is_indices(const PlyProperty& property) {
     return property.name == "vertex_indices" || property.name == "vertex_index";
   }
 
-  void read_list(const PlyProperty& property, PlyNumbers& numbers) {
+  /// Keeps a list of up to `most` indices; skips the list if `most` is 0. A longer one is refused
+  /// before it takes memory.
+  void read_list(const PlyProperty& property, std::size_t most, PlyNumbers& numbers) {
     const double length = numbers.next(property.count_type);
     if (!(length >= 0)) lines_.fail_file(ErrorCode::parse, "has a list of length {}", length);
+    if (most > 0 && length > static_cast<double>(most)) surface_.fail_too_many();
     list_.clear();
-    for (double i = 0; i < length; ++i) list_.push_back(numbers.next(property.type));
+    for (double i = 0; i < length; ++i) {
+      const double number = numbers.next(property.type);
+      if (most > 0) list_.push_back(number);
+    }
   }
 
   [[nodiscard]] const Vec3& vertex_at(double index) const {

@@ -15,6 +15,9 @@ namespace {
 constexpr double kFarthest = 1000;
 /// Ear clipping takes quadratic time.
 constexpr std::size_t kMostConcaveCorners = 400;
+/// Corners that ear clipping compares for all polygons of a file: about a second. A million
+/// triangles in polygons of 10 corners take 16 million.
+constexpr std::size_t kMostEarSteps = 20'000'000;
 
 /// The vector area of a polygon, across its plane (Newell's method).
 Vec3 area_of(std::span<const Vec3> corners) {
@@ -55,6 +58,8 @@ class EarClipper {
     triangles.push_back({before_[at], at, after_[at]});
     return triangles;
   }
+  /// Number of corners compared so far.
+  [[nodiscard]] std::size_t steps() const { return steps_; }
 
  private:
   /// Positive if c is to the left of the line from a to b.
@@ -62,10 +67,11 @@ class EarClipper {
     return normal_.dot((b - a).cross(c - a));
   }
 
-  [[nodiscard]] bool find_ear(std::size_t at) const {
+  [[nodiscard]] bool find_ear(std::size_t at) {
     const Vec3 &a = corners_[before_[at]], &b = corners_[at], &c = corners_[after_[at]];
     if (turn(a, b, c) <= 0) return false;
     for (std::size_t i = after_[after_[at]]; i != before_[at]; i = after_[i]) {
+      ++steps_;
       const Vec3& p = corners_[i];
       const bool is_corner = p == a || p == b || p == c;
       if (!is_corner && turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0)
@@ -78,6 +84,7 @@ class EarClipper {
   Vec3 normal_;
   std::vector<std::size_t> before_, after_;
   std::vector<bool> is_ear_;
+  std::size_t steps_ = 0;
 };
 
 bool is_convex(std::span<const Vec3> corners, const Vec3& normal) {
@@ -91,18 +98,27 @@ bool is_convex(std::span<const Vec3> corners, const Vec3& normal) {
 
 }  // namespace
 
-std::vector<std::array<std::size_t, 3>> triangulate_polygon(std::span<const Vec3> corners,
-                                                            const std::string& source) {
+std::vector<std::array<std::size_t, 3>> SurfaceBuilder::triangulate(std::span<const Vec3> corners) {
   if (corners.size() < 3) return {};
+  if (corners.size() - 2 > kMaxTriangles) fail_too_many();
   const Vec3 normal = area_of(corners);
   if (corners.size() > 3 && !is_convex(corners, normal)) {
     if (corners.size() > kMostConcaveCorners) {
       throw_failure(ErrorCode::unsupported,
                     "{}: has a concave polygon with {} corners, expected at most {}; triangulate "
                     "the mesh before",
-                    source, corners.size(), kMostConcaveCorners);
+                    source_, corners.size(), kMostConcaveCorners);
     }
-    return EarClipper(corners, normal).run();
+    EarClipper clipper(corners, normal);
+    auto triangles = clipper.run();
+    ear_steps_ += clipper.steps();
+    if (ear_steps_ > kMostEarSteps) {
+      throw_failure(ErrorCode::unsupported,
+                    "{}: has too many concave polygons with many corners; triangulate the mesh "
+                    "before",
+                    source_);
+    }
+    return triangles;
   }
   std::vector<std::array<std::size_t, 3>> fan;
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) fan.push_back({0, i, i + 1});
@@ -110,18 +126,18 @@ std::vector<std::array<std::size_t, 3>> triangulate_polygon(std::span<const Vec3
 }
 
 void SurfaceBuilder::add(const Vec3& a, const Vec3& b, const Vec3& c) {
-  if (++count_ > kMaxTriangles) {
-    throw_failure(ErrorCode::unsupported, "{}: has too many triangles, expected at most {}",
-                  source_, kMaxTriangles);
-  }
+  if (++count_ > kMaxTriangles) fail_too_many();
   const Triangle triangle{place(a), place(b), place(c)};
   if (triangle.area() > 0) triangles_.push_back(triangle);
 }
 
 void SurfaceBuilder::add_polygon(std::span<const Vec3> corners) {
-  for (const auto& [a, b, c] : triangulate_polygon(corners, source_)) {
-    add(corners[a], corners[b], corners[c]);
-  }
+  for (const auto& [a, b, c] : triangulate(corners)) add(corners[a], corners[b], corners[c]);
+}
+
+void SurfaceBuilder::fail_too_many() const {
+  throw_failure(ErrorCode::unsupported, "{}: has too many triangles, expected at most {}", source_,
+                kMaxTriangles);
 }
 
 Vec3 SurfaceBuilder::place(const Vec3& corner) const {

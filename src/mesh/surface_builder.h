@@ -25,6 +25,11 @@ class SurfaceBuilder {
 
   void add(const Vec3& a, const Vec3& b, const Vec3& c);
   void add_polygon(std::span<const Vec3> corners);
+  /// Triangles of a polygon, as indices of its corners: a fan if it is convex, otherwise by ear
+  /// clipping. Fails for more than kMaxTriangles, for a concave polygon with very many corners, and
+  /// when the concave polygons of the file together take too many steps.
+  [[nodiscard]] std::vector<std::array<std::size_t, 3>> triangulate(std::span<const Vec3> corners);
+  [[noreturn]] void fail_too_many() const;
   /// The triangles; fails if there are none.
   [[nodiscard]] std::vector<Triangle> take();
 
@@ -38,13 +43,9 @@ class SurfaceBuilder {
   Vec3 scale_;
   Transform pose_;
   std::vector<Triangle> triangles_;
-  std::size_t count_ = 0;  ///< with skipped ones
+  std::size_t count_ = 0;      ///< with skipped ones
+  std::size_t ear_steps_ = 0;  ///< of ear clipping so far
 };
-
-/// Triangles of a polygon, as indices of its corners: a fan if it is convex, otherwise by ear
-/// clipping. Fails for concave polygons with very many corners.
-[[nodiscard]] std::vector<std::array<std::size_t, 3>> triangulate_polygon(
-    std::span<const Vec3> corners, const std::string& source);
 
 // Each reads a file with these bytes into `surface`.
 void read_stl(std::string_view bytes, SurfaceBuilder& surface);

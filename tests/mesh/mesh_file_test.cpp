@@ -233,6 +233,34 @@ TEST_SUITE("unit") {
           std::string::npos);
   }
 
+  TEST_CASE("Names, references and comments in nodes with many instances count as steps") {
+    // 4096 visits of n12.
+    const auto expanded = [](const std::string& content, const std::string& other) {
+      std::string nodes =
+          "<node id=\"n\"><instance_geometry url=\"#g\"/><instance_node url=\"#n0\"/></node>";
+      for (int i = 0; i < 12; ++i) {
+        const std::string next = fmt::format("<instance_node url=\"#n{}\"/>", i + 1);
+        nodes += fmt::format("<node id=\"n{}\">{}{}</node>", i, next, next);
+      }
+      return make_dae(kSquare, nodes + "<node id=\"n12\">" + content + "</node>" + other);
+    };
+    const auto is_refused = [](const std::string& dae) {
+      const auto surface = parse_triangles(dae, "a.dae", Vec3::Ones(), {});
+      return !surface && surface.error().message.find("expand to more than") != std::string::npos;
+    };
+    const std::string longest(60000, 'a');
+    CHECK_FALSE(is_refused(expanded("<a/><!-- c -->", "")));
+    CHECK(is_refused(expanded("<" + longest + "/>", "")));
+    CHECK_FALSE(is_refused(expanded("<instance_node url=\"#m\"/>", "<node id=\"m\"/>")));
+    CHECK(is_refused(
+        expanded("<instance_node url=\"#" + longest + "\"/>", "<node id=\"" + longest + "\"/>")));
+    std::string comments;
+    for (int i = 0; i < 100; ++i) comments += "<!---->";
+    CHECK(is_refused(expanded(comments, "")));
+    const std::string controller = "<instance_controller url=\"#k\"/>";
+    CHECK(is_refused(expanded(controller, "<controller id=\"k\">" + comments + "</controller>")));
+  }
+
   TEST_CASE("Elements may stand for others only in their own place") {
     const std::string own =
         "<triangles><input semantic=\"VERTEX\" source=\"#w\" offset=\"0\"/><p>0 1 2</p></triangles>"
@@ -268,6 +296,14 @@ TEST_SUITE("unit") {
         "a\nend_header\n";
     CHECK(refusal(list + "\xff\xff\xff\xff..", "a.ply") ==
           "mesh a.ply: ends before all elements that it announces");
+    const std::string face =
+        "ply\nformat binary_big_endian 1.0\nelement NAME 1\nproperty list uint char "
+        "vertex_indices\nend_header\n";
+    for (const char* name : {"face", "tristrips"}) {
+      const std::string named = std::string(face).replace(face.find("NAME"), 4, name);
+      CHECK(refusal(named + "\xff\xff\xff\xff", "a.ply") ==
+            "mesh a.ply: has too many triangles, expected at most 1000000");
+    }
     const std::string negative =
         "ply\nformat ascii 1.0\nelement face 1\nproperty list int char a\nend_header\n-3 1\n";
     CHECK(refusal(negative, "a.ply") == "mesh a.ply: has a list of length -3");
@@ -349,6 +385,35 @@ TEST_SUITE("unit") {
   }
 }
 
+TEST_SUITE("unit") {
+  TEST_CASE("Polygons are refused before their triangles are built") {
+    const std::string source = "mesh a.obj";
+    SurfaceBuilder surface(source, Vec3::Ones(), {});
+    const std::vector<Vec3> corners(kMaxTriangles + 3, Vec3::Zero());
+    CHECK(surface.triangulate(std::span(corners).first(kMaxTriangles + 2)).size() == kMaxTriangles);
+    CHECK_THROWS(static_cast<void>(surface.triangulate(corners)));
+  }
+
+  TEST_CASE("The steps to triangulate the concave polygons of a file are limited") {
+    // A comb, whose ears are found late.
+    std::string vertices, face = "f";
+    for (int i = 0; i < 398; ++i) {
+      vertices +=
+          fmt::format("v {} {} 0\n", 0.01 * (i / 2), (i % 2) * 1.0 + (i % 4 == 1 ? 0.3 : 0));
+    }
+    vertices += "v 2 -1 0\nv -1 -1 0\n";
+    for (int i = 0; i < 400; ++i) face += fmt::format(" {}", i + 1);
+    face += "\n";
+    const auto faces = [&](int count) {
+      std::string obj = vertices;
+      for (int i = 0; i < count; ++i) obj += face;
+      return obj;
+    };
+    CHECK_FALSE(read(faces(20), "a.obj").empty());
+    CHECK(refusal(faces(1000), "a.obj").find("too many concave polygons") != std::string::npos);
+  }
+}
+
 TEST_SUITE("law") {
   TEST_CASE("The triangles of a polygon have its area and do not overlap") {
     Rng rng(5);
@@ -369,7 +434,8 @@ TEST_SUITE("law") {
       }
       for (Vec3& corner : corners) corner = turn * corner + Vec3(1, 2, 3);
       double sum = 0;
-      const auto triangles = triangulate_polygon(corners, "a");
+      const std::string source = "a";
+      const auto triangles = SurfaceBuilder(source, Vec3::Ones(), {}).triangulate(corners);
       CHECK(std::ssize(triangles) == count - 2);
       for (const auto& [a, b, c] : triangles)
         sum += Triangle{corners[a], corners[b], corners[c]}.area();
