@@ -152,6 +152,7 @@ bool is_own_host(std::string_view host, const std::string& address) {
   const std::string_view rest =
       end == std::string_view::npos ? "" : host.substr(end + (is_bracketed ? 1 : 0));
   if (!rest.empty() && (rest[0] != ':' || !is_port(rest.substr(1)))) return false;
+  if (name.find('%') != name.npos) return false;  // make_address() takes a zone for a part of it
   error_code error;
   const auto number = asio::ip::make_address(name, error);
   if (!error) return number.is_loopback() && number.is_v6() == is_bracketed;

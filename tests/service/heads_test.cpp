@@ -166,10 +166,26 @@ TEST_SUITE("flow") {
                              "localhost:65535"}) {
       CHECK_MESSAGE(status_of(running, host) == "200", host);
     }
-    for (const char* host : {"evil.example", "evil.example:7890", "127.0.0.1.evil.example",
-                             "localhost.evil", "10.0.0.1", "[::2]", "[::1", "[", ":", "http", "",
-                             "[::1].evil.example", "127.0.0.1:80.evil", "::1", "localhost:",
-                             "localhost:65536", "localhost:99999999", "localhost:+80"}) {
+    for (const char* host : {"evil.example",
+                             "evil.example:7890",
+                             "127.0.0.1.evil.example",
+                             "localhost.evil",
+                             "10.0.0.1",
+                             "[::1%25eth0]",
+                             "[::1%lo]:80",
+                             "[::2]",
+                             "[::1",
+                             "[",
+                             ":",
+                             "http",
+                             "",
+                             "[::1].evil.example",
+                             "127.0.0.1:80.evil",
+                             "::1",
+                             "localhost:",
+                             "localhost:65536",
+                             "localhost:99999999",
+                             "localhost:+80"}) {
       CHECK_MESSAGE(status_of(running, host) == "403", host);
     }
     ServiceSettings settings;
