@@ -277,6 +277,13 @@ class CollisionChecker {
   /// Latombe, DOI 10.1109/TRO.2004.838012.
   [[nodiscard]] bool is_sweep_valid(std::span<const float> from, std::span<const float> to,
                                     CheckCounters& counters, const SweepDetail& detail = {}) const;
+  /// True if the motions between consecutive rows of `configurations` pass is_sweep_valid(); the
+  /// ends of `detail` are those of the first and the last motion. Where the margin is 0 at an end,
+  /// it grows by the arc length of the longest motion. Faster than one call per motion where
+  /// motions are short, because they share SIMD vectors.
+  [[nodiscard]] bool are_sweeps_valid(std::span<const float> configurations,
+                                      CheckCounters& counters,
+                                      const SweepDetail& detail = {}) const;
   /// True if every point of the straight motion satisfies the constraints, even if each joint
   /// deviates from the motion by up to its value in `bow` (empty: no deviation).
   [[nodiscard]] bool keeps_constraints(std::span<const float> from, std::span<const float> to,

@@ -18,6 +18,7 @@
 #include <bit>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace mneme::internal {
@@ -157,33 +158,47 @@ struct CollisionChecker::Tables {
     return exact_pairs.are_apart_at_states(from, delta, extra, count, known);
   }
 
-  [[nodiscard]] bool is_sweep_free(std::span<const float> from, std::span<const float> delta,
-                                   const SweepDetail& detail, CheckCounters& counters) const {
+  /// Bounds of every motion from a row of `points` by the same row of `deltas`.
+  [[nodiscard]] internal::Displacements find_displacements(std::span<const float> points,
+                                                           std::span<const float> deltas) const {
+    internal::Displacements most;
     FloatConfiguration end;
-    for (std::size_t j = 0; j < from.size(); ++j) end[j] = from[j] + delta[j];
-    internal::Displacements moved =
-        internal::find_displacements(*world.robot, from, {end.data(), from.size()}, delta);
+    for (std::size_t i = 0; i < points.size(); i += joints()) {
+      const auto from = points.subspan(i, joints()), delta = deltas.subspan(i, joints());
+      std::ranges::transform(from, delta, end.begin(), std::plus());
+      most.include(internal::find_displacements(*world.robot, from, {end.data(), joints()}, delta));
+    }
+    return most;
+  }
+
+  /// Checks the motions from the rows of `points` by the rows of `deltas`.
+  [[nodiscard]] bool are_sweeps_free(std::span<const float> points, std::span<const float> deltas,
+                                     const SweepDetail& detail, CheckCounters& counters) const {
+    internal::Displacements moved = find_displacements(points, deltas);
     if (!(moved.longest > 0)) return true;
     // The kernel skips pairs that do not approach.
     if (detail.are_links_apart) std::ranges::fill(moved.pairs, 0.0f);
     const auto extra = static_cast<float>(detail.margin);
     const float share = robot.is_planar() ? kFirstPlanarSweep : kFirstSweep;
     const float first = share * moved.farthest_reach;
-    const float intervals = std::clamp(0.5f * moved.longest / first, 1.0f, kMostIntervals);
+    const auto count = static_cast<int>(points.size() / joints());
+    const float most = std::max(kMostIntervals / static_cast<float>(count), 1.0f);
+    const float intervals = std::clamp(0.5f * moved.longest / first, 1.0f, most);
     // The margin is 0 at the start and the goal of the problem.
     const bool keeps_margin = !detail.is_from_start && !detail.is_to_goal;
     const float finest = keeps_margin ? std::max(0.5f * extra, kFinestSweep) : kFinestSweep;
-    const internal::SweptMotion motion{from.data(),
-                                       delta.data(),
-                                       moved.bodies.data(),
-                                       moved.pairs.data(),
-                                       margin,
-                                       extra,
-                                       detail.is_from_start,
-                                       detail.is_to_goal,
-                                       static_cast<int>(intervals),
-                                       std::max(finest / moved.longest, kLeastShare / intervals)};
-    return kernels->is_sweep_free(*world.robot, world.scene, motion, counters);
+    const internal::SweptChain chain{points.data(),
+                                     deltas.data(),
+                                     count,
+                                     moved.bodies.data(),
+                                     moved.pairs.data(),
+                                     margin,
+                                     extra,
+                                     detail.is_from_start,
+                                     detail.is_to_goal,
+                                     static_cast<int>(intervals),
+                                     std::max(finest / moved.longest, kLeastShare / intervals)};
+    return kernels->is_sweep_free(*world.robot, world.scene, chain, counters);
   }
 };
 
@@ -354,8 +369,31 @@ bool CollisionChecker::is_sweep_valid(std::span<const float> from, std::span<con
   FloatConfiguration delta;
   t.space.difference(from.data(), to.data(), delta.data());
   const std::span<const float> moved(delta.data(), from.size());
-  return t.is_sweep_free(from, moved, detail, counters) &&
+  return t.are_sweeps_free(from, moved, detail, counters) &&
          t.exact_pairs.stay_apart(from, moved, detail.margin);
+}
+
+bool CollisionChecker::are_sweeps_valid(std::span<const float> configurations,
+                                        CheckCounters& counters, const SweepDetail& detail) const {
+  const Tables& t = *tables_;
+  const std::size_t joints = t.joints();
+  assert(configurations.size() % joints == 0);
+  if (configurations.size() < 2 * joints) return true;
+  if (!t.can_keep(detail.margin) || !is_within_reach(configurations)) return false;
+  const auto points = configurations.first(configurations.size() - joints);
+  counters.motions += points.size() / joints;
+  std::vector<float> deltas(points.size());
+  for (std::size_t i = 0; i < points.size(); i += joints) {
+    const auto from = points.subspan(i, joints), to = configurations.subspan(i + joints, joints);
+    if (!keeps_constraints(from, to)) return false;
+    t.space.difference(from.data(), to.data(), deltas.data() + i);
+  }
+  if (!t.are_sweeps_free(points, deltas, detail, counters)) return false;
+  for (std::size_t i = 0; i < points.size() && !t.exact_pairs.empty(); i += joints) {
+    const std::span<const float> delta(deltas.data() + i, joints);
+    if (!t.exact_pairs.stay_apart(points.subspan(i, joints), delta, detail.margin)) return false;
+  }
+  return true;
 }
 
 bool CollisionChecker::keeps_constraints(std::span<const float> from, std::span<const float> to,

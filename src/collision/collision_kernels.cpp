@@ -14,6 +14,7 @@
 
 #include "collision/state_checker-inl.h"
 #include "simd/dispatch.h"
+#include "simd/intervals-inl.h"
 #include "simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -118,91 +119,77 @@ bool is_chain_free(const RobotTables& robot, const SceneTables& scene, const Mot
   return true;
 }
 
-/// Intervals of a motion that are still to be checked, depth first.
-class IntervalStack {
- public:
-  /// Cuts a motion into `blocks` * kLanes intervals.
-  HWY_INLINE explicit IntervalStack(int blocks) : blocks_(blocks) {}
+/// Loads the motions of `numbers`, one per lane.
+HWY_INLINE void load_motions(const SweptChain& chain, int joint_count, const std::int32_t* numbers,
+                             LaneMotions& motions) {
+  const hn::RebindToSigned<Tag> di;
+  const auto number = hn::Load(di, numbers);
+  const auto first = hn::Mul(number, hn::Set(di, joint_count));
+  motions.number = hn::ConvertTo(Tag(), number);
+  for (int j = 0; j < joint_count; ++j) {
+    motions.from[j] = hn::GatherIndex(Tag(), chain.points + j, first);
+    motions.delta[j] = hn::GatherIndex(Tag(), chain.deltas + j, first);
+  }
+}
 
-  /// Writes up to kLanes intervals and returns their number. Further lanes repeat the last.
-  HWY_INLINE int pop(float* middles, float* halves) {
-    if (size_ < kLanes && block_ < blocks_) push_block();
-    const int count = std::min(size_, kLanes);
-    size_ -= count;
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const int i = size_ + std::min(lane, count - 1);
-      middles[lane] = middles_[i];
-      halves[lane] = halves_[i];
+/// Pushes the halves of intervals that are hit. Returns true if one of them is of the shortest.
+HWY_INLINE bool halve_hits(const Intervals& open, int count, const float* hits, float least_half,
+                           IntervalStack& stack) {
+  bool has_shortest = false;
+  for (int lane = 0; lane < count; ++lane) {
+    if (hits[lane] == 0) continue;
+    const float half = 0.5f * open.halves[lane];
+    if (open.halves[lane] <= least_half) {
+      has_shortest = true;
+    } else {
+      stack.push(open.motions[lane], open.middles[lane] - half, half);
+      stack.push(open.motions[lane], open.middles[lane] + half, half);
     }
-    return count;
   }
-  [[nodiscard]] HWY_INLINE bool is_empty() const { return size_ == 0 && block_ == blocks_; }
-  HWY_INLINE void push(float middle, float half) {
-    assert(size_ < (kMostLevels + 2) * kLanes);
-    middles_[size_] = middle;
-    halves_[size_++] = half;
-  }
+  return has_shortest;
+}
 
- private:
-  /// Each level of halving leaves kLanes intervals at most.
-  static constexpr int kMostLevels = 32;
-
-  /// In the order of is_motion_free.
-  HWY_INLINE void push_block() {
-    const float half = 0.5f / static_cast<float>(blocks_ * kLanes);
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const int rank = (block_ - 1) * kLanes + lane;
-      const int part = block_ == 0 ? (lane + 1) * blocks_ - 1 : rank + rank / (blocks_ - 1);
-      push(static_cast<float>(2 * part + 1) * half, half);
-    }
-    ++block_;
-  }
-
-  int blocks_;
-  int block_ = 0;
-  int size_ = 0;
-  float middles_[(kMostLevels + 2) * kLanes], halves_[(kMostLevels + 2) * kLanes];
-};
-
-bool is_sweep_free(const RobotTables& robot, const SceneTables& scene, const SweptMotion& motion,
+bool is_sweep_free(const RobotTables& robot, const SceneTables& scene, const SweptChain& chain,
                    CheckCounters& counters) {
   const Tag d;
-  assert(motion.intervals >= 1 && motion.margin >= 0 && motion.obstacle_margin >= 0);
-  SweptMargins margins(robot, motion);
+  assert(chain.intervals >= 1 && chain.margin >= 0 && chain.obstacle_margin >= 0);
+  SweptMargins margins(robot, chain);
   StateChecker<false, SweptMargins> checker(robot, scene, margins, counters);
   V q[kMaxFrames];
-  HWY_ALIGN float middles[kLanes], halves[kLanes], hits[kLanes];
+  LaneMotions motions;
+  Intervals open;
+  HWY_ALIGN float hits[kLanes];
   const auto find_hits = [&](V middle, V half) {
-    margins.set(middle, half, hn::GetLane(hn::MaxOfLanes(d, half)));
+    margins.set_intervals(middle, half, hn::GetLane(hn::MaxOfLanes(d, half)));
     counters.states += static_cast<std::uint64_t>(kLanes);
     Verdict<false> verdict;
     checker.check(q, verdict);
     hn::Store(hn::IfThenElseZero(verdict.hit, splat(1.0f)), d, hits);
+    return !hn::AllFalse(d, verdict.hit);
   };
-  for (IntervalStack stack((motion.intervals + kLanes - 1) / kLanes); !stack.is_empty();) {
-    const int count = stack.pop(middles, halves);
-    const V middle = hn::Load(d, middles);
+  // Where a chain is blocked, it mostly is at the state in the middle of an interval.
+  bool must_look = chain.count > 1;
+  bool is_loaded = false;
+  for (IntervalStack stack(chain.count, chain.intervals); !stack.is_empty();) {
+    const int count = stack.pop(open);
+    if (!is_loaded) {
+      load_motions(chain, robot.joint_count, open.motions, motions);
+      margins.set_motions(motions);
+    }
+    is_loaded = chain.count == 1;
+    const V middle = hn::Load(d, open.middles);
     for (int j = 0; j < robot.joint_count; ++j) {
-      q[j] = hn::MulAdd(middle, splat(motion.delta[j]), splat(motion.from[j]));
+      q[j] = hn::MulAdd(middle, motions.delta[j], motions.from[j]);
     }
-    find_hits(middle, hn::Load(d, halves));
-    bool is_decided = true;
-    for (int lane = 0; lane < count; ++lane) {
-      if (hits[lane] == 0) continue;
-      const float half = 0.5f * halves[lane];
-      if (halves[lane] <= motion.least_half) {
-        is_decided = false;
-      } else {
-        stack.push(middles[lane] - half, half);
-        stack.push(middles[lane] + half, half);
-      }
-    }
-    if (is_decided) continue;
+    if (!find_hits(middle, hn::Load(d, open.halves))) continue;
+    const bool has_shortest = halve_hits(open, count, hits, chain.least_half, stack);
+    if (!has_shortest && !must_look) continue;
     // The shortest intervals are decided by the state in their middle.
     find_hits(middle, hn::Zero(d));
     for (int lane = 0; lane < count; ++lane) {
-      if (hits[lane] != 0 && halves[lane] <= motion.least_half) return false;
+      if (hits[lane] != 0 && (must_look || open.halves[lane] <= chain.least_half)) return false;
     }
+    must_look = false;
   }
   return true;
 }

@@ -28,21 +28,23 @@ struct MotionChain {
   int count = 0;
 };
 
-/// A motion that is checked continuously, also between its states.
-struct SweptMotion {
-  const float* from = nullptr;
-  const float* delta = nullptr;
-  /// Displacement bounds of the motion, metres, for each moving body and for the approach of each
+/// `count` motions that are checked continuously, also between their states. Motion i goes from row
+/// i of `points` by row i of `deltas`.
+struct SweptChain {
+  const float* points = nullptr;
+  const float* deltas = nullptr;
+  int count = 1;
+  /// Displacement bounds of each motion, metres, for each moving body and for the approach of each
   /// pair of bodies. Bodies and pairs with a bound of 0 are not checked.
   const float* body_displacements = nullptr;
   const float* pair_displacements = nullptr;
   float obstacle_margin = 0;  ///< margin to obstacles, metres
   float margin = 0;           ///< margin between bodies, also added to `obstacle_margin`, metres
-  /// At an end of the motion that is start or goal of the problem, `margin` is 0. It grows from
+  /// At an end of the chain that is start or goal of the problem, `margin` is 0. It grows from
   /// there by kMarginGrowth of a body's arc length.
   bool is_from_start = false, is_to_goal = false;
   static constexpr float kMarginGrowth = 0.002f;
-  int intervals = 1;  ///< number of equal intervals that are checked first, at least 1
+  int intervals = 1;  ///< number of equal intervals of a motion that are checked first, at least 1
   /// Half of the shortest interval, as a fraction of the motion; at least 2^-31 of half of a first
   /// interval.
   float least_half = 0;
@@ -61,12 +63,12 @@ struct CollisionKernels {
   bool (*is_chain_free)(const RobotTables& robot, const SceneTables& scene,
                         const MotionChain& chain, float margin, CheckCounters& counters,
                         PathPoint& contact) = nullptr;
-  /// True if intervals that cover the motion are free. An interval is free if the state in its
+  /// True if intervals that cover the motions are free. An interval is free if the state in its
   /// middle is, with bodies inflated by their margin and their displacement within the interval.
   /// Intervals that fail are halved. An interval of the shortest length also passes if its middle
-  /// is free with the margin alone.
-  bool (*is_sweep_free)(const RobotTables& robot, const SceneTables& scene,
-                        const SweptMotion& motion, CheckCounters& counters) = nullptr;
+  /// is free with the margin alone. Intervals of all motions of a chain share vectors.
+  bool (*is_sweep_free)(const RobotTables& robot, const SceneTables& scene, const SweptChain& chain,
+                        CheckCounters& counters) = nullptr;
   /// Writes 1 to `is_free[i]` if row i of `states` is free. `states`: `count` rows of joint_count
   /// values.
   void (*check_states)(const RobotTables& robot, const SceneTables& scene, const float* states,

@@ -65,7 +65,13 @@ struct PairAxes {
 /// Larger than what rounding of the normal to an obstacle costs, metres.
 constexpr float kNormalRounding = 2e-5f;
 
-/// Margins that contain the sweep of a motion of constant joint speeds around its states. Within
+/// The motions of a vector's lanes: per joint, where each begins and its displacement.
+struct LaneMotions {
+  V number;  ///< of the motion in its chain
+  V from[kMaxFrames], delta[kMaxFrames];
+};
+
+/// Margins that contain the sweep of motions of constant joint speeds around their states. Within
 /// half an interval h, a point moves at most h times the body's displacement bound. It also moves
 /// at most h v + h^2 a/2, with its speed v at the state and its acceleration a. The acceleration is
 /// the sum of |q_i' q_j'| |z_i x (z_j x r_j)| over pairs of joints, i nearer to the root. It is at
@@ -74,30 +80,41 @@ class SweptMargins {
  public:
   static constexpr bool kIsDirected = true, kAreLinksDirected = false;
 
-  HWY_INLINE SweptMargins(const RobotTables& robot, const SweptMotion& motion)
-      : robot_(robot), motion_(motion), half_(hn::Zero(Tag())), since_end_(hn::Zero(Tag())) {
+  HWY_INLINE SweptMargins(const RobotTables& robot, const SweptChain& chain)
+      : robot_(robot),
+        chain_(chain),
+        half_(hn::Zero(Tag())),
+        since_end_(hn::Zero(Tag())),
+        turns_(hn::Zero(Tag())) {
     const V zero = hn::Zero(Tag());
     twists_[0] = {{zero, zero, zero}, {zero, zero, zero}};
-    for (const FrameRow& frame : robot.frames) {
-      if (!frame.is_prismatic) turns_ += std::abs(frame.multiplier * motion.delta[frame.joint]);
+  }
+
+  /// The motions of the next intervals. Refers to them.
+  HWY_INLINE void set_motions(const LaneMotions& motions) {
+    motions_ = &motions;
+    turns_ = hn::Zero(Tag());
+    for (const FrameRow& frame : robot_.frames) {
+      if (frame.is_prismatic) continue;
+      const V turn = hn::Mul(splat(frame.multiplier), motions.delta[frame.joint]);
+      turns_ = hn::Add(turns_, hn::Abs(turn));
     }
   }
-
   /// Intervals from `middle` - `half` to `middle` + `half`, of at most `widest` on either side.
-  HWY_INLINE void set(V middle, V half, float widest) {
+  HWY_INLINE void set_intervals(V middle, V half, float widest) {
     half_ = half;
     widest_ = widest;
-    const V never = splat(1e30f);
-    since_end_ = hn::Min(motion_.is_from_start ? middle : never,
-                         motion_.is_to_goal ? hn::Sub(splat(1.0f), middle) : never);
+    since_end_ = splat(1e30f);
+    const auto add_end = [&](bool is_end, float number, V share) {
+      const M is_here = hn::Eq(motions_->number, splat(number));
+      if (is_end) since_end_ = hn::Min(since_end_, hn::IfThenElse(is_here, share, since_end_));
+    };
+    add_end(chain_.is_from_start, 0, middle);
+    add_end(chain_.is_to_goal, static_cast<float>(chain_.count - 1), hn::Sub(splat(1.0f), middle));
   }
 
-  [[nodiscard]] HWY_INLINE bool moves_body(int i) const {
-    return motion_.body_displacements[i] > 0;
-  }
-  [[nodiscard]] HWY_INLINE bool moves_pair(int i) const {
-    return motion_.pair_displacements[i] > 0;
-  }
+  [[nodiscard]] HWY_INLINE bool moves_body(int i) const { return chain_.body_displacements[i] > 0; }
+  [[nodiscard]] HWY_INLINE bool moves_pair(int i) const { return chain_.pair_displacements[i] > 0; }
   /// Computes the frames' speeds at the poses of a state. Call before the margins below.
   HWY_INLINE void follow(const Pose* poses) const {
     poses_ = poses;
@@ -107,15 +124,15 @@ class SweptMargins {
       const V3 arm = poses[i + 1].origin - poses[frame.parent].origin;
       Twist twist{parent.turn, parent.speed + cross(parent.turn, arm)};
       V3& moved = frame.is_prismatic ? twist.speed : twist.turn;
-      moved = mul_add(splat(frame.multiplier * motion_.delta[frame.joint]), poses[i + 1].axes[2],
-                      moved);
+      const V rate = hn::Mul(splat(frame.multiplier), motions_->delta[frame.joint]);
+      moved = mul_add(rate, poses[i + 1].axes[2], moved);
       twists_[i + 1] = twist;
     }
   }
 
   [[nodiscard]] HWY_INLINE V of_body(int i, const V3& center) const {
-    return sum(motion_.obstacle_margin,
-               inflation(motion_.body_displacements[i], speed_of(i, 0, center)));
+    return sum(chain_.obstacle_margin,
+               inflation(chain_.body_displacements[i], speed_of(i, 0, center)));
   }
   /// Returns those of the `asked` lanes in which the part of body `i` around `point` may move by
   /// `gap` against the unit vector `normal`.
@@ -125,32 +142,33 @@ class SweptMargins {
     const Twist& twist = twists_[frame];
     const V3 lever = cross(point - poses_[frame].origin, normal);
     const V speed = hn::Abs(hn::Add(dot(twist.speed, normal), dot(twist.turn, lever)));
-    const V inflated = inflation(motion_.body_displacements[i], speed);
-    const V reach = hn::Add(inflated, splat(motion_.obstacle_margin + kNormalRounding));
+    const V inflated = inflation(chain_.body_displacements[i], speed);
+    const V reach = hn::Add(inflated, splat(chain_.obstacle_margin + kNormalRounding));
     return hn::And(asked, hn::Lt(gap, reach));
   }
   [[nodiscard]] HWY_INLINE float widest_of_body(int i) const {
-    return motion_.obstacle_margin + motion_.margin + widest_ * motion_.body_displacements[i];
+    return chain_.obstacle_margin + chain_.margin + widest_ * chain_.body_displacements[i];
   }
   [[nodiscard]] HWY_INLINE V of_pair(int i, const V3* centers) const {
     const BodyPairRow& pair = robot_.body_pairs[i];
     const V first = speed_of(pair.first, pair.ancestor, centers[pair.first]);
     const V second = speed_of(pair.second, pair.ancestor, centers[pair.second]);
-    return inflation(motion_.pair_displacements[i], hn::Add(first, second));
+    return inflation(chain_.pair_displacements[i], hn::Add(first, second));
   }
   /// The intervals reach this number of cells to either side, and the state's own cell.
   [[nodiscard]] HWY_INLINE V needed_rings(const SeparationTable& table) const {
-    if (motion_.margin > SeparationTable::kApart) return splat(SeparationTable::kMostRings + 1);
-    float cells = 0;
+    if (chain_.margin > SeparationTable::kApart) return splat(SeparationTable::kMostRings + 1);
+    V cells = hn::Zero(Tag());
     for (const SeparationTable::Axis& axis : table.axes) {
-      cells = std::max(cells, std::abs(motion_.delta[axis.joint]) * axis.scale);
+      const V moved = hn::Abs(motions_->delta[axis.joint]);
+      cells = hn::Max(cells, hn::Mul(moved, splat(axis.scale)));
     }
-    return rings_around(hn::Mul(half_, splat(cells)));
+    return rings_around(hn::Mul(half_, cells));
   }
   [[nodiscard]] HWY_INLINE V reach2(const BodyPairRow& pair, int i) const {
     const float radii =
         robot_.bodies[pair.first].ball.radius + robot_.bodies[pair.second].ball.radius;
-    const float bound = motion_.pair_displacements[i];
+    const float bound = chain_.pair_displacements[i];
     return squared(sum(radii, inflation(bound, splat(bound))));
   }
 
@@ -172,20 +190,21 @@ class SweptMargins {
 
   /// The margin of a body with this displacement bound and this speed at the state.
   [[nodiscard]] HWY_INLINE V inflation(float bound, V speed) const {
-    const V grown = hn::Mul(splat(SweptMotion::kMarginGrowth * bound), since_end_);
-    const V bent = hn::MulAdd(half_, splat(turns_ * bound), splat(kRounding * bound));
+    const V grown = hn::Mul(splat(SweptChain::kMarginGrowth * bound), since_end_);
+    const V bent = hn::MulAdd(half_, hn::Mul(turns_, splat(bound)), splat(kRounding * bound));
     const V rate = hn::Min(hn::Add(speed, bent), splat(bound));
-    return hn::MulAdd(half_, rate, hn::Min(splat(motion_.margin), grown));
+    return hn::MulAdd(half_, rate, hn::Min(splat(chain_.margin), grown));
   }
 
   /// Relative to the bound; larger than the rounding errors of single precision.
   static constexpr float kRounding = 1e-5f;
 
   const RobotTables& robot_;
-  const SweptMotion& motion_;
+  const SweptChain& chain_;
+  const LaneMotions* motions_ = nullptr;
   V half_, since_end_;
+  V turns_;  // sum over all joints, radians
   float widest_ = 0;
-  float turns_ = 0;  // sum over all joints, radians
   mutable const Pose* poses_ = nullptr;
   mutable Twist twists_[kMaxFrames + 1];
 };

@@ -146,6 +146,18 @@ std::vector<float> find_clearances(const RobotTables& robot, const SceneTables& 
   return clearances;
 }
 
+void Displacements::include(const Displacements& other) {
+  const auto take_larger = [](std::vector<float>& values, const std::vector<float>& others) {
+    values.resize(others.size());
+    std::ranges::transform(values, others, values.begin(), std::ranges::max);
+  };
+  take_larger(bodies, other.bodies);
+  take_larger(pairs, other.pairs);
+  longest_of_bodies = std::max(longest_of_bodies, other.longest_of_bodies);
+  longest = std::max(longest, other.longest);
+  farthest_reach = std::max(farthest_reach, other.farthest_reach);
+}
+
 Displacements find_displacements(const RobotTables& tables, std::span<const float> from,
                                  std::span<const float> to, std::span<const float> delta) {
   return tables.has_far_slides ? displacements_with(find_reaches(tables, from, to), delta)

@@ -77,6 +77,9 @@ struct Displacements {
   float longest_of_bodies = 0;
   float longest = 0;
   float farthest_reach = 0;  ///< for one radian of any joint
+
+  /// Bounds what either bounds.
+  void include(const Displacements& other);
 };
 /// Bounds the motion by `delta` per joint anywhere between two configurations.
 [[nodiscard]] Displacements find_displacements(const RobotTables& tables,

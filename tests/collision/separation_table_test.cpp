@@ -53,8 +53,8 @@ class Comparison {
   void compare_motion(const float* from, const std::vector<float>& delta, float margin) {
     const std::vector<float> bodies(static_cast<std::size_t>(with_.moving_count), 2);
     const std::vector<float> pairs(with_.body_pairs.size(), 2);
-    const internal::SweptMotion sweep{from,   delta.data(), bodies.data(), pairs.data(), 0,
-                                      margin, false,        false,         16,           1e-4f};
+    const internal::SweptChain sweep{
+        from, delta.data(), 1, bodies.data(), pairs.data(), 0, margin, false, false, 16, 1e-4f};
     for (const Isa isa : available_isas()) {
       const auto& kernels = internal::collision_kernels(isa);
       CheckCounters one, other;

@@ -83,6 +83,43 @@ TEST_SUITE("oracle") {
     CHECK(tally.free > 100);
     CHECK(tally.blocked > 100);
   }
+
+  TEST_CASE("short motions are free together if they are one by one, and cost fewer states") {
+    Rng rng(98);
+    int free = 0, blocked = 0, differences = 0;
+    CheckCounters together, alone;
+    for (int i = 0; i < 600; ++i) {
+      INFO("seed 98, chain " << i);
+      const Robot robot = random_robot(rng);
+      const CollisionChecker checker =
+          require_checker(robot, random_scene(robot, 2, rng, small_shape));
+      const SweepDetail detail{1e-4, i % 2 == 0, i % 3 == 0};
+      Path chain = {random_configuration_of(robot, rng)};
+      std::vector<float> rows(chain[0].begin(), chain[0].end());
+      bool are_free = true;
+      for (int k = 0; k < 1 + i % 20; ++k) {
+        chain.push_back(chain.back());
+        for (double& value : chain.back()) value += rng.uniform(-0.02, 0.02);
+        const SweepDetail own{detail.margin, detail.is_from_start && k == 0,
+                              detail.is_to_goal && k == i % 20};
+        const std::vector<float> from(chain[chain.size() - 2].begin(),
+                                      chain[chain.size() - 2].end());
+        const std::vector<float> to(chain.back().begin(), chain.back().end());
+        rows.insert(rows.end(), to.begin(), to.end());
+        are_free = checker.is_sweep_valid(from, to, alone, own) && are_free;
+      }
+      const bool are_free_together = checker.are_sweeps_valid(rows, together, detail);
+      ++(are_free_together ? free : blocked);
+      differences += are_free_together != are_free ? 1 : 0;
+      for (std::size_t k = 1; are_free_together && k < chain.size(); ++k) {
+        CHECK(deepest_contact(checker, chain[k - 1], chain[k], 20) <= kSweepTolerance);
+      }
+    }
+    CHECK(differences <= 6);
+    CHECK(free > 100);
+    CHECK(blocked > 100);
+    CHECK(2 * together.states < alone.states);
+  }
 }
 
 }  // namespace mneme::test
