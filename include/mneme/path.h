@@ -75,6 +75,11 @@ class MotionVerifier {
   [[nodiscard]] bool is_free(std::span<const float> from, std::span<const float> to,
                              MotionEnds ends, CheckCounters& counters,
                              bool are_links_apart = false) const;
+  /// Returns true if the motions between consecutive rows of `states` pass the verification; `ends`
+  /// are those of the first and the last motion. Faster than is_free() where motions are short;
+  /// near an end in contact it may refuse what is_free() takes.
+  [[nodiscard]] bool are_free(std::span<const float> states, MotionEnds ends,
+                              CheckCounters& counters) const;
 
   /// Returns true if a curve that replaces a part of a path, without its ends, passes the
   /// verification. `states` are points on the curve, row by row. `bow` bounds, per joint, how far

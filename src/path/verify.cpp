@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/path.h"
 
+#include "base/as_index.h"
 #include "path/waypoints.h"
 
 #include <algorithm>
@@ -35,6 +36,25 @@ bool MotionVerifier::is_free(std::span<const float> from, std::span<const float>
                                   {kVerificationRefinement, is_excused ? 0 : kVerificationMargin});
 }
 
+bool MotionVerifier::are_free(std::span<const float> states, MotionEnds ends,
+                              CheckCounters& counters) const {
+  const auto joints = internal::as_index(checker_.robot().joint_count());
+  const auto row = [&](std::size_t i) { return states.subspan(i * joints, joints); };
+  const std::size_t count = states.size() / joints;
+  if (verification_ == Verification::motions) {
+    for (std::size_t i = 1; i < count; ++i) {
+      if (!has_unique_direction(row(i - 1), row(i))) return false;
+    }
+    return checker_.are_sweeps_valid(states, counters,
+                                     {kVerificationMargin, ends.is_first, ends.is_last});
+  }
+  for (std::size_t i = 1; i < count; ++i) {
+    const MotionEnds own{ends.is_first && i == 1, ends.is_last && i + 1 == count};
+    if (!is_free(row(i - 1), row(i), own, counters)) return false;
+  }
+  return true;
+}
+
 bool MotionVerifier::has_unique_direction(std::span<const float> from,
                                           std::span<const float> to) const {
   const Robot& robot = checker_.robot();
@@ -66,13 +86,7 @@ bool MotionVerifier::is_curve_free(std::span<const float> states, std::span<cons
   }
   // A motion that is proven free keeps half of the margin.
   const SweepDetail detail{kVerificationMargin + 2 * off};
-  for (std::size_t i = bow.size(); i < states.size(); i += bow.size()) {
-    const auto from = states.subspan(i - bow.size(), bow.size());
-    if (!checker_.is_sweep_valid(from, states.subspan(i, bow.size()), counters, detail)) {
-      return false;
-    }
-  }
-  return true;
+  return checker_.are_sweeps_valid(states, counters, detail);
 }
 
 int MotionVerifier::find_invalid_motion(const Path& path, CheckCounters& counters) const {
