@@ -66,7 +66,7 @@ void LineSearch::run(const std::vector<JointVector>& starts, bool may_add_starts
   for (const JointVector& q : starts) {
     if (is_over() || has_enough() || is_link_blocked()) break;
     roots.push_back(add(tracker_.begin(0, q), -1));
-    take_whole(extend(roots.back(), {1, LineCheck::proof}));
+    take_whole(extend(extend_at_once(roots.back()), {1, LineCheck::proof}));
   }
   if (roots.empty()) return;
   if (tracker_.redundancy() > 0 && !is_link_blocked()) {
@@ -120,6 +120,26 @@ int LineSearch::extend(int node, const Growth& growth) {
     }
     note(stop, at(node).s, growth.goal == nullptr);
     break;
+  }
+  return node;
+}
+
+int LineSearch::extend_at_once(int root) {
+  std::vector<LineState> states = {at(root)};
+  int steps = 0;
+  while (states.back().s < 1 && steps_ + steps < settings_.line_steps) {
+    LineState to;
+    const JointVector drift = tracker_.drift_from_limits(states.back().q);
+    const LineStop stop = tracker_.step(states.back(), 1, drift, LineCheck::kinematics, to, steps);
+    if (stop.kind != LineStop::Kind::none) return root;
+    states.push_back(to);
+  }
+  if (states.back().s < 1 || !tracker_.prove(states)) return root;
+  steps_ += steps;
+  int node = root;
+  for (LineState& state : std::span(states).subspan(1)) {
+    state.is_proven = true;
+    node = add(state, node);
   }
   return node;
 }

@@ -61,6 +61,9 @@ class LineSearch {
   };
   /// Follows the line from a node. Returns the last node.
   int extend(int node, const Growth& growth);
+  /// Follows the line to its end by kinematics alone, then proves all steps at once. Returns the
+  /// last node, or `root` if either fails.
+  int extend_at_once(int root);
   [[nodiscard]] JointVector drift(const LineState& from, const Growth& growth) const;
   /// Proves the path to a node. Returns its last node that is proven.
   int prove(int node);

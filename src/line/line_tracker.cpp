@@ -71,7 +71,7 @@ LineStop LineTracker::step(const LineState& from, double until, JointVector drif
   std::uint32_t locked = 0;
   int lockable = redundancy();
   base.response = chain_.response(from.q, base.jacobian, locked, kDamping);
-  const double least = check == LineCheck::proof ? kLeastStep : kLeastLazyStep;
+  const double least = check == LineCheck::states ? kLeastLazyStep : kLeastStep;
   double h = std::min(from.step, until - from.s);
   for (;;) {
     double excess = 0;
@@ -113,9 +113,7 @@ LineStop LineTracker::attempt(const Base& base, double h, const JointVector& dri
   excess = bound_deviation(from, to);
   if (!(excess <= 1)) return stopped(LineStop::Kind::kinematics);
   to.is_proven = check == LineCheck::proof;
-  if (!(to.is_proven ? prove(from, to) : has_free_states(from, to))) {
-    return stopped(LineStop::Kind::contact);
-  }
+  if (!is_free(from, to, check)) return stopped(LineStop::Kind::contact);
   return {};
 }
 
@@ -154,10 +152,26 @@ bool LineTracker::prove(const LineState& from, const LineState& to) {
                            checks_);
 }
 
+bool LineTracker::prove(std::span<const LineState> states) {
+  std::vector<float> rows;
+  for (const LineState& state : states) {
+    const Row row = to_row(state.q);
+    rows.insert(rows.end(), row.begin(), row.begin() + static_cast<std::ptrdiff_t>(joints_));
+  }
+  return verifier_.are_free(rows, {states.front().s == 0, states.back().s == 1}, checks_);
+}
+
+/// States tell of most contact at less cost than a proof that fails.
+bool LineTracker::is_free(const LineState& from, const LineState& to, LineCheck check) {
+  if (check == LineCheck::kinematics) return true;
+  return has_free_states(from, to) && (check == LineCheck::states || prove(from, to));
+}
+
 bool LineTracker::has_free_states(const LineState& from, const LineState& to) {
   const Row a = to_row(from.q), b = to_row(to.q);
+  const bool is_end = from.s == 0 || to.s == 1;
   return checker_.is_motion_valid({a.data(), joints_}, {b.data(), joints_}, checks_,
-                                  {1, kVerificationMargin});
+                                  {1, is_end ? 0 : kVerificationMargin});
 }
 
 int LineTracker::find_violated_limit(const JointVector& q) const {

@@ -10,6 +10,7 @@
 #include "line/line_segment.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace mneme::internal {
@@ -34,8 +35,9 @@ struct LineStop {
 
 /// How thoroughly a step is checked.
 enum class LineCheck {
-  proof,   ///< The motion is proven free; steps are halved down to half a millimetre.
-  states,  ///< Only states of the motion are checked; steps are given up early.
+  proof,       ///< The motion is proven free; steps are halved down to half a millimetre.
+  states,      ///< Only states of the motion are checked; steps are given up early.
+  kinematics,  ///< Contact is not looked for.
 };
 
 struct LineTolerances {
@@ -58,6 +60,8 @@ class LineTracker {
                               LineCheck check, LineState& to, int& attempts);
   /// True if the motion between two states of the line is proven free.
   [[nodiscard]] bool prove(const LineState& from, const LineState& to);
+  /// True if all motions between consecutive states are proven free at once.
+  [[nodiscard]] bool prove(std::span<const LineState> states);
   /// The drift that leads away from limits.
   [[nodiscard]] JointVector drift_from_limits(const JointVector& q) const;
 
@@ -83,6 +87,7 @@ class LineTracker {
   [[nodiscard]] bool correct(const Response& response, LineState& to) const;
   /// Bounds the deviation between both states. Returns it as a multiple of the tolerance.
   [[nodiscard]] double bound_deviation(const LineState& from, LineState& to) const;
+  [[nodiscard]] bool is_free(const LineState& from, const LineState& to, LineCheck check);
   [[nodiscard]] bool has_free_states(const LineState& from, const LineState& to);
   [[nodiscard]] int find_violated_limit(const JointVector& q) const;
 
