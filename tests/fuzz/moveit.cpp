@@ -24,8 +24,10 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string scene = as_file(text.substr(0, end), "scene.yaml");
   const std::string request =
       as_file(has_request ? text.substr(end + kMark.size()) : std::string_view(), "request.yaml");
+  static const auto robots = mneme::make_problem_cache();
   mneme::ProblemOptions options;
   options.robot_path = "planar8";
+  options.cache = robots;
   mneme::fuzz::expect_message(mneme::load_problem(scene + "," + request, options));
   mneme::fuzz::expect_message(mneme::extract_scene(request));
   return 0;
