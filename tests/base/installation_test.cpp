@@ -12,6 +12,10 @@
 
 namespace mneme {
 
+using test::contains;
+using test::require;
+using test::require_error;
+
 TEST_SUITE("unit") {
   TEST_CASE("the version is three numbers joined by dots") {
     const std::string text(version());
@@ -21,8 +25,7 @@ TEST_SUITE("unit") {
       CHECK((c == '.' || std::isdigit(static_cast<unsigned char>(c)) != 0));
     }
     CHECK(dots == 2);
-    CHECK(test::read_file(test::source_file("CMakeLists.txt")).find("VERSION " + text) !=
-          std::string::npos);
+    CHECK(contains(test::read_file(test::source_file("CMakeLists.txt")), "VERSION " + text));
   }
 }
 
@@ -64,17 +67,14 @@ TEST_SUITE("unit") {
 
 TEST_SUITE("unit") {
   TEST_CASE("problems that came with mneme are found by name") {
-    const auto path = find_scene("planar/threaded_b2.yaml");
-    REQUIRE(path.has_value());
-    CHECK(load_problem(*path).has_value());
+    CHECK(load_problem(require(find_scene("planar/threaded_b2.yaml"))).has_value());
   }
 
   TEST_CASE("an unknown scene is an error that names the directories") {
     for (const char* name : {"planar/no_such.yaml", "planar", ""}) {
-      const auto path = find_scene(name);
-      REQUIRE_FALSE(path.has_value());
-      CHECK(path.error().code == ErrorCode::io);
-      CHECK(path.error().message.find("/scenes") != std::string::npos);
+      const Error error = require_error(find_scene(name));
+      CHECK(error.code == ErrorCode::io);
+      CHECK(contains(error.message, "/scenes"));
     }
   }
 }

@@ -8,6 +8,10 @@
 namespace mneme {
 namespace {
 
+using test::contains;
+using test::require;
+using test::require_error;
+
 constexpr Isa kAll[] = {Isa::automatic, Isa::scalar, Isa::sse, Isa::avx2,
                         Isa::avx512,    Isa::neon,   Isa::wasm};
 
@@ -33,19 +37,17 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("portable is the instruction set of four lanes") {
-    const auto parsed = parse_isa("portable");
-    REQUIRE(parsed.has_value());
-    CHECK((*parsed == Isa::sse || *parsed == Isa::neon));
+    const auto parsed = require(parse_isa("portable"));
+    CHECK((parsed == Isa::sse || parsed == Isa::neon));
     const test::EnvironmentVariable variable("MNEME_ISA", "portable");
-    CHECK(default_isa() == *parsed);
+    CHECK(default_isa() == parsed);
   }
 
   TEST_CASE("an unknown instruction set is an error that lists the known ones") {
-    const auto parsed = parse_isa("mmx");
-    REQUIRE_FALSE(parsed.has_value());
-    CHECK(parsed.error().code == ErrorCode::invalid);
-    CHECK(parsed.error().message.find("'mmx'") != std::string::npos);
-    CHECK(parsed.error().message.find("scalar") != std::string::npos);
+    const Error error = require_error(parse_isa("mmx"));
+    CHECK(error.code == ErrorCode::invalid);
+    CHECK(contains(error.message, "'mmx'"));
+    CHECK(contains(error.message, "scalar"));
   }
 
   TEST_CASE("MNEME_ISA chooses the default instruction set") {

@@ -12,11 +12,7 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     const std::string path = directory / "a";
     write_file(path, "old");
-    {
-      auto file = NewFile::create(path);
-      REQUIRE(file.has_value());
-      REQUIRE(file->write("new"));
-    }
+    REQUIRE(require(NewFile::create(path)).write("new"));
     CHECK(read_file(path) == "old");
     CHECK(!std::filesystem::exists(path + ".unfinished"));
     auto file = NewFile::create(path);
@@ -32,10 +28,9 @@ TEST_SUITE("unit") {
     const std::string path = directory / "a";
     auto first = NewFile::create(path);
     REQUIRE(first->write("first"));
-    auto second = NewFile::create(path);
-    REQUIRE(!second.has_value());
-    CHECK(second.error().code == ErrorCode::io);
-    CHECK(second.error().message == path + ": is being written by another process");
+    const Error error = require_error(NewFile::create(path));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(error.message == path + ": is being written by another process");
     REQUIRE(first->finish());
     CHECK(read_file(path) == "first");
     auto later = NewFile::create(path);
@@ -60,25 +55,21 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     write_file(directory / "a", "old");
     std::filesystem::create_symlink(directory / "a", directory / "link");
-    auto file = NewFile::create(directory / "link");
-    REQUIRE(file.has_value());
-    REQUIRE(file->write("new"));
-    REQUIRE(file->finish());
+    auto file = require(NewFile::create(directory / "link"));
+    REQUIRE(file.write("new"));
+    REQUIRE(file.finish());
     CHECK(std::filesystem::is_symlink(directory / "link"));
     CHECK(read_file(directory / "a") == "new");
   }
 
   TEST_CASE("a place that cannot be written and a full disk are errors with the name") {
     const TemporaryDirectory directory;
-    const auto missing = NewFile::create(directory / "none/a");
-    REQUIRE(!missing.has_value());
-    CHECK(missing.error().message.find(directory / "none/a") == 0);
-    auto full = NewFile::create("/dev/full");
-    REQUIRE(full.has_value());
-    const auto written = full->write("x").and_then([&] { return full->finish(); });
-    REQUIRE(!written.has_value());
-    CHECK(written.error().code == ErrorCode::io);
-    CHECK(written.error().message.find("No space left") != std::string::npos);
+    CHECK(require_error(NewFile::create(directory / "none/a")).message.find(directory / "none/a") ==
+          0);
+    auto full = require(NewFile::create("/dev/full"));
+    const Error error = require_error(full.write("x").and_then([&] { return full.finish(); }));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(contains(error.message, "No space left"));
   }
 }
 

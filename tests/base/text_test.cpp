@@ -34,10 +34,9 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a file that is missing is named with the reason") {
-    const auto text = internal::read_text_file("/nonexistent/file");
-    REQUIRE_FALSE(text.has_value());
-    CHECK(text.error().code == ErrorCode::io);
-    CHECK(text.error().message == "/nonexistent/file: cannot be read: No such file or directory");
+    const Error error = require_error(internal::read_text_file("/nonexistent/file"));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(error.message == "/nonexistent/file: cannot be read: No such file or directory");
   }
 
   TEST_CASE("codes of URLs are decoded, and a % before anything else stands for itself") {
@@ -66,19 +65,17 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a directory is no file") {
-    const auto text = internal::read_text_file("/");
-    REQUIRE_FALSE(text.has_value());
-    CHECK(text.error().code == ErrorCode::io);
-    CHECK(text.error().message.find("Is a directory") != std::string::npos);
+    const Error error = require_error(internal::read_text_file("/"));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(contains(error.message, "Is a directory"));
   }
 
   TEST_CASE("a pipe is refused without waiting where a regular file is expected") {
     const TemporaryDirectory directory;
     REQUIRE(mkfifo((directory / "pipe").c_str(), 0600) == 0);
-    const auto text = internal::read_regular_file(directory / "pipe");
-    REQUIRE_FALSE(text.has_value());
-    CHECK(text.error().message == (directory / "pipe") + ": expected a regular file");
-    CHECK(internal::read_text_file(directory / "pipe").error().message == text.error().message);
+    const Error error = require_error(internal::read_regular_file(directory / "pipe"));
+    CHECK(error.message == (directory / "pipe") + ": expected a regular file");
+    CHECK(internal::read_text_file(directory / "pipe").error().message == error.message);
     CHECK(internal::read_text_file("/dev/zero").error().message ==
           "/dev/zero: expected a regular file");
     write_file(directory / "file", "12345");
@@ -89,10 +86,9 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     write_file(directory / "file", "12345");
     CHECK(internal::read_text_file(directory / "file", 5).has_value());
-    const auto text = internal::read_text_file(directory / "file", 4);
-    REQUIRE_FALSE(text.has_value());
-    CHECK(text.error().code == ErrorCode::unsupported);
-    CHECK(text.error().message == (directory / "file") + ": expected a file of at most 4 bytes");
+    const Error error = require_error(internal::read_text_file(directory / "file", 4));
+    CHECK(error.code == ErrorCode::unsupported);
+    CHECK(error.message == (directory / "file") + ": expected a file of at most 4 bytes");
   }
 }
 

@@ -40,10 +40,9 @@ TEST_SUITE("unit") {
     const Problem problem = memory.problem({});
     const Path path = {problem.start, Configuration(8, 0.05), problem.goals[0]};
     REQUIRE(memory.database.insert(learn_whole_paths(memory.robot, std::vector<Path>{path})));
-    const auto pooled = internal::pool_all(*internal::make_query(problem, &memory.database, {}),
-                                           memory_query(problem));
-    REQUIRE(pooled.has_value());
-    CHECK(pooled->component_count() == memory.components(0) + memory.components(1) + 3);
+    const auto pooled = require(internal::pool_all(
+        *internal::make_query(problem, &memory.database, {}), memory_query(problem)));
+    CHECK(pooled.component_count() == memory.components(0) + memory.components(1) + 3);
   }
 
   TEST_CASE("the nearest scene is the one that was learned, whichever way it is turned") {
@@ -54,14 +53,13 @@ TEST_SUITE("unit") {
       for (const double rotation : {0.0, 1.2, -2.5}) {
         const Scene scene = make_scene(moved_key({rotation, false}, memory.keys[row]));
         const Problem problem = memory.problem(scene);
-        const auto mixture = internal::recall_nearest_scenes(
-            *internal::make_query(problem, &memory.database, settings), memory_query(problem));
-        REQUIRE(mixture.has_value());
+        const auto mixture = require(internal::recall_nearest_scenes(
+            *internal::make_query(problem, &memory.database, settings), memory_query(problem)));
         const LocalSampler learned = memory.database.get(static_cast<std::int64_t>(row))->sampler();
-        REQUIRE(mixture->component_count() == learned.component_count());
+        REQUIRE(mixture.component_count() == learned.component_count());
         const Configuration turned =
             moved_configuration({0, -1}, {rotation, false}, mean_of(learned, 0));
-        CHECK(memory.robot.distance(mean_of(*mixture, 0), turned) < 1e-4);
+        CHECK(memory.robot.distance(mean_of(mixture, 0), turned) < 1e-4);
       }
     }
   }
@@ -70,10 +68,9 @@ TEST_SUITE("unit") {
     TwoRows memory;
     const SolveSettings settings;
     const Problem nothing = memory.problem({});
-    const auto empty = internal::recall_nearest_scenes(
-        *internal::make_query(nothing, &memory.database, {}), memory_query(nothing));
-    REQUIRE(empty.has_value());
-    CHECK(empty->component_count() == 0);
+    const auto empty = require(internal::recall_nearest_scenes(
+        *internal::make_query(nothing, &memory.database, {}), memory_query(nothing)));
+    CHECK(empty.component_count() == 0);
     const Scene box{"box", {{"box", {Box{{}, {0.1, 0.1, 0.1}}}}}};
     const Problem boxed = memory.problem(box);
     CHECK(!internal::recall_nearest_scenes(*internal::make_query(boxed, &memory.database, {}),

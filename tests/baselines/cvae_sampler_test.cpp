@@ -13,9 +13,8 @@ constexpr std::uint64_t kSeed = 20265;
 
 std::vector<float> draw(const Robot& robot, const Scene& scene,
                         const internal::CvaeWeights& weights, int count) {
-  const auto sampler = internal::make_cvae_sampler(robot, scene, weights);
-  REQUIRE_MESSAGE(sampler.has_value(), (sampler ? "" : sampler.error().message));
-  const auto stream = (*sampler)->start(7);
+  const auto sampler = require(internal::make_cvae_sampler(robot, scene, weights));
+  const auto stream = sampler->start(7);
   std::vector<float> rows(static_cast<std::size_t>(8 * count));
   for (int i = 0; i < count; ++i) {
     stream->next(std::span(rows).subspan(static_cast<std::size_t>(8 * i), 8));
@@ -95,9 +94,8 @@ TEST_SUITE("unit") {
     const Robot robot = planar8();
     internal::CvaeWeights weights = random_weights(robot, 1);
     weights.robot_hash = std::string(16, '0');
-    const auto sampler = internal::make_cvae_sampler(robot, {}, weights);
-    REQUIRE(!sampler.has_value());
-    CHECK(sampler.error().code == ErrorCode::wrong_robot);
+    CHECK(require_error(internal::make_cvae_sampler(robot, {}, weights)).code ==
+          ErrorCode::wrong_robot);
   }
 
   TEST_CASE("the sampler cvae of solve() reads the weights beside the database") {
@@ -109,14 +107,11 @@ TEST_SUITE("unit") {
     settings.sampler = "cvae";
     settings.retrieve_after = 0;
     settings.plan.max_iterations = 200;
-    const auto missing = solve(problem, &database, settings);
-    REQUIRE(!missing.has_value());
-    CHECK(missing.error().message.find("m.db.cvae") != std::string::npos);
+    CHECK(contains(require_error(solve(problem, &database, settings)).message, "m.db.cvae"));
     REQUIRE(internal::save_cvae(directory / "m.db.cvae", random_weights(problem.robot, 1)));
-    const auto solved = solve(problem, &database, settings);
-    REQUIRE_MESSAGE(solved.has_value(), (solved ? "" : solved.error().message));
-    CHECK(solved->sampler == "cvae");
-    CHECK(solved->gl.retrieval_time_s > 0);
+    const auto solved = require(solve(problem, &database, settings));
+    CHECK(solved.sampler == "cvae");
+    CHECK(solved.gl.retrieval_time_s > 0);
   }
 }
 

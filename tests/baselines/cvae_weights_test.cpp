@@ -6,10 +6,9 @@ namespace mneme::test {
 namespace {
 
 void check_refused(const std::string& path, ErrorCode code) {
-  const auto weights = internal::load_cvae(path);
-  REQUIRE(!weights.has_value());
-  CHECK(weights.error().code == code);
-  CHECK(weights.error().message.find(path) != std::string::npos);
+  const Error error = require_error(internal::load_cvae(path));
+  CHECK(error.code == code);
+  CHECK(contains(error.message, path));
 }
 
 }  // namespace
@@ -18,23 +17,22 @@ TEST_SUITE("unit") {
   TEST_CASE("weights survive the way to a file and back") {
     const TemporaryDirectory directory;
     const internal::CvaeWeights written = random_weights(planar8(), 1);
-    REQUIRE(internal::save_cvae(directory / "w", written).has_value());
-    const auto read = internal::load_cvae(directory / "w");
-    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
-    CHECK(read->robot_hash == written.robot_hash);
-    CHECK(read->cells == 6);
-    CHECK(read->half_extent == 12);
-    CHECK(read->latent_layer == written.latent_layer);
-    CHECK(read->image_layer == written.image_layer);
-    CHECK(read->second_layer == written.second_layer);
-    CHECK(read->output_bias == written.output_bias);
+    require(internal::save_cvae(directory / "w", written));
+    const auto read = require(internal::load_cvae(directory / "w"));
+    CHECK(read.robot_hash == written.robot_hash);
+    CHECK(read.cells == 6);
+    CHECK(read.half_extent == 12);
+    CHECK(read.latent_layer == written.latent_layer);
+    CHECK(read.image_layer == written.image_layer);
+    CHECK(read.second_layer == written.second_layer);
+    CHECK(read.output_bias == written.output_bias);
   }
 
   TEST_CASE("a file that is missing, cut, changed or of another kind is refused") {
     const TemporaryDirectory directory;
     const std::string path = directory / "w";
     check_refused(path, ErrorCode::io);
-    REQUIRE(internal::save_cvae(path, random_weights(planar8(), 1)).has_value());
+    require(internal::save_cvae(path, random_weights(planar8(), 1)));
     const std::string whole = read_file(path);
     for (const std::size_t size : {std::size_t{0}, std::size_t{20}, whole.size() - 1}) {
       write_file(path, whole.substr(0, size));

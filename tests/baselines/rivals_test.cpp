@@ -41,12 +41,10 @@ TEST_SUITE("unit") {
         INFO(planner.name, " with ", sampler);
         settings.planner = planner.name;
         settings.sampler = sampler;
-        const auto result = solve(problem, &database, settings);
-        REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-        REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
-        CHECK(result->sampler == sampler);
-        CHECK(result->plan.path.front() == problem.robot.normalized(problem.start));
-        CHECK(result->plan.path.back() == problem.robot.normalized(problem.goals[0]));
+        const SolveResult result = require_solved(problem, &database, settings);
+        CHECK(result.sampler == sampler);
+        CHECK(result.plan.path.front() == problem.robot.normalized(problem.start));
+        CHECK(result.plan.path.back() == problem.robot.normalized(problem.goals[0]));
       }
     }
   }

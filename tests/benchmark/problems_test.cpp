@@ -8,6 +8,9 @@
 namespace mneme {
 namespace {
 
+using test::contains;
+using test::require;
+
 TEST_SUITE("unit") {
   TEST_CASE("Parts are every N-th problem, and together all of them") {
     const std::vector<std::string> all = {"a.yaml", "b.yaml", "c.yaml"};
@@ -18,8 +21,7 @@ TEST_SUITE("unit") {
     CHECK(find_bench_problems(all).value().size() == 3);
     for (const char* text : {"0/2", "3/2", "1/0", "1", "1/2x", "/2"}) {
       CAPTURE(text);
-      CHECK(find_bench_problems(all, text).error().message.find("is no part; expected I/N") !=
-            std::string::npos);
+      CHECK(contains(find_bench_problems(all, text).error().message, "is no part; expected I/N"));
     }
     CHECK(parse_part("0/4").value().holds(3));
     CHECK(parse_part("4/4").value().holds(3));
@@ -28,13 +30,12 @@ TEST_SUITE("unit") {
 
   TEST_CASE("Directories stand for the problems in them, without scenes and grids") {
     const std::vector<std::string> where = {test::source_file("scenes/planar")};
-    const auto found = find_bench_problems(where);
-    REQUIRE(found.has_value());
-    CHECK(found->size() >= 6);
-    for (const SuiteProblems& problem : *found) {
-      const bool is_compact = problem.where.find(".json#") != std::string::npos;
+    const auto found = require(find_bench_problems(where));
+    CHECK(found.size() >= 6);
+    for (const SuiteProblems& problem : found) {
+      const bool is_compact = contains(problem.where, ".json#");
       CHECK(problem.set == (is_compact ? "scenario3_narrow" : "planar"));
-      CHECK(problem.where.find("grid") == std::string::npos);
+      CHECK(!contains(problem.where, "grid"));
     }
     const test::TemporaryDirectory empty;
     CHECK_FALSE(find_bench_problems({empty / ""}).has_value());
@@ -48,10 +49,9 @@ TEST_SUITE("unit") {
     for (const char* file : {"cage.json", "box.json"}) test::write_file(made / file, text);
     const auto ignore = [](const std::string&) {};
     const auto names_of = [&](const std::string& set) {
-      const auto loaded = load_bench_problems({{made / "", set, ""}}, {}, ignore);
-      REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
+      const auto loaded = require(load_bench_problems({{made / "", set, ""}}, {}, ignore));
       std::vector<std::string> names;
-      for (const LoadedProblem& problem : *loaded) names.push_back(problem.problem.name);
+      for (const LoadedProblem& problem : loaded) names.push_back(problem.problem.name);
       return names;
     };
     CHECK(names_of("hard") == std::vector<std::string>{"box#a", "cage#a"});

@@ -18,6 +18,10 @@
 namespace mneme {
 namespace {
 
+using test::contains;
+using test::require;
+using test::require_error;
+
 // The files of problems that script/hard, script/repeats, script/enclosed and script/growth make.
 std::vector<std::string> made_by_scripts() {
   std::vector<std::string> names = {
@@ -70,7 +74,7 @@ std::string failure(const std::string& text) {
 
 TEST_SUITE("unit") {
   TEST_CASE("A suite is problems, memories and settings; paths are relative to its file") {
-    const auto suite = read(R"(
+    const auto suite = require(read(R"(
 problems:
   - one.yaml
   - {file: more/many.json, set: many, part: 2/2}
@@ -86,39 +90,37 @@ settings:
   tuned: {memory: grid}
   paper: {memory: seen, similarity: 3, max-matches: 1000000, drop-invalid-means: false, timeout: 20,
           planners: rrt_connect, samplers: [gl], sets: [many]}
-)");
-    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
-    CHECK(suite->name == "small");
-    CHECK(suite->seed_count == 5);
-    CHECK(suite->first_seed == 11);
-    REQUIRE(suite->problems.size() == 2);
-    CHECK(suite->problems[0].where.ends_with("/one.yaml"));
-    CHECK(suite->problems[1].where.ends_with("/more/many.json"));
-    CHECK(suite->problems[1].set == "many");
-    CHECK(suite->problems[1].part == "2/2");
-    REQUIRE(suite->memories.size() == 2);
-    CHECK(suite->memories[0].count == 25);
-    CHECK(suite->memories[0].learn.merge_cliques);
-    CHECK(suite->memories[0].seed == 3);
-    CHECK(suite->memories[1].paths == 2);
-    CHECK(suite->memories[1].path_timeout_s == 1.5);
-    REQUIRE(suite->settings.size() == 2);
-    CHECK(suite->settings[0].solve.plan.timeout_s == 4);
-    CHECK(suite->settings[0].planners.size() == 2);
-    CHECK(suite->settings[1].solve.plan.timeout_s == 20);
-    CHECK(suite->settings[1].solve.similarity == 3);
-    CHECK(suite->settings[1].solve.max_matches == 1000000);
-    CHECK(suite->settings[1].solve.drop_invalid_means == false);
-    CHECK(suite->settings[1].planners == std::vector<std::string>{"rrt_connect"});
-    CHECK(suite->settings[1].sets == std::vector<std::string>{"many"});
+)"));
+    CHECK(suite.name == "small");
+    CHECK(suite.seed_count == 5);
+    CHECK(suite.first_seed == 11);
+    REQUIRE(suite.problems.size() == 2);
+    CHECK(suite.problems[0].where.ends_with("/one.yaml"));
+    CHECK(suite.problems[1].where.ends_with("/more/many.json"));
+    CHECK(suite.problems[1].set == "many");
+    CHECK(suite.problems[1].part == "2/2");
+    REQUIRE(suite.memories.size() == 2);
+    CHECK(suite.memories[0].count == 25);
+    CHECK(suite.memories[0].learn.merge_cliques);
+    CHECK(suite.memories[0].seed == 3);
+    CHECK(suite.memories[1].paths == 2);
+    CHECK(suite.memories[1].path_timeout_s == 1.5);
+    REQUIRE(suite.settings.size() == 2);
+    CHECK(suite.settings[0].solve.plan.timeout_s == 4);
+    CHECK(suite.settings[0].planners.size() == 2);
+    CHECK(suite.settings[1].solve.plan.timeout_s == 20);
+    CHECK(suite.settings[1].solve.similarity == 3);
+    CHECK(suite.settings[1].solve.max_matches == 1000000);
+    CHECK(suite.settings[1].solve.drop_invalid_means == false);
+    CHECK(suite.settings[1].planners == std::vector<std::string>{"rrt_connect"});
+    CHECK(suite.settings[1].sets == std::vector<std::string>{"many"});
   }
 
   TEST_CASE("Without settings there is one, with the defaults and without a name") {
-    const auto suite = read("problems: [a.yaml]\nsamplers: [uniform]\n");
-    REQUIRE(suite.has_value());
-    REQUIRE(suite->settings.size() == 1);
-    CHECK(suite->settings[0].name.empty());
-    CHECK(suite->settings[0].planners == std::vector<std::string>{"rrt_connect"});
+    const auto suite = require(read("problems: [a.yaml]\nsamplers: [uniform]\n"));
+    REQUIRE(suite.settings.size() == 1);
+    CHECK(suite.settings[0].name.empty());
+    CHECK(suite.settings[0].planners == std::vector<std::string>{"rrt_connect"});
   }
 
   TEST_CASE("Unknown keys and names are refused with their line") {
@@ -128,20 +130,18 @@ settings:
     CHECK(failure("problems: [a.yaml]\nplanners: [best]\n")
               .find("small.yaml:2: key planners: unknown planner 'best': expected one of "
                     "rrt_connect") == 0);
-    CHECK(failure("problems: [a.yaml]\nsamplers: [halt]\n").find("unknown sampler 'halt'") !=
-          std::string::npos);
+    CHECK(contains(failure("problems: [a.yaml]\nsamplers: [halt]\n"), "unknown sampler 'halt'"));
     CHECK(failure(std::string(kHead) + "settings:\n  s: {memory: m, sigmoid: 1}\n")
               .find("small.yaml:5: key settings.s.sigmoid: unknown key") == 0);
-    CHECK(failure(std::string(kHead) + "settings:\n  s: {memory: m, seed: 1}\n")
-              .find("unknown key") != std::string::npos);
-    CHECK(failure("problems: [{file: a.yaml, sett: b}]\n").find("sett: unknown key") !=
-          std::string::npos);
+    CHECK(contains(failure(std::string(kHead) + "settings:\n  s: {memory: m, seed: 1}\n"),
+                   "unknown key"));
+    CHECK(contains(failure("problems: [{file: a.yaml, sett: b}]\n"), "sett: unknown key"));
   }
 
   TEST_CASE("A suite may name every setting but the seed, each once") {
     const std::string message = failure(std::string(kHead) + "settings:\n  s: {sigmoid: 1}\n");
     const std::string begin = "expected one of ";
-    REQUIRE(message.find(begin) != std::string::npos);
+    REQUIRE(contains(message, begin));
     std::istringstream list(message.substr(message.find(begin) + begin.size()));
     std::vector<std::string> names;
     for (std::string name; std::getline(list >> std::ws, name, ',');) names.push_back(name);
@@ -162,14 +162,13 @@ settings:
         setting("goal-bias: 2")
             .find("small.yaml:5: key settings.s.goal-bias: expected a number from 0 to 1, got 2") ==
         0);
-    CHECK(setting("goal-bias: .nan").find("expected a number from 0 to 1") != std::string::npos);
-    CHECK(setting("neighbours: 1.5").find("expected a whole number from 1") != std::string::npos);
-    CHECK(setting("verify: 1").find("expected true or false") != std::string::npos);
-    CHECK(setting("timeout: -1").find("expected a number from 0") != std::string::npos);
-    CHECK(failure("problems: [a.yaml]\nseeds: 0\n").find("expected a whole number from 1") !=
-          std::string::npos);
-    CHECK(failure("problems: []\n").find("expected at least one file") != std::string::npos);
-    CHECK(failure("planners: [prm]\n").find("expected the key problems") != std::string::npos);
+    CHECK(contains(setting("goal-bias: .nan"), "expected a number from 0 to 1"));
+    CHECK(contains(setting("neighbours: 1.5"), "expected a whole number from 1"));
+    CHECK(contains(setting("verify: 1"), "expected true or false"));
+    CHECK(contains(setting("timeout: -1"), "expected a number from 0"));
+    CHECK(contains(failure("problems: [a.yaml]\nseeds: 0\n"), "expected a whole number from 1"));
+    CHECK(contains(failure("problems: []\n"), "expected at least one file"));
+    CHECK(contains(failure("planners: [prm]\n"), "expected the key problems"));
     CHECK(failure("problems: [a.yaml]\nproblems: [b.yaml]\n").find("small.yaml:2") == 0);
   }
 
@@ -179,35 +178,33 @@ settings:
       const std::string text =
           failure(std::string("problems: [a.yaml]\nmemories:\n  \"") + name + "\": {file: m.db}\n");
       CHECK(text.find("small.yaml:3: key memories.") == 0);
-      CHECK(text.find("expected a name that a file can have") != std::string::npos);
+      CHECK(contains(text, "expected a name that a file can have"));
     }
   }
 
   TEST_CASE("The sampler gl needs a memory that the suite declares") {
-    CHECK(failure("problems: [a.yaml]\n").find("the sampler gl needs the key memory") !=
-          std::string::npos);
+    CHECK(contains(failure("problems: [a.yaml]\n"), "the sampler gl needs the key memory"));
     CHECK(failure(std::string(kHead) + "settings:\n  s: {memory: n}\n")
               .find("small.yaml:5: key settings.s: key memory: there is no memory \"n\"") == 0);
-    CHECK(failure("problems: [a.yaml]\nmemories: {m: {count: 3}}\n")
-              .find("expected one of the keys file, primitives and problems") != std::string::npos);
+    CHECK(contains(failure("problems: [a.yaml]\nmemories: {m: {count: 3}}\n"),
+                   "expected one of the keys file, primitives and problems"));
   }
 
   TEST_CASE("Environment variables stand for parts of paths, and must be set") {
     setenv("MNEME_SUITE_TEST", "/there", 1);
-    const auto suite = read("problems: ['${MNEME_SUITE_TEST}/a.yaml']\nsamplers: [uniform]\n");
-    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
-    CHECK(suite->problems[0].where == "/there/a.yaml");
+    const auto suite =
+        require(read("problems: ['${MNEME_SUITE_TEST}/a.yaml']\nsamplers: [uniform]\n"));
+    CHECK(suite.problems[0].where == "/there/a.yaml");
     setenv("MNEME_SUITE_PART", "2/3", 1);
-    const auto both = read(
-        "problems: [{file: '${MNEME_SUITE_TEST}/${MNEME_SUITE_TEST}.yaml', part: "
-        "'${MNEME_SUITE_PART}'}]\nsamplers: [uniform]\n");
-    REQUIRE_MESSAGE(both.has_value(), (both ? "" : both.error().message));
-    CHECK(both->problems[0].where == "/there/there.yaml");
-    CHECK(both->problems[0].part == "2/3");
+    const auto both =
+        require(read("problems: [{file: '${MNEME_SUITE_TEST}/${MNEME_SUITE_TEST}.yaml', part: "
+                     "'${MNEME_SUITE_PART}'}]\nsamplers: [uniform]\n"));
+    CHECK(both.problems[0].where == "/there/there.yaml");
+    CHECK(both.problems[0].part == "2/3");
     unsetenv("MNEME_SUITE_PART");
     unsetenv("MNEME_SUITE_TEST");
-    CHECK(failure("problems: ['${MNEME_SUITE_TEST}/a.yaml']\n")
-              .find("the environment variable MNEME_SUITE_TEST is not set") != std::string::npos);
+    CHECK(contains(failure("problems: ['${MNEME_SUITE_TEST}/a.yaml']\n"),
+                   "the environment variable MNEME_SUITE_TEST is not set"));
   }
 
   TEST_CASE("The suites that come with mneme are sound, and their files are there") {
@@ -231,23 +228,21 @@ settings:
     int count = 0;
     for (const auto& entry :
          std::filesystem::directory_iterator(test::source_file("bench/suites"))) {
-      const bool needs_data =
-          test::read_file(entry.path().string()).find("MNEME_DATA") != std::string::npos;
+      const bool needs_data = contains(test::read_file(entry.path().string()), "MNEME_DATA");
       if (needs_data && std::getenv("MNEME_DATA") == nullptr) {
         MESSAGE("skipped ", entry.path().filename().string(), ": MNEME_DATA is not set");
         continue;
       }
-      const auto suite = load_suite(entry.path().string());
-      REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
-      for (const SuiteProblems& problems : suite->problems) {
+      const auto suite = require(load_suite(entry.path().string()));
+      for (const SuiteProblems& problems : suite.problems) {
         CHECK_MESSAGE(std::filesystem::exists(problems.where), problems.where);
       }
-      for (const SuiteSetting& setting : suite->settings) {
+      for (const SuiteSetting& setting : suite.settings) {
         for (const std::string& planner : setting.planners) {
           if (planner.starts_with("ompl:")) CHECK_MESSAGE(foreign.contains(planner), planner);
         }
       }
-      for (const SuiteMemory& memory : suite->memories) {
+      for (const SuiteMemory& memory : suite.memories) {
         for (const SuiteProblems& lesson : memory.problems) {
           CHECK_MESSAGE(std::filesystem::exists(lesson.where), lesson.where);
         }
@@ -263,15 +258,14 @@ settings:
     test::write_file(directory / "small.yaml",
                      "problems: [" + test::source_file("scenes/planar/scenario1.yaml") +
                          "]\nplanners: [\"ompl:RRT\", prm]\nsamplers: [uniform]\n");
-    const auto suite = load_suite(directory / "small.yaml");
-    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
+    const auto suite = require(load_suite(directory / "small.yaml"));
     std::vector<std::string> notes;
     SuiteHooks hooks;
     hooks.on_note = [&](const std::string& note) { notes.push_back(note); };
-    const auto ready = internal::prepare_suite(*suite, directory / "memories", {}, 1, hooks);
-    REQUIRE_MESSAGE(ready.has_value(), (ready ? "" : ready.error().message));
-    REQUIRE(ready->plan.cases.size() == 1);
-    CHECK(ready->plan.cases[0].settings.planner == "prm");
+    const auto ready =
+        require(internal::prepare_suite(suite, directory / "memories", {}, 1, hooks));
+    REQUIRE(ready.plan.cases.size() == 1);
+    CHECK(ready.plan.cases[0].settings.planner == "prm");
     REQUIRE(notes.size() == 1);
     CHECK(notes[0].starts_with("skipped: ompl:RRT"));
   }
@@ -283,17 +277,14 @@ settings:
                      "problems: [" + test::source_file("scenes/planar/scenario1.yaml") +
                          "]\nplanners: [cache, ert_connect]\nsamplers: [gl]\ntimeout: 0.2\n"
                          "memories: {m: {file: m.db}}\nsettings: {s: {memory: m, replay: 0.5}}\n");
-    const auto suite = load_suite(directory / "small.yaml");
-    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
-    auto ready = internal::prepare_suite(*suite, directory / "memories", {}, 1, {});
-    REQUIRE_MESSAGE(ready.has_value(), (ready ? "" : ready.error().message));
+    const auto suite = require(load_suite(directory / "small.yaml"));
+    auto ready = require(internal::prepare_suite(suite, directory / "memories", {}, 1, {}));
     std::vector<std::string> names;
-    ready->plan.seed_count = 1;
-    const auto ran = run_bench(ready->plan, {}, [&](const BenchmarkRow& row, const SolveResult&) {
+    ready.plan.seed_count = 1;
+    require(run_bench(ready.plan, {}, [&](const BenchmarkRow& row, const SolveResult&) {
       names.push_back(row.planner + " " + row.sampler);
       return Result<void>();
-    });
-    REQUIRE_MESSAGE(ran.has_value(), (ran ? "" : ran.error().message));
+    }));
     CHECK(names == std::vector<std::string>{"cache gl", "ert_connect gl"});
   }
 
@@ -304,26 +295,23 @@ settings:
     test::write_file(directory / "small.yaml",
                      "problems: [" + problem + "]\nmemories:\n  m: {file: " + (directory / "m.db") +
                          "}\nsettings:\n  grows: {memory: m, remember-after: 0}\n");
-    const auto suite = load_suite(directory / "small.yaml");
-    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
-    auto ready = internal::prepare_suite(*suite, directory / "memories", {}, 1, {});
-    REQUIRE_MESSAGE(ready.has_value(), (ready ? "" : ready.error().message));
-    REQUIRE(ready->plan.memories.size() == 1);
-    const Problem& scenario = ready->plan.problems.at(0).problem;
-    SolveSettings settings = ready->plan.cases.at(0).settings;
+    const auto suite = require(load_suite(directory / "small.yaml"));
+    auto ready = require(internal::prepare_suite(suite, directory / "memories", {}, 1, {}));
+    REQUIRE(ready.plan.memories.size() == 1);
+    const Problem& scenario = ready.plan.problems.at(0).problem;
+    SolveSettings settings = ready.plan.cases.at(0).settings;
     settings.memory.kind = "paths";
-    const auto solved = solve(scenario, ready->plan.memories.begin()->second.get(), settings);
-    REQUIRE(solved.has_value());
-    CHECK(solved->remembered.is_queued);
+    const auto solved =
+        require(solve(scenario, ready.plan.memories.begin()->second.get(), settings));
+    CHECK(solved.remembered.is_queued);
   }
 
   TEST_CASE("A memory that is learned from problems may name its kind") {
     const std::string head = "problems: [a.yaml]\nmemories:\n  m: {problems: [b.yaml], ";
-    const auto suite = read(head + "kind: paths}\nsettings:\n  s: {memory: m}\n");
-    REQUIRE_MESSAGE(suite.has_value(), (suite ? "" : suite.error().message));
-    CHECK(suite->memories.at(0).kind == "paths");
+    const auto suite = require(read(head + "kind: paths}\nsettings:\n  s: {memory: m}\n"));
+    CHECK(suite.memories.at(0).kind == "paths");
     CHECK(failure(head + "kind: nope}\n").find("small.yaml:3: key memories.m.kind: ") == 0);
-    CHECK(failure(head + "decomposer: pairs}\n").find("unknown key") != std::string::npos);
+    CHECK(contains(failure(head + "decomposer: pairs}\n"), "unknown key"));
   }
 
   TEST_CASE("A device is no suite, and is not read") {
@@ -333,9 +321,7 @@ settings:
   }
 
   TEST_CASE("A suite that is not there is an error that names it") {
-    const auto suite = load_suite("no/such.yaml");
-    REQUIRE_FALSE(suite.has_value());
-    CHECK(suite.error().message.find("no/such.yaml") != std::string::npos);
+    CHECK(contains(require_error(load_suite("no/such.yaml")).message, "no/such.yaml"));
   }
 }
 

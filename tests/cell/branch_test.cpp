@@ -37,13 +37,12 @@ Robot odd_chain() {
 TEST_SUITE("unit") {
   TEST_CASE("a chain places its link as the robot does, and its Jacobian is the slope") {
     const Robot robot = odd_chain();
-    const auto chain = internal::LinkChain::make(robot, "link_7");
-    REQUIRE_MESSAGE(chain.has_value(), (chain ? "" : chain.error().message));
+    const auto chain = require(internal::LinkChain::make(robot, "link_7"));
     Rng rng(1);
     for (int i = 0; i < 10; ++i) {
       const Configuration q = random_configuration(robot, rng);
       internal::Jacobian jacobian;
-      const Transform pose = chain->place(internal::to_vector(q), &jacobian);
+      const Transform pose = chain.place(internal::to_vector(q), &jacobian);
       const Transform expected = robot.link_poses(q).back();
       CHECK(pose.translation.isApprox(expected.translation, 1e-12));
       CHECK(pose.rotation.isApprox(expected.rotation, 1e-12));
@@ -58,23 +57,21 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("an arm of too few joints is refused") {
-    const auto chain = internal::LinkChain::make(lifting_arm(), "link_4");
-    REQUIRE_FALSE(chain.has_value());
-    CHECK(chain.error().code == ErrorCode::unsupported);
+    const Error error = require_error(internal::LinkChain::make(lifting_arm(), "link_4"));
+    CHECK(error.code == ErrorCode::unsupported);
   }
 
   TEST_CASE("a fitted branch is within its rest of inverse kinematics, and reaches the pose") {
     const TemporaryDirectory directory;
     const CellRegion region = require_region(directory, region_text("{x: 0.1, y: 0.1, yaw: 0.3}"));
     const internal::TaskFrame frame(region);
-    const auto chain = internal::LinkChain::make(region.problem.robot, "panda_hand");
-    REQUIRE(chain.has_value());
-    const internal::BranchFitter fitter(*chain, frame);
+    const auto chain = require(internal::LinkChain::make(region.problem.robot, "panda_hand"));
+    const internal::BranchFitter fitter(chain, frame);
     JointVector q = internal::to_vector(region.problem.start);
-    REQUIRE(chain->reach(frame.pose({}), chain->response(q), 30, 1e-7, q));
+    REQUIRE(chain.reach(frame.pose({}), chain.response(q), 30, 1e-7, q));
     const internal::TaskBox box{{0.02, -0.03, 0, 0.1}, {0.03, 0.04, 0, 0.1}};
-    REQUIRE(internal::follow(*chain, frame, {}, box.center, 4, q));
-    const internal::Branch branch = internal::make_branch(*chain, q);
+    REQUIRE(internal::follow(chain, frame, {}, box.center, 4, q));
+    const internal::Branch branch = internal::make_branch(chain, q);
     GoalShift shift;
     REQUIRE(fitter.fit(box, branch, shift) == internal::FitFault::none);
     Rng rng(2);
@@ -87,14 +84,14 @@ TEST_SUITE("unit") {
       const JointVector modelled = branch.q0 + internal::evaluate(shift, u.data());
       JointVector exact = modelled;
       const Transform pose = frame.pose(box.at(frame.varying(), u.data()));
-      REQUIRE(chain->reach(pose, branch.response, 8, 1e-8, exact));
+      REQUIRE(chain.reach(pose, branch.response, 8, 1e-8, exact));
       JointVector same = modelled;
-      REQUIRE(chain->reach(pose, chain->directions(branch.q0), 8, 1e-8, same));
+      REQUIRE(chain.reach(pose, chain.directions(branch.q0), 8, 1e-8, same));
       CHECK((same - exact).norm() < 1e-6);
       for (Eigen::Index j = 0; j < exact.size(); ++j) {
         CHECK(std::abs(exact[j] - modelled[j]) <= double{shift.rest[static_cast<std::size_t>(j)]});
       }
-      CHECK((chain->place(exact).translation - pose.translation).norm() < 1e-7);
+      CHECK((chain.place(exact).translation - pose.translation).norm() < 1e-7);
     }
   }
 }

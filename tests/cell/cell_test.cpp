@@ -115,28 +115,26 @@ TEST_SUITE("flow") {
     const Cell cell = require_cell(region, 60);
     // In another world boxes are hints.
     const std::string file = directory / "a.cell";
-    REQUIRE(cell.save(file).has_value());
+    require(cell.save(file));
     write_file(directory / "region.yaml", region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", 0.4));
-    const auto changed = load_cell(file);
-    REQUIRE_MESSAGE(changed.has_value(), (changed ? "" : changed.error().message));
-    CHECK_FALSE(changed->is_of_this_world());
-    CHECK(changed->proven_count() == 0);
+    const auto changed = require(load_cell(file));
+    CHECK_FALSE(changed.is_of_this_world());
+    CHECK(changed.proven_count() == 0);
     Rng rng(1);
     const CellTask task = random_task_of(region, rng);
-    const CellAnswer verified = changed->ask(task);
+    const CellAnswer verified = changed.ask(task);
     CHECK(verified.tier == CellTier::verified);
-    check_answer(changed->region(), task, verified);
+    check_answer(changed.region(), task, verified);
     // A cell without boxes plans: here the lid blocks a part of the only box that is examined.
     CellSettings one;
     one.boxes = 1;
     CellRegion covered = region;
     covered.problem.scene.obstacles.push_back(
         {"lid", {Box{{Eigen::Matrix3d::Identity(), {0.5, 0.4, 0.35}}, {0.3, 0.25, 0.01}}}});
-    const auto empty = build_cell(covered, one);
-    REQUIRE(empty.has_value());
-    REQUIRE(empty->box_count() == 0);
+    const auto empty = require(build_cell(covered, one));
+    REQUIRE(empty.box_count() == 0);
     const CellTask far = {0, -0.08, 0, 0};
-    const CellAnswer planned = empty->ask(far);
+    const CellAnswer planned = empty.ask(far);
     CHECK(planned.tier == CellTier::planned);
     check_answer(covered, far, planned);
     const CellAnswer beyond = cell.ask({0.2, 0, 0, 0});
@@ -169,29 +167,26 @@ TEST_SUITE("flow") {
     const CellRegion region = require_region(directory, region_text());
     const Cell cell = require_cell(region, 60);
     const std::string file = directory / "a.cell";
-    REQUIRE(cell.save(file).has_value());
+    require(cell.save(file));
     // The post now stands where hands go.
     write_file(directory / "region.yaml", region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", 0.12));
-    auto changed = load_cell(file);
-    REQUIRE(changed.has_value());
-    CellVerification verification = changed->verify(200);
+    auto changed = require(load_cell(file));
+    CellVerification verification = changed.verify(200);
     CHECK(verification.checked == static_cast<int>(cell.box_count()));
     CHECK(verification.kept == verification.checked);
     CHECK(verification.proven < verification.checked);
     CHECK(verification.in_contact == 0);
-    CHECK(changed->is_of_this_world());
+    CHECK(changed.is_of_this_world());
     const int proven = verification.proven;
-    CHECK(changed->proven_count() == static_cast<std::size_t>(proven));
+    CHECK(changed.proven_count() == static_cast<std::size_t>(proven));
     // A second call proves all: nothing has changed since.
-    verification = changed->verify(0);
+    verification = changed.verify(0);
     CHECK(verification.kept == 0);
     CHECK(verification.proven == proven);
     // And back: all is proven again.
     write_file(directory / "region.yaml", region_text());
-    REQUIRE(changed->save(file).has_value());
-    auto back = load_cell(file);
-    REQUIRE(back.has_value());
-    verification = back->verify(200);
+    require(changed.save(file));
+    verification = require(load_cell(file)).verify(200);
     CHECK(verification.proven == verification.checked);
     CHECK(verification.kept == proven);
     CHECK(verification.paths > 150);
@@ -206,43 +201,39 @@ TEST_SUITE("flow") {
     const double before = cell.coverage().proven;
     CHECK(before < 0.5);
     const std::string file = directory / "a.cell";
-    REQUIRE(cell.save(file).has_value());
-    auto loaded = load_cell(file);
-    REQUIRE(loaded.has_value());
+    require(cell.save(file));
+    auto loaded = require(load_cell(file));
     CellSettings settings;
     settings.boxes = 56;
     settings.seconds = 1000;
-    for (Cell* each : {&cell, &*loaded}) {
-      REQUIRE(each->extend(settings).has_value());
+    for (Cell* each : {&cell, &loaded}) {
+      require(each->extend(settings));
       CHECK(each->coverage().proven > before + 0.3);
       CHECK(each->verify(100).in_contact == 0);
       CHECK(each->proven_count() == each->box_count());
     }
-    CHECK(cell.coverage().proven == loaded->coverage().proven);
+    CHECK(cell.coverage().proven == loaded.coverage().proven);
   }
 
   TEST_CASE("boxes that a change of the scene blocks are replaced by a resumed build") {
     const TemporaryDirectory directory;
     const CellRegion region = require_region(directory, region_text());
     const std::string file = directory / "a.cell";
-    REQUIRE(require_cell(region, 60).save(file).has_value());
+    require(require_cell(region, 60).save(file));
     // The post now stands where hands go.
     write_file(directory / "region.yaml", region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", 0.17));
-    auto changed = load_cell(file);
-    REQUIRE(changed.has_value());
+    auto changed = require(load_cell(file));
     CellSettings settings;
     settings.boxes = 300;
     settings.seconds = 1000;
-    const auto refused = changed->extend(settings);
-    REQUIRE_FALSE(refused.has_value());
-    CHECK(refused.error().code == ErrorCode::invalid);
-    const CellVerification verification = changed->verify(0);
+    CHECK(require_error(changed.extend(settings)).code == ErrorCode::invalid);
+    const CellVerification verification = changed.verify(0);
     REQUIRE(verification.proven < verification.checked);
-    const double before = changed->coverage().proven;
-    REQUIRE(changed->extend(settings).has_value());
-    CHECK(changed->coverage().proven > before + 0.02);
-    CHECK(changed->proven_count() == changed->box_count());
-    CHECK(changed->verify(200).in_contact == 0);
+    const double before = changed.coverage().proven;
+    require(changed.extend(settings));
+    CHECK(changed.coverage().proven > before + 0.02);
+    CHECK(changed.proven_count() == changed.box_count());
+    CHECK(changed.verify(200).in_contact == 0);
   }
 
   TEST_CASE("jumps of paths are listed where boxes of different plans meet") {
@@ -270,8 +261,8 @@ TEST_SUITE("flow") {
     const CellRegion region = require_region(directory, region_text());
     const Cell one = require_cell(region, 20, 1), three = require_cell(region, 20, 3);
     REQUIRE(one.box_count() == three.box_count());
-    REQUIRE(one.save(directory / "one.cell").has_value());
-    REQUIRE(three.save(directory / "three.cell").has_value());
+    require(one.save(directory / "one.cell"));
+    require(three.save(directory / "three.cell"));
     Rng rng(1);
     for (int i = 0; i < 50; ++i) {
       const CellTask task = random_task_of(region, rng);
@@ -311,13 +302,12 @@ TEST_SUITE("unit") {
     const auto hand = static_cast<std::size_t>(*robot.find_link("panda_hand"));
     const Vec3 place = robot.link_poses(region.starts.front().q)[hand].translation;
     region.problem.scene.obstacles.push_back({"brick", {Sphere{place, 0.02}}});
-    const auto refused = build_cell(region, {});
-    REQUIRE_FALSE(refused.has_value());
-    const std::string& message = refused.error().message;
+    const Error refused = require_error(build_cell(region, {}));
+    const std::string& message = refused.message;
     CHECK_MESSAGE(message.starts_with("start '" + region.starts.front().name +
                                       "': start is in contact: link 'panda_"),
                   message);
-    CHECK_MESSAGE(message.find("touches obstacle 'brick'") != std::string::npos, message);
+    CHECK_MESSAGE(contains(message, "touches obstacle 'brick'"), message);
     CHECK(find_invalid_start(region, 0.0005).value() == message);
     region.problem.scene.obstacles.pop_back();
     CHECK_FALSE(find_invalid_start(region, 0.0005).value().has_value());
@@ -328,20 +318,19 @@ TEST_SUITE("unit") {
     const CellRegion region = require_region(directory, region_text());
     const Cell cell = require_cell(region, 10);
     const std::string file = directory / "a.cell";
-    REQUIRE(cell.save(file).has_value());
-    const auto loaded = load_cell(file);
-    REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
-    CHECK(loaded->is_of_this_world());
-    CHECK(loaded->box_count() == cell.box_count());
-    CHECK(loaded->margin() == cell.margin());
-    CHECK(loaded->unproven().size() == cell.unproven().size());
-    CHECK(loaded->coverage().proven == cell.coverage().proven);
+    require(cell.save(file));
+    const auto loaded = require(load_cell(file));
+    CHECK(loaded.is_of_this_world());
+    CHECK(loaded.box_count() == cell.box_count());
+    CHECK(loaded.margin() == cell.margin());
+    CHECK(loaded.unproven().size() == cell.unproven().size());
+    CHECK(loaded.coverage().proven == cell.coverage().proven);
     Rng rng(1);
     for (int i = 0; i < 50; ++i) {
       const CellTask task = random_task_of(region, rng);
       CellAnswer first, second;
       cell.look_up(task, first);
-      loaded->look_up(task, second);
+      loaded.look_up(task, second);
       CHECK(first.tier == second.tier);
       CHECK(first.path == second.path);
     }
@@ -355,19 +344,16 @@ TEST_SUITE("unit") {
         damaged[place] = static_cast<char>(damaged[place] ^ (1 << rng.index(8)));
       }
       write_file(file, damaged);
-      const auto refused = load_cell(file);
-      REQUIRE_FALSE(refused.has_value());
-      CHECK(refused.error().code == ErrorCode::corrupt);
+      CHECK(require_error(load_cell(file)).code == ErrorCode::corrupt);
     }
   }
 
   TEST_CASE("a cell of another version is refused by its number") {
     const TemporaryDirectory directory;
     write_file(directory / "old.cell", "mneme cell, version 1\nwhatever there was");
-    const auto old = load_cell(directory / "old.cell");
-    REQUIRE_FALSE(old.has_value());
-    CHECK(old.error().code == ErrorCode::unsupported);
-    CHECK(old.error().message.ends_with(
+    const Error error = require_error(load_cell(directory / "old.cell"));
+    CHECK(error.code == ErrorCode::unsupported);
+    CHECK(error.message.ends_with(
         "old.cell: a cell of version 1, but this mneme reads version 2; build it anew"));
   }
 
@@ -410,11 +396,9 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     const Cell cell = require_cell(require_region(directory, region_text()), 1);
     const std::string file = directory / "a.cell";
-    REQUIRE(cell.save(file).has_value());
+    require(cell.save(file));
     write_file(directory / "region.yaml", region_text("{x: 0.12, y: 0.08, yaw: 0.3}"));
-    const auto other = load_cell(file);
-    REQUIRE_FALSE(other.has_value());
-    CHECK(other.error().code == ErrorCode::invalid);
+    CHECK(require_error(load_cell(file)).code == ErrorCode::invalid);
     write_file(directory / "region.yaml", region_text("{x: 0.1, y: 0.08, yaw: 0.3}"));
     CHECK(load_cell(file).has_value());
   }

@@ -39,20 +39,12 @@ inline Result<CellRegion> read_region_text(const TemporaryDirectory& directory,
 }
 
 inline CellRegion require_region(const TemporaryDirectory& directory, const std::string& text) {
-  const auto region = read_region_text(directory, text);
-  REQUIRE_MESSAGE(region.has_value(), (region ? "" : region.error().message));
-  return *region;
+  return require(read_region_text(directory, text));
 }
 
 /// Bounded by boxes, so that it does not depend on time.
 inline Cell require_cell(const CellRegion& region, std::uint64_t boxes, int threads = 1) {
-  CellSettings settings;
-  settings.boxes = boxes;
-  settings.seconds = 1000;
-  settings.threads = threads;
-  const auto cell = build_cell(region, settings);
-  REQUIRE_MESSAGE(cell.has_value(), (cell ? "" : cell.error().message));
-  return *cell;
+  return require(build_cell(region, {.seconds = 1000, .boxes = boxes, .threads = threads}));
 }
 
 inline CellTask random_task_of(const CellRegion& region, Rng& rng, bool is_corner = false) {

@@ -155,11 +155,10 @@ TEST_SUITE("unit") {
       joint.child_link = i + 1;
       parts.joints.push_back(joint);
     }
-    const auto robot = make_robot(parts);
-    REQUIRE(robot.has_value());
+    const auto robot = require(make_robot(parts));
     const Scene scene = ball_scene({1, 0, 0}, 0.1);
-    CHECK(named(contacts_of(*robot, scene, Configuration{0}, 0)) == Names{"tool cup"});
-    CHECK(fixed_contacts_of(*robot, scene).empty());
+    CHECK(named(contacts_of(robot, scene, Configuration{0}, 0)) == Names{"tool cup"});
+    CHECK(fixed_contacts_of(robot, scene).empty());
   }
 
   TEST_CASE("an empty scene holds no contact") {
@@ -199,8 +198,7 @@ TEST_SUITE("law") {
         options.fixed_values[joint.name] = joint.fixed_value;
       }
       for (const std::string& name : options.joints) options.fixed_values.erase(name);
-      const auto moved = make_robot(parts, options);
-      REQUIRE_MESSAGE(moved.has_value(), (moved ? "" : moved.error().message));
+      const auto moved = require(make_robot(parts, options));
       Scene moved_scene = scene;
       for (Obstacle& obstacle : moved_scene.obstacles) {
         obstacle.shapes[0] = transformed(X, obstacle.shapes[0]);
@@ -208,7 +206,7 @@ TEST_SUITE("law") {
       for (int k = 0; k < 50; ++k) {
         const Configuration q = random_configuration(robot, rng);
         const auto here = contacts_of(robot, scene, q, 0.02);
-        const auto there = contacts_of(*moved, moved_scene, q, 0.02);
+        const auto there = contacts_of(moved, moved_scene, q, 0.02);
         INFO("seed 401, robot " << i << ", state " << k);
         REQUIRE(named(here) == named(there));
         for (std::size_t c = 0; c < here.size(); ++c) {
@@ -252,9 +250,7 @@ Robot make_arm(std::vector<Sphere> spheres, std::vector<Capsule> capsules) {
   parts.links[0].spheres = {{{0, 0, 0}, 0.1}};
   parts.links[2].spheres = std::move(spheres);
   parts.links[2].capsules = std::move(capsules);
-  const auto robot = make_robot(parts);
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(make_robot(parts));
 }
 
 TEST_SUITE("unit") {
@@ -296,6 +292,8 @@ TEST_SUITE("law") {
 namespace mneme::internal {
 namespace {
 
+using test::require;
+
 Clearance clearance_at(const Robot& robot, const Scene& scene, const Configuration& q) {
   const LinkDistances links(robot);
   return find_clearance(links, links.posed(robot.link_poses(q)), obstacle_shapes(robot, scene));
@@ -328,12 +326,11 @@ TEST_SUITE("unit") {
     joint.axis = Vec3::UnitZ();
     joint.lower = -3.14159;
     joint.upper = 3.14159;
-    const auto robot = make_robot(std::move(parts));
-    REQUIRE(robot.has_value());
+    const auto robot = require(make_robot(std::move(parts)));
     const Scene scene = make_circle_scene("near the post", {{-0.3, 0, 0.1}});
-    const Clearance clearance = clearance_at(*robot, scene, Configuration{0});
+    const Clearance clearance = clearance_at(robot, scene, Configuration{0});
     CHECK(clearance.distance == doctest::Approx(1.3 - 0.2));
-    CHECK(robot->links()[static_cast<std::size_t>(clearance.link)].name == "arm");
+    CHECK(robot.links()[static_cast<std::size_t>(clearance.link)].name == "arm");
   }
 
   TEST_CASE("Without obstacles clearance is infinite and has no names") {
@@ -357,13 +354,12 @@ TEST_SUITE("oracle") {
       box.pose.translation = Vec3{rng.uniform(-3, 3), rng.uniform(-3, 3), 0};
       box.half_extents = Vec3(0.3, 0.2, 0.1);
       scene.obstacles.push_back({"box", {box}});
-      const auto checker = CollisionChecker::make(robot, scene);
-      REQUIRE(checker.has_value());
+      const auto checker = require(CollisionChecker::make(robot, scene));
       const Configuration q = test::random_configuration(robot, rng);
       const Clearance clearance = clearance_at(robot, scene, q);
       if (std::abs(clearance.distance) < 1e-6) continue;
       bool is_touching = false;
-      for (const Contact& contact : checker->contacts(q)) is_touching |= !contact.is_self;
+      for (const Contact& contact : checker.contacts(q)) is_touching |= !contact.is_self;
       INFO("seed 11, case ", k);
       CHECK(is_touching == (clearance.distance < 0));
       touching += is_touching ? 1 : 0;
@@ -378,6 +374,8 @@ TEST_SUITE("oracle") {
 
 namespace mneme {
 namespace {
+
+using test::require;
 
 const std::string kArm = R"(<robot name="arm">
   <link name="base"><collision><geometry><sphere radius="0.2"/></geometry></collision></link>
@@ -414,8 +412,7 @@ TEST_SUITE("law") {
     constexpr int kStates = 20;
     for (int i = 0; i < kScenes; ++i) {
       const Scene scene = random_scene(rng);
-      const auto checker = CollisionChecker::make(robot, scene);
-      REQUIRE(checker.has_value());
+      const auto checker = require(CollisionChecker::make(robot, scene));
       const internal::LinkDistances links(robot);
       const std::vector<internal::ObstacleShape> obstacles =
           internal::obstacle_shapes(robot, scene);
@@ -424,7 +421,7 @@ TEST_SUITE("law") {
         INFO("seed " << kSeed << ", scene " << i << ", state " << j);
         const bool is_free = internal::is_free(links, links.posed(robot.link_poses(q)), obstacles,
                                                internal::link_pairs(robot, scene));
-        REQUIRE(is_free == checker->contacts(q).empty());
+        REQUIRE(is_free == checker.contacts(q).empty());
         free_count += is_free ? 1 : 0;
       }
     }

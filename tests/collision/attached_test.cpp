@@ -18,12 +18,6 @@ namespace {
 /// Metres: near enough to contact that float and double may disagree.
 constexpr double kNearContact = 1e-4;
 
-Robot carrying(const Robot& robot, std::vector<AttachedObject> objects) {
-  auto result = attach(robot, std::move(objects));
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return *result;
-}
-
 AttachedObject random_object(const std::string& name, const Robot& robot, Rng& rng) {
   const auto link = rng.index(static_cast<std::uint32_t>(robot.links().size()));
   AttachedObject object{name, robot.links()[link].name, {}};
@@ -42,7 +36,7 @@ AttachedObject random_object(const std::string& name, const Robot& robot, Rng& r
 Robot randomly_carrying(const Robot& robot, Rng& rng) {
   std::vector<AttachedObject> objects = {random_object("cup", robot, rng)};
   if (rng.index(2) == 0) objects.push_back(random_object("lid", robot, rng));
-  return carrying(robot, std::move(objects));
+  return require(attach(robot, std::move(objects)));
 }
 
 /// Each obstacle may be touched by a third of the links.
@@ -118,10 +112,9 @@ TEST_SUITE("unit") {
   TEST_CASE("obstacles that an unknown link may touch are refused") {
     Scene scene = make_circle_scene("one", {{3, 3, 1}});
     scene.obstacles[0].may_touch = {"link_2", "hand"};
-    const auto checker = CollisionChecker::make(planar8(), scene);
-    REQUIRE(!checker.has_value());
-    CHECK(checker.error().code == ErrorCode::invalid);
-    CHECK(checker.error().message ==
+    const Error error = require_error(CollisionChecker::make(planar8(), scene));
+    CHECK(error.code == ErrorCode::invalid);
+    CHECK(error.message ==
           "obstacle 'circle_1' may be touched by 'hand', but robot 'planar8' has no link and no "
           "attached object of this name");
   }
@@ -150,16 +143,15 @@ TEST_SUITE("unit") {
   TEST_CASE("a robot with objects shares the tables of the bare one, and keeps its own") {
     const Robot bare = planar8();
     const auto own = internal::share_checked_robot(bare);
-    const Robot robot = carrying(bare, {{"cup", "link_8", {Sphere{{1, 0, 0}, 0.1}}}});
-    const auto with_cup = internal::share_checked_robot(robot);
-    REQUIRE(with_cup.has_value());
-    CHECK(*with_cup == *internal::share_checked_robot(Robot(robot)));
+    const Robot robot = require(attach(bare, {{"cup", "link_8", {Sphere{{1, 0, 0}, 0.1}}}}));
+    const auto with_cup = require(internal::share_checked_robot(robot));
+    CHECK(with_cup == *internal::share_checked_robot(Robot(robot)));
     CHECK(*own == *internal::share_checked_robot(robot.without_attached()));
-    CHECK((*with_cup)->tables.bodies.size() == (*own)->tables.bodies.size() + 1);
-    CHECK((*with_cup)->tables.moving_count == (*own)->tables.moving_count + 1);
-    CHECK((*with_cup)->tables.frames.size() == (*own)->tables.frames.size());
-    CHECK((*with_cup)->tables.links.size() == robot.links().size());
-    CHECK((*with_cup)->tables.limbs.size() == (*own)->tables.limbs.size());
+    CHECK(with_cup->tables.bodies.size() == (*own)->tables.bodies.size() + 1);
+    CHECK(with_cup->tables.moving_count == (*own)->tables.moving_count + 1);
+    CHECK(with_cup->tables.frames.size() == (*own)->tables.frames.size());
+    CHECK(with_cup->tables.links.size() == robot.links().size());
+    CHECK(with_cup->tables.limbs.size() == (*own)->tables.limbs.size());
   }
 
   TEST_CASE("more objects than bodies fit are merged") {
@@ -176,12 +168,10 @@ TEST_SUITE("unit") {
       parts.joints.push_back(joint);
       parts.links.push_back({"link" + std::to_string(i), -1, {{{10.0 + i, 0, 0}, 0.1}}, {}, {}});
     }
-    const auto bare = make_robot(parts);
-    REQUIRE(bare.has_value());
-    const Robot robot = carrying(*bare, {{"cup", "link0", {Sphere{{0, 5, 0}, 0.1}}}});
-    const auto checked = internal::share_checked_robot(robot);
-    REQUIRE(checked.has_value());
-    CHECK((*checked)->tables.bodies.size() == internal::kMaxBodies);
+    const auto bare = require(make_robot(parts));
+    const Robot robot = require(attach(bare, {{"cup", "link0", {Sphere{{0, 5, 0}, 0.1}}}}));
+    const auto checked = require(internal::share_checked_robot(robot));
+    CHECK(checked->tables.bodies.size() == internal::kMaxBodies);
     const Scene scene{"ball", {{"ball", {Sphere{{0, 5, 0}, 0.1}}}}};
     CHECK(!require_checker(robot, scene).is_valid(Configuration{0}));
     CHECK(require_checker(robot, scene).is_valid(Configuration{1}));
@@ -202,10 +192,9 @@ TEST_SUITE("oracle") {
         if (k % 3 == 0) object.may_touch.push_back(bare.links()[0].name);
         objects.push_back(std::move(object));
       }
-      const Robot robot = carrying(bare, std::move(objects));
-      const auto checked = internal::share_checked_robot(robot);
-      REQUIRE(checked.has_value());
-      const auto& tables = (*checked)->tables;
+      const Robot robot = require(attach(bare, std::move(objects)));
+      const auto checked = require(internal::share_checked_robot(robot));
+      const auto& tables = checked->tables;
       CHECK(tables.bodies.size() <= bare.links().size() + tables.frames.size() + 1);
       const CollisionChecker checker =
           require_checker(robot, random_scene(robot, 2, rng, small_shape));

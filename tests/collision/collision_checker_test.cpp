@@ -33,9 +33,7 @@ Robot pointer(JointType type = JointType::continuous) {
   joint.lower = -kPi;
   joint.upper = kPi;
   parts.joints.push_back(joint);
-  auto robot = make_robot(parts);
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(make_robot(parts));
 }
 
 /// A grain on the circle of the pointer.
@@ -141,11 +139,10 @@ TEST_SUITE("unit") {
     };
     for (std::size_t i = 0; i < wrong.size(); ++i) {
       const Scene scene{"kitchen", {named("plate", Sphere{{5, 0, 0}, 0.1}), wrong[i]}};
-      const auto checker = CollisionChecker::make(pointer(), scene);
+      const Error error = require_error(CollisionChecker::make(pointer(), scene));
       CAPTURE(i);
-      REQUIRE(!checker.has_value());
-      CHECK(checker.error().message.find("'mug'") != std::string::npos);
-      CHECK(checker.error().code == ErrorCode::invalid);
+      CHECK(contains(error.message, "'mug'"));
+      CHECK(error.code == ErrorCode::invalid);
     }
   }
 
@@ -188,9 +185,8 @@ TEST_SUITE("unit") {
           CheckerSettings{.resolution = 1e-5}, CheckerSettings{.resolution = kInfinity},
           CheckerSettings{.margin = -0.1}, CheckerSettings{.margin = kNaN},
           CheckerSettings{.margin = kInfinity}}) {
-      const auto checker = CollisionChecker::make(pointer(), {}, settings);
-      REQUIRE(!checker.has_value());
-      CHECK(checker.error().code == ErrorCode::invalid);
+      CHECK(require_error(CollisionChecker::make(pointer(), {}, settings)).code ==
+            ErrorCode::invalid);
     }
   }
 
@@ -202,7 +198,7 @@ TEST_SUITE("unit") {
         CHECK(checker->isa() == isa);
       } else {
         CHECK(checker.error().code == ErrorCode::unsupported);
-        CHECK(checker.error().message.find(to_string(isa)) != std::string::npos);
+        CHECK(contains(checker.error().message, to_string(isa)));
       }
     }
     CHECK(require_checker(pointer(), {}).isa() == default_isa());
@@ -280,16 +276,15 @@ TEST_SUITE("unit") {
       joint.axis = Vec3::UnitZ();
       parts.joints.push_back(joint);
     }
-    const auto robot = make_robot(parts);
-    REQUIRE(robot.has_value());
-    REQUIRE(robot->self_pairs().size() == 1);
+    const auto robot = require(make_robot(parts));
+    REQUIRE(robot.self_pairs().size() == 1);
     const Configuration q = {0, 0};
     const Scene scene{"s", {named("ball", Sphere{{1.5, 0, 0}, 0.2})}};  // 0.2 from the left ball
     for (const Isa isa : available_isas()) {
-      CHECK(require_checker(*robot, {}, {.margin = 5, .isa = isa}).is_valid(q));
-      CHECK(require_checker(*robot, scene, {.margin = 0.199, .isa = isa}).is_valid(q));
-      CHECK(!require_checker(*robot, scene, {.margin = 0.201, .isa = isa}).is_valid(q));
-      const auto checker = require_checker(*robot, scene, {.margin = 0.1, .isa = isa});
+      CHECK(require_checker(robot, {}, {.margin = 5, .isa = isa}).is_valid(q));
+      CHECK(require_checker(robot, scene, {.margin = 0.199, .isa = isa}).is_valid(q));
+      CHECK(!require_checker(robot, scene, {.margin = 0.201, .isa = isa}).is_valid(q));
+      const auto checker = require_checker(robot, scene, {.margin = 0.1, .isa = isa});
       CHECK(checker.is_motion_valid(q, q, {.margin = 0.099}));
       CHECK(!checker.is_motion_valid(q, q, {.margin = 0.101}));
     }
@@ -525,15 +520,12 @@ TEST_SUITE("unit") {
   TEST_CASE("copies of a robot share their tables, other robots do not, even equal ones") {
     const Robot robot = planar8();
     const Robot copy = robot;  // NOLINT(performance-unnecessary-copy-initialization)
-    const auto own = internal::share_checked_robot(robot);
-    const auto of_copy = internal::share_checked_robot(copy);
-    const auto of_other = internal::share_checked_robot(planar8());
-    REQUIRE(own.has_value());
-    REQUIRE(of_copy.has_value());
-    REQUIRE(of_other.has_value());
-    CHECK(*own == *of_copy);
-    CHECK(*own != *of_other);
-    CHECK((*own)->tables.joint_count == 8);
+    const auto own = require(internal::share_checked_robot(robot));
+    const auto of_copy = require(internal::share_checked_robot(copy));
+    const auto of_other = require(internal::share_checked_robot(planar8()));
+    CHECK(own == of_copy);
+    CHECK(own != of_other);
+    CHECK(own->tables.joint_count == 8);
   }
 
   TEST_CASE("tables are let go with the last copy of their robot") {
@@ -561,12 +553,9 @@ TEST_SUITE("unit") {
       joint.child_link = i;
       parts.joints.push_back(joint);
     }
-    const auto robot = make_robot(parts);
-    REQUIRE(robot.has_value());
+    const auto robot = require(make_robot(parts));
     for (int i = 0; i < 2; ++i) {
-      const auto refused = internal::share_checked_robot(*robot);
-      REQUIRE(!refused.has_value());
-      CHECK(refused.error().code == ErrorCode::unsupported);
+      CHECK(require_error(internal::share_checked_robot(robot)).code == ErrorCode::unsupported);
     }
   }
 }

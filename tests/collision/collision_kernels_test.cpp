@@ -33,9 +33,7 @@ Robot folding_arm(int links) {
     joint.upper = 4;
     parts.joints.push_back(joint);
   }
-  auto robot = make_robot(parts);
-  REQUIRE(robot.has_value());
-  return *robot;
+  return require(make_robot(parts));
 }
 
 /// Joints that are straight or folded back, but for a bend of 1e-6 to `largest` radians.
@@ -104,55 +102,54 @@ TEST_SUITE("unit") {
   }
 }
 
+/// Compares all instruction sets with the scalar one, and counts.
+struct Agreement {
+  int states = 0, free = 0, differences = 0;
+
+  void compare(const Robot& robot, const Scene& scene, const std::vector<float>& rows) {
+    const auto expected = check_all(require_checker(robot, scene, {.isa = Isa::scalar}), rows);
+    states += static_cast<int>(expected.size());
+    for (const std::uint8_t is_valid : expected) free += is_valid;
+    for (const Isa isa : available_isas()) {
+      const auto is_valid = check_all(require_checker(robot, scene, {.isa = isa}), rows);
+      for (std::size_t k = 0; k < expected.size(); ++k) {
+        if (is_valid[k] == expected[k]) continue;
+        ++differences;
+        INFO("state " << k << ", " << to_string(isa));
+        REQUIRE(std::abs(clearance(robot, scene, row(rows, k, robot))) < kKernelTolerance);
+      }
+    }
+  }
+  void check(int most_differences) const {
+    CHECK(free > states / 20);
+    CHECK(free < states / 20 * 19);
+    CHECK(differences < most_differences);
+  }
+};
+
 TEST_SUITE("law") {
   TEST_CASE("wide and scalar kernels agree on a million planar states") {
     const Robot robot = planar8();
     Rng rng(101);
-    int free_count = 0, differences = 0;
-    constexpr int kScenes = 50, kStates = 20000;
-    for (int i = 0; i < kScenes; ++i) {
+    Agreement agreement;
+    for (int i = 0; i < 50; ++i) {
+      INFO("seed 101, scene " << i);
       const Scene scene = random_circles(1 + i % 8, rng);
-      const auto rows = random_states(robot, kStates, rng, i % 2 == 0 ? 1.0 : 0.3);
-      const auto expected = check_all(require_checker(robot, scene, {.isa = Isa::scalar}), rows);
-      for (const std::uint8_t is_valid : expected) free_count += is_valid;
-      for (const Isa isa : available_isas()) {
-        const auto is_valid = check_all(require_checker(robot, scene, {.isa = isa}), rows);
-        for (std::size_t k = 0; k < expected.size(); ++k) {
-          if (is_valid[k] == expected[k]) continue;
-          ++differences;
-          INFO("seed 101, scene " << i << ", state " << k << ", " << to_string(isa));
-          REQUIRE(std::abs(clearance(robot, scene, row(rows, k, robot))) < kKernelTolerance);
-        }
-      }
+      agreement.compare(robot, scene, random_states(robot, 20000, rng, i % 2 == 0 ? 1.0 : 0.3));
     }
-    CHECK(free_count > kScenes * kStates / 20);
-    CHECK(free_count < kScenes * kStates * 19 / 20);
-    CHECK(differences < 100);
+    agreement.check(100);
   }
 
   TEST_CASE("wide and scalar kernels agree on a million states in space") {
     Rng rng(110);
-    int free_count = 0, differences = 0;
-    constexpr int kWorlds = 100, kStates = 10000;
-    for (int i = 0; i < kWorlds; ++i) {
+    Agreement agreement;
+    for (int i = 0; i < 100; ++i) {
+      INFO("seed 110, world " << i);
       const Robot robot = random_robot(rng);
       const Scene scene = random_scene(robot, 1 + i % 40, rng, small_shape);
-      const auto rows = random_states(robot, kStates, rng);
-      const auto expected = check_all(require_checker(robot, scene, {.isa = Isa::scalar}), rows);
-      for (const std::uint8_t is_valid : expected) free_count += is_valid;
-      for (const Isa isa : available_isas()) {
-        const auto is_valid = check_all(require_checker(robot, scene, {.isa = isa}), rows);
-        for (std::size_t k = 0; k < expected.size(); ++k) {
-          if (is_valid[k] == expected[k]) continue;
-          ++differences;
-          INFO("seed 110, world " << i << ", state " << k << ", " << to_string(isa));
-          REQUIRE(std::abs(clearance(robot, scene, row(rows, k, robot))) < kKernelTolerance);
-        }
-      }
+      agreement.compare(robot, scene, random_states(robot, 10000, rng));
     }
-    CHECK(free_count > kWorlds * kStates / 20);
-    CHECK(free_count < kWorlds * kStates * 19 / 20);
-    CHECK(differences < 500);
+    agreement.check(500);
   }
 
   TEST_CASE("the batch of any size gives the answers of single states, and no more of them") {
@@ -219,13 +216,12 @@ TEST_SUITE("oracle") {
         joint.upper = 2;
         parts.joints.push_back(joint);
       }
-      const auto robot = make_robot(parts);
-      REQUIRE(robot.has_value());
+      const auto robot = require(make_robot(parts));
       const bool is_upright = i % 4 < 2;
       const Cylinder can{is_upright ? Transform{} : random_pose(rng, 0.2), rng.uniform(0.002, 0.8),
                          rng.uniform(0.002, 2.0)};
       INFO("seed 109, cylinder " << i);
-      check_against_exact(*robot, {"s", {{"can", {can}}}}, random_states(*robot, 3000, rng),
+      check_against_exact(robot, {"s", {{"can", {can}}}}, random_states(robot, 3000, rng),
                           kKernelTolerance);
     }
   }

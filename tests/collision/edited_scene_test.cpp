@@ -40,23 +40,23 @@ void edit(Scene& scene, int number, Rng& rng) {
   const std::uint32_t kind = rng.index(8);
   if (scene.obstacles.size() < 3 || kind == 0) {
     const Shape cloud = random_cloud(rng);
-    REQUIRE(scene.add({name, {transformed(random_pose(rng, 1.0), cloud)}}).has_value());
+    require(scene.add({name, {transformed(random_pose(rng, 1.0), cloud)}}));
   } else if (kind == 1) {
     const Shape box = small_box(rng);
-    REQUIRE(scene.add({name, {transformed(random_pose(rng, 1.5), box)}}).has_value());
+    require(scene.add({name, {transformed(random_pose(rng, 1.5), box)}}));
   }
   const std::uint32_t count = static_cast<std::uint32_t>(scene.obstacles.size());
   const Obstacle& obstacle = scene.obstacles[rng.index(count)];
   const std::string chosen = obstacle.name;
   if (count > 8 && kind == 2) {
-    REQUIRE(scene.remove(chosen).has_value());
+    require(scene.remove(chosen));
   } else if (kind == 3) {
-    REQUIRE(scene.move(chosen, random_pose(rng, 0.2)).has_value());
+    require(scene.move(chosen, random_pose(rng, 0.2)));
   } else if (const auto* cloud = std::get_if<PointCloud>(&obstacle.shapes[0])) {
     const auto size = static_cast<std::uint32_t>(cloud->parts->list().size());
     const std::uint32_t first = rng.index(size), most = std::min(size - first, 100u);
     const std::vector<CloudPoint> points = random_points(rng.index(most) + 1, rng);
-    REQUIRE(scene.replace_points(chosen, first, points).has_value());
+    require(scene.replace_points(chosen, first, points));
   }
 }
 
@@ -93,7 +93,7 @@ TEST_SUITE("law") {
     Rng rng(312);
     const Robot robot = random_robot(rng);
     Scene scene{"seen", {}};
-    REQUIRE(scene.add({"cloud", {random_cloud(rng)}}).has_value());
+    require(scene.add({"cloud", {random_cloud(rng)}}));
     const std::vector<float> rows = random_states(robot, 10, rng);
     for (int i = 0; i < 20; ++i) {
       std::optional<CollisionChecker> checker = require_checker(robot, scene);
@@ -106,7 +106,7 @@ TEST_SUITE("law") {
       checker.reset();
       while (!is_gone.load(std::memory_order_relaxed)) std::this_thread::yield();
       const std::vector<CloudPoint> points = random_points(50, rng);
-      REQUIRE(scene.replace_points("cloud", 0, points).has_value());
+      require(scene.replace_points("cloud", 0, points));
       other.join();
       CHECK(check_all(require_checker(robot, scene), rows) ==
             check_all(require_checker(robot, afresh(scene)), rows));

@@ -57,9 +57,7 @@ Robot carrying_box(const Robot& bare, const Box& box, bool checks_links, Rng& rn
   for (const Link& link : links) {
     if (may_touch_other(checks_links, rng)) object.object.may_touch.push_back(link.name);
   }
-  const auto robot = bare.with_attached({object});
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(bare.with_attached({object}));
 }
 
 /// All may touch each other, or only links next to each other and a few more.
@@ -86,10 +84,9 @@ ApproximatedRobot random_approximated_robot(Rng& rng, bool checks_links) {
       if (a.name < b.name && is_allowed) parts.allowed_pairs->emplace_back(a.name, b.name);
     }
   }
-  const auto robot = make_robot(parts);
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+  const auto robot = require(make_robot(parts));
   boxes.push_back(small_box_near_origin(rng));
-  return {carrying_box(*robot, boxes.back(), checks_links, rng), std::move(boxes)};
+  return {carrying_box(robot, boxes.back(), checks_links, rng), std::move(boxes)};
 }
 
 Scene random_obstacles(Rng& rng) {
@@ -358,14 +355,13 @@ TEST_SUITE("unit") {
                    "<robot name='seesaw'><disable_collisions link1='block' link2='spacer'/>"
                    "<disable_collisions link1='spacer' link2='plate'/></robot>");
       }
-      const auto loaded = load_approximated_robot(files / "seesaw.urdf");
-      REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
-      REQUIRE(loaded->robot.exact_pairs().size() == 1);
-      CHECK(loaded->robot.warnings().empty());
-      CHECK(loaded->notes.back() ==
+      const auto loaded = require(load_approximated_robot(files / "seesaw.urdf"));
+      REQUIRE(loaded.robot.exact_pairs().size() == 1);
+      CHECK(loaded.robot.warnings().empty());
+      CHECK(loaded.notes.back() ==
             "the spheres of links 'block' and 'plate' always overlap; they are checked by exact "
             "geometry");
-      const CollisionChecker checker = require_checker(loaded->robot, Scene{});
+      const CollisionChecker checker = require_checker(loaded.robot, Scene{});
       const auto is_valid = [&](double tilt) { return checker.is_valid(Configuration{0, tilt}); };
       // The plate's underside: 0.013 - 0.1 tan(tilt) - 0.005 / cos(tilt) above the block.
       CHECK(is_valid(0));
@@ -386,13 +382,12 @@ TEST_SUITE("unit") {
     const std::string higher = replace(std::string(kSeesaw), "0 0 0.013", "0 0 0.04");
     write_file(files / "seesaw.urdf",
                replace(higher, "\"-0.2\" upper=\"0.2\"", "\"-0.4\" upper=\"0.4\""));
-    const auto loaded = load_approximated_robot(files / "seesaw.urdf");
-    REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
-    REQUIRE(loaded->robot.exact_pairs().size() == 1);
-    CHECK(loaded->notes.back() ==
+    const auto loaded = require(load_approximated_robot(files / "seesaw.urdf"));
+    REQUIRE(loaded.robot.exact_pairs().size() == 1);
+    CHECK(loaded.notes.back() ==
           "the spheres of links 'block' and 'plate' often overlap; they are checked by exact "
           "geometry");
-    const CollisionChecker checker = require_checker(loaded->robot, Scene{});
+    const CollisionChecker checker = require_checker(loaded.robot, Scene{});
     // The plate's underside: 0.04 - 0.1 tan(tilt) - 0.005 / cos(tilt) above the block.
     CHECK(checker.is_valid(Configuration{0, 0.33}));
     CHECK_FALSE(checker.is_valid(Configuration{0, 0.338}));
@@ -403,9 +398,8 @@ TEST_SUITE("unit") {
     std::string low(kSeesaw);
     low.replace(low.find("0 0 0.013"), 9, "0 0 0.006");  // a millimetre above the block
     write_file(files / "seesaw.urdf", low);
-    const auto loaded = load_approximated_robot(files / "seesaw.urdf");
-    REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
-    const CollisionChecker checker = require_checker(loaded->robot, Scene{});
+    const auto loaded = require(load_approximated_robot(files / "seesaw.urdf"));
+    const CollisionChecker checker = require_checker(loaded.robot, Scene{});
     const std::array<float, 4> rows = {-0.5f, 0, 0.5f, 0};
     const std::span<const float> from(rows.data(), 2), to(rows.data() + 2, 2);
     CheckCounters counters;
@@ -420,9 +414,7 @@ TEST_SUITE("unit") {
   TEST_CASE("an obstacle that is checked by the exact geometry of an unknown link is refused") {
     Scene scene = make_circle_scene("one", {{3, 3, 1}});
     scene.obstacles[0].exact_links = {"hand"};
-    const auto checker = CollisionChecker::make(planar8(), scene);
-    REQUIRE(!checker.has_value());
-    CHECK(checker.error().message ==
+    CHECK(require_error(CollisionChecker::make(planar8(), scene)).message ==
           "obstacle 'circle_1' is checked by the exact geometry of 'hand', but robot 'planar8' has "
           "no link "
           "and no attached object of this name");
@@ -431,9 +423,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a scene with a pair of an unknown link is refused") {
     Scene scene{"two", {}};
     scene.exact_pairs = {{planar8().links()[0].name, "hand"}};
-    const auto checker = CollisionChecker::make(planar8(), scene);
-    REQUIRE(!checker.has_value());
-    CHECK(checker.error().message ==
+    CHECK(require_error(CollisionChecker::make(planar8(), scene)).message ==
           "scene 'two' has a pair checked by exact geometry of 'hand', but robot 'planar8' has no "
           "link and "
           "no attached object of this name");
@@ -456,11 +446,10 @@ TEST_SUITE("unit") {
       joint.lower = -0.1;
       joint.upper = 0.1;
       parts.allowed_pairs.emplace();
-      const auto robot = make_robot(parts);
-      REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+      const auto robot = require(make_robot(parts));
       Scene scene;
       scene.exact_pairs = {{"case", "pin"}};
-      const CollisionChecker checker = require_checker(*robot, scene);
+      const CollisionChecker checker = require_checker(robot, scene);
       const std::vector<double> q = {0.0};
       CHECK(checker.is_valid(q) == (out > 0));
       CHECK(checker.contacts(q).empty() == (out > 0));

@@ -22,15 +22,11 @@ namespace mneme::test {
 
 inline CollisionChecker require_checker(const Robot& robot, const Scene& scene,
                                         const CheckerSettings& settings = {}) {
-  auto checker = CollisionChecker::make(robot, scene, settings);
-  REQUIRE_MESSAGE(checker.has_value(), (checker ? "" : checker.error().message));
-  return *checker;
+  return require(CollisionChecker::make(robot, scene, settings));
 }
 
 inline Robot require_parsed(const std::string& urdf, const RobotOptions& options = {}) {
-  auto robot = parse_robot(urdf, "test.urdf", options);
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(parse_robot(urdf, "test.urdf", options));
 }
 
 /// Rows of `count` uniform configurations; joints after the first are scaled by `spread`.
@@ -147,9 +143,7 @@ inline Robot random_robot(Rng& rng) {
       }
     }
     if (options.joints.size() < 3) continue;
-    auto robot = make_robot(std::move(parts), options);
-    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-    return *robot;
+    return require(make_robot(std::move(parts), options));
   }
 }
 
@@ -176,9 +170,8 @@ inline void check_links_exactly(Scene& scene, const Robot& robot, Rng& rng) {
 
 /// True if the links that no joint of the group moves touch nothing.
 inline bool leaves_fixed_links_alone(const Robot& robot, const Scene& scene) {
-  const auto checked = internal::share_checked_robot(robot);
-  REQUIRE(checked.has_value());
-  return internal::find_fixed_contacts(robot, (*checked)->links, scene).empty();
+  const auto checked = require(internal::share_checked_robot(robot));
+  return internal::find_fixed_contacts(robot, checked->links, scene).empty();
 }
 
 /// `count` obstacles made by `make_shape(rng)` that leave links without a moving joint alone.

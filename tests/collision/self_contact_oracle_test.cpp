@@ -32,12 +32,10 @@ TEST_SUITE("oracle") {
   TEST_CASE("no contact of a robot with itself is missed") {
     for (const std::string& path : robot_files()) {
       INFO(path);
-      const auto loaded = load_approximated_robot(path);
-      REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
-      const Robot& robot = loaded->robot;
-      const auto found_pairs = pairs_to_check(path, robot);
-      REQUIRE_MESSAGE(found_pairs.has_value(), (found_pairs ? "" : found_pairs.error().message));
-      const std::vector<LinkPair>& pairs = *found_pairs;
+      const auto loaded = require(load_approximated_robot(path));
+      const Robot& robot = loaded.robot;
+      const auto found_pairs = require(pairs_to_check(path, robot));
+      const std::vector<LinkPair>& pairs = found_pairs;
       const CollisionChecker checker = require_checker(robot, Scene{});
       FclRobot oracle(robot);
       Rng rng(7);

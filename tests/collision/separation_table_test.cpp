@@ -14,9 +14,7 @@ namespace mneme::test {
 namespace {
 
 internal::RobotTables separation_tables_of(const Robot& robot) {
-  auto tables = internal::make_robot_tables(robot);
-  REQUIRE(tables.has_value());
-  return *std::move(tables);
+  return require(internal::make_robot_tables(robot));
 }
 
 internal::RobotTables without_separation_tables(internal::RobotTables tables) {

@@ -135,9 +135,7 @@ TEST_SUITE("oracle") {
             0.1f + 0.8f * static_cast<float>(rng.uniform())};
       }
       for (const Isa isa : available_isas()) {
-        CheckerSettings settings;
-        settings.isa = isa;
-        const CollisionChecker checker = require_checker(robot, scene, settings);
+        const CollisionChecker checker = require_checker(robot, scene, {.isa = isa});
         std::array<Shortcut, kShortcuts> shortcuts = sampled;
         constexpr float kLeast = 0.05f;
         checker.rate_shortcuts(path.view(), kLeast, shortcuts);
@@ -173,9 +171,7 @@ TEST_SUITE("oracle") {
       Row foot(q.size());
       for (std::size_t j = 0; j < q.size(); ++j) foot[j] = a[j] + fraction * (b[j] - a[j]);
       for (const Isa isa : available_isas()) {
-        CheckerSettings settings;
-        settings.isa = isa;
-        const CollisionChecker checker = require_checker(robot, scene, settings);
+        const CollisionChecker checker = require_checker(robot, scene, {.isa = isa});
         std::array<float, kShortcuts> gains;
         checker.rate_relaxations(path.view(), relaxation, gains);
         const float best = *std::ranges::max_element(gains);

@@ -49,12 +49,11 @@ TEST_SUITE("unit") {
     Joint turn{"turn", JointType::revolute, 0, 1, {}, Vec3::UnitZ(), -3, 3, 0, {}, 0, {}, {}};
     Joint lift{"lift", JointType::prismatic, 1, 2, {}, Vec3::UnitZ(), -1e6, 1e6, 0, {}, 0, {}, {}};
     parts.joints = {turn, lift};
-    const auto robot = make_robot(std::move(parts));
-    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+    const auto robot = require(make_robot(std::move(parts)));
     const Scene scene{"", {{"ball", {Sphere{Vec3(0.5, 0, 0.2), 0.1}}}}};
     CheckCounters counters;
     const std::vector<float> from = {-1, 0}, to = {1, 0};
-    CHECK(require_checker(*robot, scene).is_sweep_valid(from, to, counters));
+    CHECK(require_checker(robot, scene).is_sweep_valid(from, to, counters));
     CHECK(counters.states < 1000);
   }
 }

@@ -64,9 +64,7 @@ TEST_SUITE("unit") {
   TEST_CASE("closer to an obstacle than the checker's margin is contact, to a link it is not") {
     const Robot robot = thick_arm({1, 1});
     const auto checker_of = [](const Robot& arm, const Scene& scene, double margin) {
-      CheckerSettings settings;
-      settings.margin = margin;
-      return require_checker(arm, scene, settings);
+      return require_checker(arm, scene, {.margin = margin});
     };
     const Scene scene = make_circle_scene("", {{2 + 0.01 + 0.5 + 0.01, 0, 0.5}});
     const Configuration low = {-0.3, 0}, high = {0.3, 0};

@@ -172,9 +172,7 @@ Situation make_situation(const Robot& robot, bool is_capsule, TouchedKind kind, 
 }
 
 internal::ObstacleKind kind_of(const Scene& scene) {
-  const auto tables = internal::make_scene_tables(scene);
-  REQUIRE(tables.has_value());
-  return tables->obstacles.at(0).kind;
+  return require(internal::make_scene_tables(scene)).obstacles.at(0).kind;
 }
 
 /// Checks that a step takes the robot to the clearance that it asks for; false if it left the robot

@@ -223,9 +223,7 @@ TEST_SUITE("unit") {
     Rng rng(7);
     const Robot robot = ball_arm();
     for (const Isa isa : available_isas()) {
-      CheckerSettings settings;
-      settings.isa = isa;
-      const CollisionChecker checker = cluttered(robot, 30, rng, settings);
+      const CollisionChecker checker = cluttered(robot, 30, rng, {.isa = isa});
       const OwnedStep all = random_step(checker, 37, rng);
       const std::vector<float> from = random_start(checker, rng);
       const std::vector<float> expected = all.take(checker, from);
@@ -243,9 +241,7 @@ TEST_SUITE("unit") {
   TEST_CASE("no more is written than there are jitters") {
     const Robot robot = ball_arm();
     for (const Isa isa : available_isas()) {
-      CheckerSettings settings;
-      settings.isa = isa;
-      const CollisionChecker checker = require_checker(robot, {}, settings);
+      const CollisionChecker checker = require_checker(robot, {}, {.isa = isa});
       OwnedStep step(robot, 5);
       const std::vector<float> from = to_row(Configuration{1, -0.8, -1.2, 0.9});
       std::vector<float> room(6 * from.size(), kSentinel);
@@ -261,9 +257,7 @@ TEST_SUITE("unit") {
     Rng rng(11);
     const Robot robot = ball_arm();
     for (const Isa isa : available_isas()) {
-      CheckerSettings settings;
-      settings.isa = isa;
-      const CollisionChecker checker = cluttered(robot, 30, rng, settings);
+      const CollisionChecker checker = cluttered(robot, 30, rng, {.isa = isa});
       OwnedStep step(robot, 1);
       const WalkStep one{0, 0, 0, 0.05f, step.drift, step.jitter};
       std::vector<float> starts, expected;
@@ -347,10 +341,8 @@ TEST_SUITE("law") {
   TEST_CASE("the margin of a checker adds to the clearance") {
     Rng rng(12);
     const Robot robot = ball_arm();
-    CheckerSettings with_margin;
-    with_margin.margin = 0.03125;
     const Scene scene = random_scene(robot, 30, rng, small_shape);
-    const CollisionChecker wide = require_checker(robot, scene, with_margin);
+    const CollisionChecker wide = require_checker(robot, scene, {.margin = 0.03125});
     const CollisionChecker plain = require_checker(robot, scene);
     int different = 0;
     for (int i = 0; i < 50; ++i) {
@@ -407,9 +399,7 @@ TEST_SUITE("oracle") {
       const Scene scene = random_scene(robot, 20, rng, small_shape);
       std::vector<CollisionChecker> checkers;
       for (const Isa isa : available_isas()) {
-        CheckerSettings settings;
-        settings.isa = isa;
-        checkers.push_back(require_checker(robot, scene, settings));
+        checkers.push_back(require_checker(robot, scene, {.isa = isa}));
       }
       if (checkers[0].limbs().empty()) continue;
       const OwnedStep step = random_step(checkers[0], 7, rng);

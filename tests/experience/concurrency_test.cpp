@@ -75,10 +75,8 @@ TEST_SUITE("flow") {
     REQUIRE(partly.has_value());
     Database reader = open_database(directory / "a.db", OpenMode::read_only);
     Database writer = open_database(directory / "a.db", OpenMode::read_write);
-    auto lock = internal::open_store(directory / "a.db", OpenMode::read_write);
-    REQUIRE(lock.has_value());
-    auto held = (*lock)->begin(internal::Store::Kind::write);
-    REQUIRE(held.has_value());
+    auto lock = require(internal::open_store(directory / "a.db", OpenMode::read_write));
+    auto held = require(lock->begin(internal::Store::Kind::write));
     std::atomic<bool> is_inserted = false;
     std::thread waiting([&] {
       Rng other(60);
@@ -92,7 +90,7 @@ TEST_SUITE("flow") {
     CHECK(writer.size() == 50);
     CHECK(reader.refresh() == 0);
     CHECK(!is_inserted);
-    held->reset();
+    held.reset();
     waiting.join();
     CHECK(is_inserted);
     CHECK(writer.size() == 52);

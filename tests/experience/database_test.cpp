@@ -41,12 +41,11 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Database database = open_database(directory / "a.db");
     Rng rng(4);
-    REQUIRE(database.insert(random_rows(rng, 3)).has_value());
+    require(database.insert(random_rows(rng, 3)));
     for (const std::int64_t position : {std::int64_t{-1}, std::int64_t{3}, std::int64_t{1} << 40}) {
-      const auto row = database.get(position);
-      REQUIRE(!row.has_value());
-      CHECK(row.error().code == ErrorCode::invalid);
-      CHECK(row.error().message.find("a.db") != std::string::npos);
+      const Error error = require_error(database.get(position));
+      CHECK(error.code == ErrorCode::invalid);
+      CHECK(contains(error.message, "a.db"));
     }
   }
 
@@ -88,10 +87,9 @@ TEST_SUITE("unit") {
     Database database = open_database(directory / "a.db");
     auto rows = random_rows(rng, 3);
     rows[2].key[0] = std::numeric_limits<double>::quiet_NaN();
-    const auto inserted = database.insert(rows);
-    REQUIRE(!inserted.has_value());
-    CHECK(inserted.error().code == ErrorCode::invalid);
-    CHECK(inserted.error().message.find("row 2 of 3") != std::string::npos);
+    const Error error = require_error(database.insert(rows));
+    CHECK(error.code == ErrorCode::invalid);
+    CHECK(contains(error.message, "row 2 of 3"));
     CHECK(database.size() == 0);
     CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 0);
   }
@@ -102,10 +100,9 @@ TEST_SUITE("unit") {
     Rng rng(55);
     open_database(directory / "a.db");
     Database database = open_database(directory / "a.db", OpenMode::read_only);
-    const auto inserted = database.insert(random_rows(rng, 1));
-    REQUIRE(!inserted.has_value());
-    CHECK(inserted.error().code == ErrorCode::io);
-    CHECK(inserted.error().message.find("reading only") != std::string::npos);
+    const Error error = require_error(database.insert(random_rows(rng, 1)));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(contains(error.message, "reading only"));
   }
 
   TEST_CASE("the database of another robot is refused with both names and hashes") {
@@ -118,7 +115,7 @@ TEST_SUITE("unit") {
     const Error error = open_error(directory / "a.db", OpenMode::read_write, other);
     CHECK(error.code == ErrorCode::wrong_robot);
     for (const char* part : {"'arm'", "0123456789abcdef", "'panda'", "fedcba9876543210"}) {
-      CHECK_MESSAGE(error.message.find(part) != std::string::npos, error.message);
+      CHECK_MESSAGE(contains(error.message, part), error.message);
     }
   }
 
@@ -166,14 +163,13 @@ TEST_SUITE("unit") {
     Database first = open_database(directory / "a.db"), second = open_database(directory / "a.db");
     RobotSignature other = arm_signature();
     other.model_hash = "other";
-    auto stranger = Database::open(directory / "a.db", other, OpenMode::create);
+    auto stranger = require(Database::open(directory / "a.db", other, OpenMode::create));
     REQUIRE(first.insert(random_rows(rng, 2)));
     CHECK(first.info().schema_version == 4);
     REQUIRE(second.insert(random_rows(rng, 3)));
     CHECK(second.size() == 5);
     CHECK(first.refresh() == 3);
-    REQUIRE(stranger.has_value());
-    CHECK(stranger->insert(random_rows(rng, 1)).error().code == ErrorCode::wrong_robot);
+    CHECK(stranger.insert(random_rows(rng, 1)).error().code == ErrorCode::wrong_robot);
   }
 
   TEST_CASE("a lesson is finished while all of its rows are there, also those stored before") {
@@ -264,10 +260,9 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Rng rng(57);
     REQUIRE(open_database(directory / "a.db").insert(random_rows(rng, 2)));
-    const auto database = Database::inspect(directory / "a.db");
-    REQUIRE(database.has_value());
-    CHECK(database->signature().model_hash == "0123456789abcdef");
-    CHECK(database->size() == 2);
+    const auto database = require(Database::inspect(directory / "a.db"));
+    CHECK(database.signature().model_hash == "0123456789abcdef");
+    CHECK(database.size() == 2);
   }
 
   TEST_CASE("a space without joints cannot have a database") {
@@ -352,11 +347,10 @@ TEST_SUITE("unit") {
     Experience row = random_experience(rng);
     row.key.push_back(1);
     for (Database* database : {&first, &second}) {
-      const auto refused = database->insert({random_experience(rng), row});
-      REQUIRE(!refused.has_value());
-      CHECK(refused.error().code == ErrorCode::invalid);
-      CHECK(refused.error().message.find(directory / "a.db") == 0);
-      CHECK(refused.error().message.find("7 numbers; expected 6") != std::string::npos);
+      const Error refused = require_error(database->insert({random_experience(rng), row}));
+      CHECK(refused.code == ErrorCode::invalid);
+      CHECK(refused.message.find(directory / "a.db") == 0);
+      CHECK(contains(refused.message, "7 numbers; expected 6"));
     }
     REQUIRE(second.refresh() == 1);
     CHECK(second.size() == 1);
@@ -441,7 +435,7 @@ TEST_SUITE("unit") {
 
     // The same again after the rows are gone for good, and with the sound row back.
     CHECK(writer.insert({rows[1]}) == std::vector<std::int64_t>{5});
-    REQUIRE(compact_database(directory / "a.db").has_value());
+    require(compact_database(directory / "a.db"));
     CHECK(reader.refresh() == 1);
     CHECK(writer.refresh() == 0);
     for (const Database* database : {&reader, &writer}) {
@@ -458,10 +452,8 @@ TEST_SUITE("unit") {
     CHECK(reader.refresh() == 0);
     RobotSignature other = arm_signature();
     other.model_hash = "other";
-    REQUIRE(Database::open(directory / "a.db", other, OpenMode::create).has_value());
-    const auto refreshed = reader.refresh();
-    REQUIRE(!refreshed.has_value());
-    CHECK(refreshed.error().code == ErrorCode::wrong_robot);
+    require(Database::open(directory / "a.db", other, OpenMode::create));
+    CHECK(require_error(reader.refresh()).code == ErrorCode::wrong_robot);
   }
 
   TEST_CASE("text that would be SQL elsewhere is stored as it is") {
@@ -472,11 +464,10 @@ TEST_SUITE("unit") {
     Experience row = random_experience(rng);
     row.provenance = {attack, attack, 1, attack};
     const std::string path = directory / "a'; DROP TABLE x; --.db";
-    REQUIRE(Database::open(path, space, OpenMode::create)->insert({row}).has_value());
-    const auto database = Database::open(path, space, OpenMode::read_only);
-    REQUIRE(database.has_value());
-    CHECK(is_same_content(*database->get(0), row));
-    CHECK(database->signature().robot_name == attack);
+    require(Database::open(path, space, OpenMode::create)->insert({row}));
+    const auto database = require(Database::open(path, space, OpenMode::read_only));
+    CHECK(is_same_content(*database.get(0), row));
+    CHECK(database.signature().robot_name == attack);
   }
 
   TEST_CASE("a database that is read while another writes shows what was complete by then") {

@@ -50,11 +50,10 @@ TEST_SUITE("unit") {
     CHECK(!internal::load_index(file, arm_signature()).has_value());
     const GroupIndexes kinds = make_index();
     REQUIRE(internal::save_index(file, arm_signature(), kState, kinds));
-    const auto saved = internal::load_index(file, arm_signature());
-    REQUIRE(saved.has_value());
-    CHECK(saved->state == kState);
-    REQUIRE(saved->groups.size() == 3);
-    for (const auto& [kind, index] : kinds) CHECK(is_same(saved->groups.at(kind), index));
+    const auto saved = require(internal::load_index(file, arm_signature()));
+    CHECK(saved.state == kState);
+    REQUIRE(saved.groups.size() == 3);
+    for (const auto& [kind, index] : kinds) CHECK(is_same(saved.groups.at(kind), index));
   }
 
   TEST_CASE("the index of another space is not used") {

@@ -19,9 +19,7 @@ constexpr DatabaseSettings kLittle = {40000};
 
 Database open_partly(const std::string& path, OpenMode mode = OpenMode::read_only,
                      const DatabaseSettings& settings = kNothing) {
-  auto database = Database::open(path, arm_signature(), mode, settings);
-  REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
-  return std::move(*database);
+  return require(Database::open(path, arm_signature(), mode, settings));
 }
 
 std::vector<Experience> fill(const std::string& path, int count) {
@@ -43,13 +41,11 @@ void check_same(const Database& a, const Database& b) {
   REQUIRE(a.size() == b.size());
   for (int i = 0; i < 30; ++i) {
     const LocalPrimitive primitive = make_primitive(random_key(rng));
-    const auto of_a = find_like(a, primitive, 3, 9);
-    const auto of_b = find_like(b, primitive, 3, 9);
-    REQUIRE(of_a.has_value());
-    REQUIRE(of_b.has_value());
-    REQUIRE(ids(*of_a) == ids(*of_b));
-    for (std::size_t k = 0; k < of_a->size(); ++k) {
-      REQUIRE(is_same_content(*of_a->at(k).experience, *of_b->at(k).experience));
+    const auto of_a = require(find_like(a, primitive, 3, 9));
+    const auto of_b = require(find_like(b, primitive, 3, 9));
+    REQUIRE(ids(of_a) == ids(of_b));
+    for (std::size_t k = 0; k < of_a.size(); ++k) {
+      REQUIRE(is_same_content(*of_a.at(k).experience, *of_b.at(k).experience));
     }
   }
 }
@@ -87,9 +83,8 @@ TEST_SUITE("unit") {
     CHECK(!std::filesystem::exists(file));
     open_partly(directory / "a.db");
     REQUIRE(std::filesystem::exists(file));
-    const auto saved = internal::load_index(file, arm_signature());
-    REQUIRE(saved.has_value());
-    CHECK(saved->groups.at({kPairs}).size() == 50);
+    const auto saved = require(internal::load_index(file, arm_signature()));
+    CHECK(saved.groups.at({kPairs}).size() == 50);
   }
 
   TEST_CASE("what is inserted beyond the bound is found, and leaves an index behind") {
@@ -100,10 +95,9 @@ TEST_SUITE("unit") {
       Database database = open_partly(directory / "a.db", OpenMode::create, kLittle);
       for (const Experience& row : rows) REQUIRE(database.insert({row}));
       for (const std::size_t i : {0, 150, 299}) {
-        const auto matches = find_like(database, make_primitive(rows[i].key), 1e-9, 1);
-        REQUIRE(matches.has_value());
-        REQUIRE(matches->size() == 1);
-        CHECK(is_same_content(*matches->front().experience, rows[i]));
+        const auto matches = require(find_like(database, make_primitive(rows[i].key), 1e-9, 1));
+        REQUIRE(matches.size() == 1);
+        CHECK(is_same_content(*matches.front().experience, rows[i]));
       }
     }
     const auto saved =
@@ -141,7 +135,7 @@ TEST_SUITE("unit") {
     REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 2);
     check_same(open_partly(directory / "a.db"),
                open_database(directory / "a.db", OpenMode::read_only));
-    REQUIRE(compact_database(directory / "a.db").has_value());
+    require(compact_database(directory / "a.db"));
     const Database database = open_partly(directory / "a.db");
     CHECK(database.size() == 103);
     check_same(database, open_database(directory / "a.db", OpenMode::read_only));
@@ -162,7 +156,7 @@ TEST_SUITE("unit") {
     // The same if rows have vanished from the other file, so that all of it is read.
     run_sql(directory / "b.db", "UPDATE mixture SET seed = seed + 1 WHERE id = 50");
     REQUIRE(verify_database(directory / "b.db", VerifyMode::quarantine)->size() == 1);
-    REQUIRE(compact_database(directory / "b.db").has_value());
+    require(compact_database(directory / "b.db"));
     std::filesystem::copy_file(internal::index_file_of(directory / "a.db"),
                                internal::index_file_of(directory / "b.db"),
                                std::filesystem::copy_options::overwrite_existing);
@@ -176,10 +170,9 @@ TEST_SUITE("unit") {
     open_partly(directory / "a.db");
     run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1 WHERE id = 7");
     const Database database = open_partly(directory / "a.db");
-    const auto damaged = find_like(database, make_primitive(rows[6].key), 1e-9, 1);
-    REQUIRE(!damaged.has_value());
-    CHECK(damaged.error().code == ErrorCode::corrupt);
-    CHECK(damaged.error().message.find("row 7 is damaged") != std::string::npos);
+    const Error error = require_error(find_like(database, make_primitive(rows[6].key), 1e-9, 1));
+    CHECK(error.code == ErrorCode::corrupt);
+    CHECK(contains(error.message, "row 7 is damaged"));
     CHECK(find_like(database, make_primitive(rows[7].key), 1e-9, 1)->size() == 1);
     REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 1);
     CHECK(find_like(database, make_primitive(rows[6].key), 1e-9, 1)->empty());
@@ -233,7 +226,7 @@ TEST_SUITE("law") {
         flip_bit(file, at);
       }
       check_same(open_partly(directory / "a.db"), whole);
-      REQUIRE(internal::load_index(file, arm_signature()).has_value());
+      require(internal::load_index(file, arm_signature()));
     }
   }
 }

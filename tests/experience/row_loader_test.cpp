@@ -120,17 +120,14 @@ std::vector<Experience> fill(const std::string& path) {
 }
 
 std::vector<std::int64_t> ids_of(const RowLoader& loader, std::vector<std::int64_t> ids) {
-  const auto rows = loader.load(ids, true);
-  REQUIRE_MESSAGE(rows.has_value(), (rows ? "" : rows.error().message));
+  const auto rows = require(loader.load(ids, true));
   std::vector<std::int64_t> found;
-  for (const auto& row : *rows) found.push_back(row == nullptr ? 0 : row->id);
+  for (const auto& row : rows) found.push_back(row == nullptr ? 0 : row->id);
   return found;
 }
 
 Error load_error(const RowLoader& loader, std::int64_t id) {
-  const auto rows = loader.load({&id, 1}, true);
-  REQUIRE(!rows.has_value());
-  return rows.error();
+  return require_error(loader.load({&id, 1}, true));
 }
 
 }  // namespace
@@ -149,8 +146,8 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     fill(directory / "a.db");
     const RowLoader loader(directory / "a.db", arm_signature(), kMuch);
-    REQUIRE(loader.load(std::array{std::int64_t{1}}, true).has_value());
-    REQUIRE(loader.load(std::array{std::int64_t{2}}, false).has_value());
+    require(loader.load(std::array{std::int64_t{1}}, true));
+    require(loader.load(std::array{std::int64_t{2}}, false));
     run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1");
     CHECK(ids_of(loader, {1}) == std::vector<std::int64_t>{1});
     CHECK(load_error(loader, 2).code == ErrorCode::corrupt);
@@ -164,10 +161,9 @@ TEST_SUITE("unit") {
     const RowLoader loader(directory / "a.db", arm_signature(), kMuch);
     const Error damaged = load_error(loader, 2);
     CHECK(damaged.code == ErrorCode::corrupt);
-    CHECK(damaged.message.find("row 2 is damaged") != std::string::npos);
-    CHECK(damaged.message.find("mneme db verify") != std::string::npos);
-    CHECK(load_error(loader, 3).message.find("row 3 is damaged: it is missing") !=
-          std::string::npos);
+    CHECK(contains(damaged.message, "row 2 is damaged"));
+    CHECK(contains(damaged.message, "mneme db verify"));
+    CHECK(contains(load_error(loader, 3).message, "row 3 is damaged: it is missing"));
     CHECK(ids_of(loader, {1, 4}) == std::vector<std::int64_t>{1, 4});
   }
 
@@ -178,7 +174,7 @@ TEST_SUITE("unit") {
     run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1 WHERE id = 2");
     REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 1);
     CHECK(ids_of(loader, {1, 2}) == std::vector<std::int64_t>{1, 0});
-    REQUIRE(compact_database(directory / "a.db").has_value());
+    require(compact_database(directory / "a.db"));
     CHECK(ids_of(loader, {2, 3}) == std::vector<std::int64_t>{0, 3});
   }
 

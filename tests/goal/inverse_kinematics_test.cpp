@@ -35,7 +35,7 @@ void check_solutions(const Robot& robot, const PoseGoal& goal, const Configurati
 
 /// Of so many poses that a random configuration has, how many are reached.
 int count_reached(const Robot& robot, const std::string& link, int poses, Isa isa) {
-  const InverseKinematics kinematics = require_kinematics(robot, link, isa);
+  const InverseKinematics kinematics = require(InverseKinematics::make(robot, link, isa));
   Rng rng(5);
   int reached = 0;
   for (int i = 0; i < poses; ++i) {
@@ -68,7 +68,8 @@ TEST_SUITE("law") {
 
   TEST_CASE("solutions are at the turn of the configuration that the search begins at") {
     const Robot arm = odd_arm();  // its second joint is continuous
-    const InverseKinematics kinematics = require_kinematics(arm, kOddHand, Isa::automatic);
+    const InverseKinematics kinematics =
+        require(InverseKinematics::make(arm, kOddHand, Isa::automatic));
     Rng rng(3);
     for (int i = 0; i < 50; ++i) {
       Configuration near = random_configuration(arm, rng);
@@ -83,15 +84,14 @@ TEST_SUITE("law") {
   }
 
   TEST_CASE("poses of what a link carries are reached") {
-    const auto robot = attach(odd_arm(), {{"cup", kOddHand, {Sphere{{0, 0, 0.1}, 0.02}}},
-                                          {"lid", kOddHand, {Sphere{{0, 0, 0.2}, 0.02}}}});
-    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-    CHECK(count_reached(*robot, "lid", 50, Isa::automatic) >= 49);
+    const auto robot = require(attach(odd_arm(), {{"cup", kOddHand, {Sphere{{0, 0, 0.1}, 0.02}}},
+                                                  {"lid", kOddHand, {Sphere{{0, 0, 0.2}, 0.02}}}}));
+    CHECK(count_reached(robot, "lid", 50, Isa::automatic) >= 49);
   }
 
   TEST_CASE("solutions are in regions of poses, and use what these leave free") {
     const Robot robot = odd_arm();
-    const InverseKinematics kinematics = require_kinematics(robot, kOddHand);
+    const InverseKinematics kinematics = require(InverseKinematics::make(robot, kOddHand));
     Rng rng(6);
     int exact = 0, reached = 0;
     for (int i = 0; i < 100; ++i) {
@@ -119,7 +119,7 @@ TEST_SUITE("law") {
   TEST_CASE("what is half a turn away is not there yet") {
     const Robot robot = shipped_robot("panda");
     for (const Isa isa : available_isas()) {
-      const InverseKinematics kinematics = require_kinematics(robot, kHand, isa);
+      const InverseKinematics kinematics = require(InverseKinematics::make(robot, kHand, isa));
       for (int i = 0; i < 36; ++i) {
         CAPTURE(to_string(isa));
         CAPTURE(i);
@@ -138,7 +138,7 @@ TEST_SUITE("law") {
 
   TEST_CASE("a position with any rotation is reached") {
     const Robot robot = shipped_robot("panda");
-    const InverseKinematics kinematics = require_kinematics(robot, "panda_hand");
+    const InverseKinematics kinematics = require(InverseKinematics::make(robot, "panda_hand"));
     PoseGoal goal = pose_at(robot, "panda_hand", robot.normalized(Configuration(7, 0.4)));
     goal.cone = goal.turn = kPi;
     const Configuration near = robot.normalized(Configuration(7, 0.0));
@@ -155,7 +155,7 @@ TEST_SUITE("unit") {
     Configuration near = random_configuration(robot, rng);
     near.back() = 0.777;
     const IkResult result =
-        require_kinematics(robot, kOddHand)
+        require(InverseKinematics::make(robot, kOddHand))
             .solve(pose_at(robot, kOddHand, random_configuration(robot, rng)), near);
     REQUIRE(!result.solutions.empty());
     for (const Configuration& q : result.solutions) CHECK(q.back() == doctest::Approx(0.777));
@@ -166,7 +166,7 @@ TEST_SUITE("unit") {
     Rng rng(8);
     const Configuration near = random_configuration(robot, rng);
     const IkResult result =
-        require_kinematics(robot, "tool0").solve(pose_at(robot, "tool0", near), near);
+        require(InverseKinematics::make(robot, "tool0")).solve(pose_at(robot, "tool0", near), near);
     REQUIRE(!result.solutions.empty());
     CHECK(robot.distance(result.solutions.front(), near) < 1e-2);
   }
@@ -179,7 +179,7 @@ TEST_SUITE("unit") {
     Configuration q(8, 0.4);
     q[kLast] = -0.6;
     const IkResult result =
-        require_kinematics(robot, kOddHand).solve(pose_at(robot, kOddHand, q), near);
+        require(InverseKinematics::make(robot, kOddHand)).solve(pose_at(robot, kOddHand, q), near);
     REQUIRE(!result.solutions.empty());
     for (const Configuration& solution : result.solutions) {
       for (const double other : {solution[kLast] - 2 * kPi, solution[kLast] + 2 * kPi}) {
@@ -195,15 +195,14 @@ TEST_SUITE("unit") {
     const PoseGoal goal = pose_at(robot, "panda_hand", q);
     Scene scene;
     scene.obstacles.push_back({"ball", {Sphere{Vec3(0.3, -0.35, 0.5), 0.25}}});
-    const auto checker = CollisionChecker::make(robot, scene);
-    REQUIRE(checker.has_value());
+    const auto checker = require(CollisionChecker::make(robot, scene));
     IkSettings settings;
     settings.solutions = 200;
-    const InverseKinematics kinematics = require_kinematics(robot, "panda_hand");
+    const InverseKinematics kinematics = require(InverseKinematics::make(robot, "panda_hand"));
     const IkResult all = kinematics.solve(goal, q, settings);
-    const IkResult free = kinematics.solve(goal, q, settings, &*checker, 1e-4);
+    const IkResult free = kinematics.solve(goal, q, settings, &checker, 1e-4);
     const auto is_valid = [&](const Configuration& state) {
-      return checker->is_valid(std::span<const double>(state));
+      return checker.is_valid(std::span<const double>(state));
     };
     CHECK(std::ranges::all_of(free.solutions, is_valid));
     CHECK(!free.solutions.empty());
@@ -219,7 +218,8 @@ TEST_SUITE("unit") {
     const double reach = goal.pose.translation.norm();
     goal.pose.translation = Vec3(0.6, 0.8, 0) * (reach + 0.5);
     goal.cone = goal.turn = kPi;
-    const IkResult result = require_kinematics(robot, tip).solve(goal, Configuration(8, 0.1));
+    const IkResult result =
+        require(InverseKinematics::make(robot, tip)).solve(goal, Configuration(8, 0.1));
     CHECK(result.solutions.empty());
     CHECK(result.seeds == IkSettings().seeds);
     CHECK(result.closest.position == doctest::Approx(0.5).epsilon(0.02));
@@ -228,7 +228,7 @@ TEST_SUITE("unit") {
   TEST_CASE(
       "the same arguments give the same solutions, and no more seeds are tried than allowed") {
     const Robot robot = odd_arm();
-    const InverseKinematics kinematics = require_kinematics(robot, kOddHand);
+    const InverseKinematics kinematics = require(InverseKinematics::make(robot, kOddHand));
     const PoseGoal goal = pose_at(robot, kOddHand, Configuration(8, 0.3));
     const Configuration near(8, 0.0);
     IkSettings settings;

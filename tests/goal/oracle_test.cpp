@@ -25,7 +25,7 @@ TEST_SUITE("oracle") {
       const KdlChain kdl(robot, link);
       KDL::ChainFkSolverPos_recursive forward(kdl.chain);
       KDL::ChainIkSolverPos_LMA peer(kdl.chain, 1e-5, 200);
-      const InverseKinematics kinematics = require_kinematics(robot, link);
+      const InverseKinematics kinematics = require(InverseKinematics::make(robot, link));
       Rng rng(9);
       int found = 0, found_by_kdl_alone = 0;
       for (int i = 0; i < 200; ++i) {

@@ -8,16 +8,12 @@ namespace mneme::test {
 namespace {
 
 CollisionChecker checker_among(const Robot& robot, const Scene& scene) {
-  const auto checker = CollisionChecker::make(robot, scene);
-  REQUIRE_MESSAGE(checker.has_value(), (checker ? "" : checker.error().message));
-  return *checker;
+  return require(CollisionChecker::make(robot, scene));
 }
 
 PoseGoalSource require_source(const CollisionChecker& checker, const std::vector<PoseGoal>& goals,
                               const IkSettings& settings = {}) {
-  auto source = PoseGoalSource::make(checker, goals, kReady, settings, 1e-4);
-  REQUIRE_MESSAGE(source.has_value(), (source ? "" : source.error().message));
-  return *std::move(source);
+  return require(PoseGoalSource::make(checker, goals, kReady, settings, 1e-4));
 }
 
 /// Where a random configuration has the hand, with any rotation.
@@ -129,8 +125,12 @@ TEST_SUITE("unit") {
     settings.seeds = 100000000;
     int asked = 0;
     settings.is_over = [&] { return asked++ >= 3; };
-    CHECK(require_kinematics(robot, kHand).solve(unreachable, kReady, settings).seeds == 48);
-    CHECK(require_kinematics(robot, kHand).solve(unreachable, kReady, settings).seeds == 0);
+    CHECK(
+        require(InverseKinematics::make(robot, kHand)).solve(unreachable, kReady, settings).seeds ==
+        48);
+    CHECK(
+        require(InverseKinematics::make(robot, kHand)).solve(unreachable, kReady, settings).seeds ==
+        0);
     asked = 0;
     PoseGoalSource source = require_source(checker, {unreachable, unreachable}, settings);
     CHECK(source.more().empty());
@@ -151,7 +151,7 @@ TEST_SUITE("unit") {
     PoseGoalSource source = require_source(checker, {unreachable}, settings);
     CHECK(source.more().empty());
     CHECK(asked == 256);
-    CHECK(source.describe_failure().find("out of reach") != std::string::npos);
+    CHECK(contains(source.describe_failure(), "out of reach"));
     CHECK(asked <= 256 + 64);
   }
 
@@ -210,9 +210,8 @@ TEST_SUITE("unit") {
     const CollisionChecker checker = checker_among(robot, {});
     PoseGoal goal;
     goal.link = "nose";
-    const auto source = PoseGoalSource::make(checker, {&goal, 1}, kReady, {}, 0);
-    REQUIRE(!source.has_value());
-    CHECK(source.error().message == "expected a link of robot panda, got \"nose\"");
+    const Error error = require_error(PoseGoalSource::make(checker, {&goal, 1}, kReady, {}, 0));
+    CHECK(error.message == "expected a link of robot panda, got \"nose\"");
   }
 }
 

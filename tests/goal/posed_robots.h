@@ -17,16 +17,7 @@
 namespace mneme::test {
 
 inline Robot shipped_robot(const std::string& name) {
-  const auto loaded = load_approximated_robot(source_file("robots/" + name + ".urdf"));
-  REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
-  return loaded->robot;
-}
-
-inline InverseKinematics require_kinematics(const Robot& robot, const std::string& link,
-                                            Isa isa = Isa::automatic) {
-  const auto kinematics = InverseKinematics::make(robot, link, isa);
-  REQUIRE_MESSAGE(kinematics.has_value(), (kinematics ? "" : kinematics.error().message));
-  return *kinematics;
+  return require(load_approximated_robot(source_file("robots/" + name + ".urdf"))).robot;
 }
 
 inline const std::string kHand = "panda_hand";

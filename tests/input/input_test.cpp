@@ -4,6 +4,7 @@
 
 #include "input/input.h"
 #include "input/tree_builder.h"
+#include "support/support.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -302,10 +303,9 @@ TEST_SUITE("unit") {
     };
     for (const std::string& text : texts) {
       CAPTURE(text);
-      const auto simple = internal::parse_simple_yaml(text, "f", 1000);
-      REQUIRE(simple.has_value());
+      const auto simple = require(internal::parse_simple_yaml(text, "f", 1000));
       // The end marker is beyond the subset.
-      CHECK(same_value(*simple, internal::parse_yaml(text + "\n...\n", "f")));
+      CHECK(same_value(simple, internal::parse_yaml(text + "\n...\n", "f")));
     }
     for (const char* text :
          {"",          "a:\n",           "a: b c\n",    "a: ~",       "a: null",
@@ -323,9 +323,8 @@ TEST_SUITE("unit") {
     for (int repetition = 0; repetition < 500; ++repetition) {
       const std::string text = random_block(rng, 0, 0);
       CAPTURE(text);
-      const auto simple = internal::parse_simple_yaml(text, "f", 100'000);
-      REQUIRE(simple.has_value());
-      REQUIRE(same_value(*simple, internal::parse_yaml(text + "...\n", "f")));
+      const auto simple = require(internal::parse_simple_yaml(text, "f", 100'000));
+      REQUIRE(same_value(simple, internal::parse_yaml(text + "...\n", "f")));
     }
   }
 
@@ -404,8 +403,7 @@ TEST_SUITE("unit") {
                     example.first);
     }
     for (const char* text : {"pi pi", "2**3", "1/0", "pi/", "(pi", "inf", "2 pi", "", "pie"}) {
-      CHECK_MESSAGE(yaml_failure(fmt::format("a: !radians \"{}\"", text)).find("such as pi/6") !=
-                        std::string::npos,
+      CHECK_MESSAGE(contains(yaml_failure(fmt::format("a: !radians \"{}\"", text)), "such as pi/6"),
                     text);
     }
     CHECK_FALSE(yaml_failure("a: !radians \"" + std::string(100000, '-') + "1\"").empty());
@@ -415,8 +413,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("deep nesting is refused, however it is written") {
     const std::string depth = "nested at most 64 deep";
-    CHECK(yaml_failure(std::string(100, '[') + std::string(100, ']')).find(depth) !=
-          std::string::npos);
+    CHECK(contains(yaml_failure(std::string(100, '[') + std::string(100, ']')), depth));
     CHECK_FALSE(yaml_failure(std::string(100000, '[')).empty());
     std::string dashes;
     for (int i = 0; i < 20000; ++i) dashes += "- ";
@@ -477,7 +474,7 @@ TEST_SUITE("unit") {
       bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [";
       for (int j = 0; j < 10; ++j) bomb += last + (j < 9 ? ", " : "]\n");
     }
-    CHECK(yaml_failure(bomb).find("expected at most 4000000 values") != std::string::npos);
+    CHECK(contains(yaml_failure(bomb), "expected at most 4000000 values"));
   }
 }
 

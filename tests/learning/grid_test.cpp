@@ -48,13 +48,12 @@ void check_refused(const std::string& text, int line, const std::string& word) {
   const TemporaryDirectory directory;
   const std::string path = directory / "grid.yaml";
   write_file(path, text);
-  const auto grid = load_grid(path);
+  const Error error = require_error(load_grid(path));
   INFO(text);
-  REQUIRE(!grid.has_value());
-  CHECK(grid.error().code == ErrorCode::parse);
+  CHECK(error.code == ErrorCode::parse);
   const std::string place = path + ":" + std::to_string(line) + ":";
-  CHECK_MESSAGE(grid.error().message.find(place) != std::string::npos, grid.error().message);
-  CHECK_MESSAGE(grid.error().message.find(word) != std::string::npos, grid.error().message);
+  CHECK_MESSAGE(contains(error.message, place), error.message);
+  CHECK_MESSAGE(contains(error.message, word), error.message);
 }
 
 }  // namespace
@@ -202,25 +201,22 @@ TEST_SUITE("unit") {
   TEST_CASE("a grid is read as it was written, what is left out has its default") {
     const TemporaryDirectory directory;
     write_file(directory / "grid.yaml", kGood);
-    const auto grid = load_grid(directory / "grid.yaml");
-    REQUIRE_MESSAGE(grid.has_value(), (grid ? "" : grid.error().message));
-    CHECK(grid->radius == std::array<double, 2>{1, 2});
-    CHECK(grid->gap == std::array<double, 2>{0.1, 0.5});
-    CHECK(grid->distance == std::array<double, 2>{2, 9});
-    CHECK(grid->max_similarity_error == PrimitiveGrid{}.max_similarity_error);
-    CHECK(grid->count == 0);
+    const auto grid = require(load_grid(directory / "grid.yaml"));
+    CHECK(grid.radius == std::array<double, 2>{1, 2});
+    CHECK(grid.gap == std::array<double, 2>{0.1, 0.5});
+    CHECK(grid.distance == std::array<double, 2>{2, 9});
+    CHECK(grid.max_similarity_error == PrimitiveGrid{}.max_similarity_error);
+    CHECK(grid.count == 0);
     write_file(directory / "full.yaml", kGood + "max_similarity_error: 0.5\ncount: 800\n");
-    const auto full = load_grid(directory / "full.yaml");
-    REQUIRE(full.has_value());
-    CHECK(full->max_similarity_error == 0.5);
-    CHECK(full->count == 800);
+    const auto full = require(load_grid(directory / "full.yaml"));
+    CHECK(full.max_similarity_error == 0.5);
+    CHECK(full.count == 800);
   }
 
   TEST_CASE("the grid that comes with mneme is one") {
-    const auto grid = load_grid(source_file("scenes/planar/grid.yaml"));
-    REQUIRE_MESSAGE(grid.has_value(), (grid ? "" : grid.error().message));
-    CHECK(grid->max_similarity_error <= 3);
-    CHECK(grid->count >= 28);
+    const auto grid = require(load_grid(source_file("scenes/planar/grid.yaml")));
+    CHECK(grid.max_similarity_error <= 3);
+    CHECK(grid.count >= 28);
   }
 
   TEST_CASE("a malformed grid is refused with file, line and what was expected") {
@@ -248,14 +244,11 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a file that is not there, or empty, is refused by name") {
     const TemporaryDirectory directory;
-    const auto missing = load_grid(directory / "none.yaml");
-    REQUIRE(!missing.has_value());
-    CHECK(missing.error().code == ErrorCode::io);
-    CHECK(missing.error().message.find("none.yaml") != std::string::npos);
+    const Error error = require_error(load_grid(directory / "none.yaml"));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(contains(error.message, "none.yaml"));
     write_file(directory / "empty.yaml", "");
-    const auto empty = load_grid(directory / "empty.yaml");
-    REQUIRE(!empty.has_value());
-    CHECK(empty.error().message.find("empty.yaml") != std::string::npos);
+    CHECK(contains(require_error(load_grid(directory / "empty.yaml")).message, "empty.yaml"));
   }
 }
 

@@ -14,17 +14,14 @@ std::vector<Problem> post_problems(const Posts& posts) {
   options.robot_path = posts.robot();
   std::vector<Problem> problems;
   for (int i = 0; i < 4; ++i) {
-    auto problem = load_problem(posts.problems() + "#" + std::to_string(i), options);
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    problems.push_back(std::move(*problem));
+    auto problem = require(load_problem(posts.problems() + "#" + std::to_string(i), options));
+    problems.push_back(std::move(problem));
   }
   return problems;
 }
 
 Database open_paths(const std::string& path, const Robot& robot) {
-  auto database = Database::open(path, make_signature(robot), OpenMode::create);
-  REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
-  return std::move(*database);
+  return require(Database::open(path, make_signature(robot), OpenMode::create));
 }
 
 ProblemLesson two_paths(std::uint64_t seed = 1, int jobs = 1) {
@@ -37,9 +34,7 @@ ProblemLesson two_paths(std::uint64_t seed = 1, int jobs = 1) {
 
 LearnSummary learn_well(std::span<const Problem> problems, Database& database,
                         const ProblemLesson& lesson) {
-  auto summary = learn_from_problems(problems, of_kind("paths"), database, lesson);
-  REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
-  return *summary;
+  return require(learn_from_problems(problems, of_kind("paths"), database, lesson));
 }
 
 }  // namespace
@@ -92,14 +87,13 @@ TEST_SUITE("law") {
   TEST_CASE("the paths are those of solve() with uniform samples and the same seeds") {
     const Posts posts;
     const Problem problem = post_problems(posts).front();
-    const auto plan = solve_repeatedly(problem, two_paths(7));
-    REQUIRE(plan.has_value());
-    REQUIRE(plan->paths.size() == 2);
+    const auto plan = require(solve_repeatedly(problem, two_paths(7)));
+    REQUIRE(plan.paths.size() == 2);
     for (std::size_t i = 0; i < 2; ++i) {
       SolveSettings settings;
       settings.sampler = "uniform";
       settings.plan.seed = derive_seed(7, i);
-      CHECK(solve(problem, nullptr, settings)->plan.path == plan->paths[i]);
+      CHECK(solve(problem, nullptr, settings)->plan.path == plan.paths[i]);
     }
   }
 }
@@ -117,10 +111,8 @@ TEST_SUITE("flow") {
     settings.memory.kind = "paths";
     settings.retrieve_after = 0;
     for (const Problem& problem : std::span(problems).last(2)) {
-      const auto solved = solve(problem, &database, settings);
-      REQUIRE_MESSAGE(solved.has_value(), (solved ? "" : solved.error().message));
-      CHECK(solved->plan.is_solved());
-      CHECK(solved->gl.mixture->component_count() > 0);
+      const SolveResult solved = require_solved(problem, &database, settings);
+      CHECK(solved.gl.mixture->component_count() > 0);
     }
   }
 }
@@ -161,9 +153,7 @@ TEST_SUITE("unit") {
     problems.resize(1, problems[0]);
     Database database = open_paths(posts.directory / "a.db", problems[0].robot);
     const auto learned_of = [&](const MemorySettings& memory) {
-      const auto summary = learn_from_problems(problems, memory, database, two_paths());
-      REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
-      return summary->learned;
+      return require(learn_from_problems(problems, memory, database, two_paths())).learned;
     };
     for (const MemorySettings& memory : {of_kind("paths"), of_kind("body_pairs")}) {
       CHECK(learned_of(memory) == 1);
@@ -221,9 +211,9 @@ TEST_SUITE("unit") {
     Database database = open_paths(posts.directory / "a.db", problems.front().robot);
     ProblemLesson lesson = two_paths();
     lesson.timeout_s = -1;
-    const auto refused = learn_from_problems(problems, of_kind("paths"), database, lesson);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::invalid);
+    const Error refused =
+        require_error(learn_from_problems(problems, of_kind("paths"), database, lesson));
+    CHECK(refused.code == ErrorCode::invalid);
     CHECK(!learn_from_problems(problems, of_kind("none"), database, two_paths()).has_value());
     CHECK(database.size() == 0);
   }

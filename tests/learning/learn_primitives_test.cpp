@@ -12,13 +12,6 @@
 namespace mneme::test {
 namespace {
 
-LearnSummary learn_all(const Robot& robot, const std::vector<PrimitiveKey>& keys,
-                       Database& database, const LearnJob& job) {
-  auto summary = learn_primitives(robot, keys, database, job);
-  REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
-  return *summary;
-}
-
 LearnJob cheap_job(std::uint64_t seed = 1, int jobs = 1) {
   LearnJob job;
   job.settings = cheap_settings();
@@ -49,7 +42,7 @@ void check_same_contents(const Database& a, const Database& b) {
 std::set<std::int64_t> stored_ids(const std::string& path, const Robot& robot) {
   std::set<std::int64_t> ids;
   const Database database = make_database(path, robot, OpenMode::read_only);
-  REQUIRE(database.for_each([&](const auto& row) { ids.insert(row->id); }).has_value());
+  require(database.for_each([&](const auto& row) { ids.insert(row->id); }));
   return ids;
 }
 
@@ -62,8 +55,8 @@ TEST_SUITE("law") {
     const auto keys = random_keys(50, 41);
     Database one = make_database(directory / "one.db", robot);
     Database three = make_database(directory / "three.db", robot);
-    const LearnSummary summary = learn_all(robot, keys, one, cheap_job(1, 1));
-    const LearnSummary same = learn_all(robot, keys, three, cheap_job(1, 3));
+    const LearnSummary summary = require(learn_primitives(robot, keys, one, cheap_job(1, 1)));
+    const LearnSummary same = require(learn_primitives(robot, keys, three, cheap_job(1, 3)));
     CHECK(summary.learned == 50);
     CHECK(summary.skipped == 0);
     CHECK(!summary.is_cancelled);
@@ -79,7 +72,8 @@ TEST_SUITE("law") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
-    const LearnSummary summary = learn_all(robot, random_keys(10, 42), database, cheap_job());
+    const LearnSummary summary =
+        require(learn_primitives(robot, random_keys(10, 42), database, cheap_job()));
     int empty = 0;
     for (std::int64_t i = 0; i < database.size(); ++i) {
       const Experience row = *database.get(i);
@@ -102,16 +96,16 @@ TEST_SUITE("unit") {
     std::vector<PrimitiveKey> keys(7, near_pair());
     for (std::size_t i = 0; i < 6; ++i) keys[i][i] += 1e-12;
     LearnJob job = cheap_job(1);
-    CHECK(learn_all(robot, keys, database, job).learned == 7);
+    CHECK(require(learn_primitives(robot, keys, database, job)).learned == 7);
     job.seed = 2;
-    CHECK(learn_all(robot, keys, database, job).learned == 7);
+    CHECK(require(learn_primitives(robot, keys, database, job)).learned == 7);
     std::set<std::uint64_t> seeds;
     for (std::int64_t i = 0; i < database.size(); ++i) {
       seeds.insert(database.get(i)->provenance.seed);
     }
     CHECK(seeds.size() == 14);
     Database other = make_database(directory / "b.db", robot);
-    learn_all(robot, {keys[4]}, other, job);
+    require(learn_primitives(robot, std::span(&keys[4], 1), other, job));
     CHECK(other.get(0)->provenance.seed == database.get(11)->provenance.seed);
   }
 
@@ -132,7 +126,7 @@ TEST_SUITE("unit") {
     std::int64_t done = 0;
     {
       Database database = make_database(directory / "a.db", robot);
-      const LearnSummary summary = learn_all(robot, keys, database, job);
+      const LearnSummary summary = require(learn_primitives(robot, keys, database, job));
       CHECK(summary.is_cancelled);
       done = database.size();
       CHECK(summary.learned == done);
@@ -149,7 +143,7 @@ TEST_SUITE("unit") {
     is_cancelled = false;
     job.on_progress = {};
     Database database = make_database(directory / "a.db", robot, OpenMode::read_write);
-    const LearnSummary rest = learn_all(robot, keys, database, job);
+    const LearnSummary rest = require(learn_primitives(robot, keys, database, job));
     CHECK(!rest.is_cancelled);
     CHECK(rest.skipped == done);
     CHECK(rest.learned == 40 - done);
@@ -163,7 +157,8 @@ TEST_SUITE("unit") {
     const std::atomic<bool> is_cancelled = true;
     LearnJob job = cheap_job(1, 2);
     job.cancel = &is_cancelled;
-    const LearnSummary summary = learn_all(robot, random_keys(5, 44), database, job);
+    const LearnSummary summary =
+        require(learn_primitives(robot, random_keys(5, 44), database, job));
     CHECK(summary.is_cancelled);
     CHECK(summary.learned == 0);
     CHECK(database.size() == 0);
@@ -174,14 +169,14 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
     const auto keys = random_keys(6, 45);
-    CHECK(learn_all(robot, keys, database, cheap_job(1)).learned == 6);
-    CHECK(learn_all(robot, keys, database, cheap_job(1)).skipped == 6);
+    CHECK(require(learn_primitives(robot, keys, database, cheap_job(1))).learned == 6);
+    CHECK(require(learn_primitives(robot, keys, database, cheap_job(1))).skipped == 6);
     CHECK(database.size() == 6);
-    CHECK(learn_all(robot, keys, database, cheap_job(2)).learned == 6);
+    CHECK(require(learn_primitives(robot, keys, database, cheap_job(2))).learned == 6);
     LearnJob richer = cheap_job(1);
     richer.settings.starts_per_link = 2;
-    CHECK(learn_all(robot, keys, database, richer).learned == 6);
-    CHECK(learn_all(robot, keys, database, richer).skipped == 6);
+    CHECK(require(learn_primitives(robot, keys, database, richer)).learned == 6);
+    CHECK(require(learn_primitives(robot, keys, database, richer)).skipped == 6);
     CHECK(database.size() == 18);
     std::set<std::vector<float>> different;
     for (std::int64_t i = 0; i < database.size(); ++i) {
@@ -196,15 +191,15 @@ TEST_SUITE("unit") {
     Database database = make_database(directory / "a.db", robot);
     auto keys = random_keys(8, 46);
     const std::vector<PrimitiveKey> some(keys.begin() + 2, keys.begin() + 5);
-    CHECK(learn_all(robot, some, database, cheap_job()).learned == 3);
+    CHECK(require(learn_primitives(robot, some, database, cheap_job())).learned == 3);
     keys.push_back(keys[0]);
-    const LearnSummary summary = learn_all(robot, keys, database, cheap_job());
+    const LearnSummary summary = require(learn_primitives(robot, keys, database, cheap_job()));
     CHECK(summary.learned == 5);
     CHECK(summary.skipped == 4);
     CHECK(database.size() == 8);
     // A primitive's sampler does not depend on its place in a list.
     Database other = make_database(directory / "b.db", robot);
-    learn_all(robot, some, other, cheap_job());
+    require(learn_primitives(robot, some, other, cheap_job()));
     CHECK(is_same_mixture(other.get(1)->sampler(), database.get(1)->sampler()));
   }
 
@@ -222,7 +217,8 @@ TEST_SUITE("unit") {
       is_cancelled = latest.done > 0;
     };
     // Fewer than make a transaction.
-    const LearnSummary summary = learn_all(robot, random_keys(30, 49), database, job);
+    const LearnSummary summary =
+        require(learn_primitives(robot, random_keys(30, 49), database, job));
     CHECK(summary.is_cancelled);
     CHECK(summary.learned < 30);
     CHECK(stored > 0);
@@ -238,8 +234,7 @@ TEST_SUITE("unit") {
       ++calls;
       CHECK(latest.total == 0);
     };
-    const LearnSummary summary = learn_all(robot, {}, database, job);
-    CHECK(summary.learned == 0);
+    CHECK(require(learn_primitives(robot, {}, database, job)).learned == 0);
     CHECK(calls == 1);
   }
 
@@ -247,30 +242,29 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     const Robot robot = upright_arm();
     const RobotSignature space = {robot.name(), "", robot.hash(), 1};
-    auto database = Database::open(directory / "a.db", space, OpenMode::create);
-    REQUIRE(database.has_value());
-    const auto summary = learn_primitives(robot, random_keys(5, 47), *database, cheap_job(1, 2));
-    REQUIRE(!summary.has_value());
-    CHECK(summary.error().code == ErrorCode::unsupported);
-    CHECK(database->size() == 0);
+    auto database = require(Database::open(directory / "a.db", space, OpenMode::create));
+    const Error error =
+        require_error(learn_primitives(robot, random_keys(5, 47), database, cheap_job(1, 2)));
+    CHECK(error.code == ErrorCode::unsupported);
+    CHECK(database.size() == 0);
   }
 
   TEST_CASE("a database that cannot take the rows is an error") {
     const TemporaryDirectory directory;
     const Robot robot = planar8();
     Database small = make_database(directory / "small.db", planar_arm({1, 1}));
-    const auto wrong = learn_primitives(robot, random_keys(3, 48), small, cheap_job());
-    REQUIRE(!wrong.has_value());
-    CHECK(wrong.error().code == ErrorCode::invalid);
+    const Error error =
+        require_error(learn_primitives(robot, random_keys(3, 48), small, cheap_job()));
+    CHECK(error.code == ErrorCode::invalid);
     CHECK(small.size() == 0);
 
     write_file(directory / "a.db", "");
     make_database(directory / "a.db", robot);
     Database reader = make_database(directory / "a.db", robot, OpenMode::read_only);
-    const auto refused = learn_primitives(robot, random_keys(3, 48), reader, cheap_job());
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::io);
-    CHECK(refused.error().message.find("a.db") != std::string::npos);
+    const Error refused =
+        require_error(learn_primitives(robot, random_keys(3, 48), reader, cheap_job()));
+    CHECK(refused.code == ErrorCode::io);
+    CHECK(contains(refused.message, "a.db"));
   }
 }
 

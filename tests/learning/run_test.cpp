@@ -65,12 +65,11 @@ TEST_SUITE("unit") {
   TEST_CASE("every task is done once, and few are held that others could do") {
     for (const int jobs : {1, 4}) {
       ScriptedSource source(2000);
-      const auto summary = internal::run_tasks(source, easy_tasks(2000), run_with(jobs));
-      REQUIRE(summary.has_value());
-      CHECK(summary->learned == 2000);
-      CHECK(summary->rows == 2000);
-      CHECK(summary->empty == 2000);
-      CHECK(summary->skipped == 0);
+      const auto summary = require(internal::run_tasks(source, easy_tasks(2000), run_with(jobs)));
+      CHECK(summary.learned == 2000);
+      CHECK(summary.rows == 2000);
+      CHECK(summary.empty == 2000);
+      CHECK(summary.skipped == 0);
       CHECK(!source.is_released);
       CHECK(source.most_taken <= 2 * static_cast<std::size_t>(jobs) + 31);
       std::ranges::sort(source.saved);
@@ -81,16 +80,14 @@ TEST_SUITE("unit") {
   TEST_CASE("errors of the server are borne, others end the run and give back what was taken") {
     ScriptedSource away(50);
     away.failures = 3;
-    const auto summary = internal::run_tasks(away, easy_tasks(50), run_with(2));
-    REQUIRE(summary.has_value());
+    require(internal::run_tasks(away, easy_tasks(50), run_with(2)));
     CHECK(away.saved.size() == 50);
 
     ScriptedSource broken(50);
     broken.failures = 1;
     broken.code = ErrorCode::corrupt;
-    const auto refused = internal::run_tasks(broken, easy_tasks(50), run_with(2));
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::corrupt);
+    const Error refused = require_error(internal::run_tasks(broken, easy_tasks(50), run_with(2)));
+    CHECK(refused.code == ErrorCode::corrupt);
     CHECK(broken.is_released);
   }
 
@@ -101,9 +98,7 @@ TEST_SUITE("unit") {
       if (task == 40) return fail(ErrorCode::io, "no task");
       return internal::Learned{{}, task % 2 == 0 ? "" : "odd"};
     };
-    const auto refused = internal::run_tasks(source, tasks, run_with(1));
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().message == "no task");
+    CHECK(require_error(internal::run_tasks(source, tasks, run_with(1))).message == "no task");
     CHECK(source.saved.size() >= 32);
     CHECK(std::ranges::count(source.saved, 40U) == 0);
   }
@@ -118,13 +113,12 @@ TEST_SUITE("unit") {
     };
     LearnRun run = run_with(2);
     run.cancel = &is_cancelled;
-    const auto summary = internal::run_tasks(source, tasks, run);
-    REQUIRE(summary.has_value());
-    CHECK(summary->is_cancelled);
+    const auto summary = require(internal::run_tasks(source, tasks, run));
+    CHECK(summary.is_cancelled);
     CHECK(source.is_released);
-    CHECK(summary->learned == 0);
-    CHECK(summary->skipped == 0);
-    CHECK(summary->unsolved.size() == source.saved.size());
+    CHECK(summary.learned == 0);
+    CHECK(summary.skipped == 0);
+    CHECK(summary.unsolved.size() == source.saved.size());
     CHECK(source.saved.size() >= 490);
   }
 
@@ -150,10 +144,9 @@ TEST_SUITE("unit") {
   TEST_CASE("a run for which there is no thread is an error") {
     const NoThreads none;
     ScriptedSource source(10);
-    const auto refused = internal::run_tasks(source, easy_tasks(10), run_with(2));
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::io);
-    CHECK(refused.error().message == "cannot learn: no thread could be started");
+    const Error refused = require_error(internal::run_tasks(source, easy_tasks(10), run_with(2)));
+    CHECK(refused.code == ErrorCode::io);
+    CHECK(refused.message == "cannot learn: no thread could be started");
     CHECK(source.is_released);
   }
 }

@@ -37,13 +37,6 @@ Result<LearnSummary> work(const std::string& url, const Robot& robot,
   return learn_primitives(robot, keys, *database, job);
 }
 
-LearnSummary work_well(const std::string& url, const Robot& robot,
-                       const std::vector<PrimitiveKey>& keys, const LearnJob& job) {
-  const auto summary = work(url, robot, keys, job);
-  REQUIRE_MESSAGE(summary.has_value(), (summary ? "" : summary.error().message));
-  return *summary;
-}
-
 /// What one process learns of the same in a file.
 std::string learned_alone(const Robot& robot, const std::vector<PrimitiveKey>& keys) {
   const TemporaryDirectory directory;
@@ -53,9 +46,7 @@ std::string learned_alone(const Robot& robot, const std::vector<PrimitiveKey>& k
 }
 
 std::int64_t ask(internal::PostgresConnection& connection, const char* sql) {
-  const auto answer = connection.query(sql);
-  REQUIRE_MESSAGE(answer.has_value(), (answer ? "" : answer.error().message));
-  return answer->integer(0, 0);
+  return require(connection.query(sql)).integer(0, 0);
 }
 
 std::int64_t ask(const std::string& url, const char* sql) {
@@ -69,7 +60,7 @@ void wait_until(const std::string& url, const char* condition) {
   const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (ask(connection, fmt::format("SELECT ({})::int", condition).c_str()) == 0) {
     REQUIRE(std::chrono::steady_clock::now() < patience);
-    REQUIRE(connection.query("SELECT pg_sleep(0.01)").has_value());
+    require(connection.query("SELECT pg_sleep(0.01)"));
   }
 }
 
@@ -93,10 +84,10 @@ TEST_SUITE("unit") {
     const Robot robot = planar8();
     Database database = make_database(directory / "a.db", robot);
     const auto keys = random_keys(2, 1);
-    const auto refused = learn_primitives(robot, keys, database, shared_job(directory / "a.db"));
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::unsupported);
-    CHECK(refused.error().message.find("a.db") != std::string::npos);
+    const Error refused =
+        require_error(learn_primitives(robot, keys, database, shared_job(directory / "a.db")));
+    CHECK(refused.code == ErrorCode::unsupported);
+    CHECK(contains(refused.message, "a.db"));
     CHECK(database.size() == 0);
   }
 
@@ -107,9 +98,9 @@ TEST_SUITE("unit") {
     for (const double lease_s : {0.0, -1.0, 1e6, std::nan("")}) {
       LearnJob job = shared_job("postgresql://nowhere.invalid/x");
       job.shared->lease_s = lease_s;
-      const auto refused = learn_primitives(robot, random_keys(1, 1), database, job);
-      REQUIRE(!refused.has_value());
-      CHECK(refused.error().code == ErrorCode::invalid);
+      const Error refused =
+          require_error(learn_primitives(robot, random_keys(1, 1), database, job));
+      CHECK(refused.code == ErrorCode::invalid);
     }
   }
 }
@@ -127,7 +118,7 @@ TEST_SUITE("flow") {
     std::vector<LearnProgress> progress;
     LearnJob job = shared_job(url, 3);
     job.on_progress = [&](const LearnProgress& latest) { progress.push_back(latest); };
-    const LearnSummary summary = work_well(url, robot, keys, job);
+    const LearnSummary summary = require(work(url, robot, keys, job));
     CHECK(summary.learned == 12);
     CHECK(summary.skipped == 1);
     CHECK(!summary.is_cancelled);
@@ -136,7 +127,7 @@ TEST_SUITE("flow") {
     CHECK(progress.back().total == 13);
     CHECK(exported(url) == learned_alone(robot, keys));
 
-    const LearnSummary again = work_well(url, robot, keys, shared_job(url));
+    const LearnSummary again = require(work(url, robot, keys, shared_job(url)));
     CHECK(again.learned == 0);
     CHECK(again.skipped == 13);
     CHECK(ask(url, "SELECT max(attempt) FROM mneme_task") == 1);
@@ -152,11 +143,11 @@ TEST_SUITE("flow") {
       Database database = make_database(url, robot);
       learn_into(database, robot, {keys[0], keys[4]});
     }
-    CHECK(work_well(url, robot, keys, shared_job(url)).learned == 4);
+    CHECK(require(work(url, robot, keys, shared_job(url))).learned == 4);
     const std::string whole = exported(url);
     CHECK(ask(url, "UPDATE mneme_mixture SET seed = 1 WHERE id = 5 RETURNING 1") == 1);
     REQUIRE(verify_database(url, VerifyMode::quarantine)->size() == 1);
-    const LearnSummary summary = work_well(url, robot, keys, shared_job(url));
+    const LearnSummary summary = require(work(url, robot, keys, shared_job(url)));
     CHECK(summary.learned == 1);
     CHECK(summary.skipped == 5);
     CHECK(exported(url) == whole);
@@ -174,7 +165,7 @@ TEST_SUITE("flow") {
     job.cancel = &is_cancelled;
     job.settings.paths_per_start = 20;
     job.on_progress = [&](const LearnProgress&) { is_cancelled = true; };
-    const LearnSummary summary = work_well(url, robot, keys, job);
+    const LearnSummary summary = require(work(url, robot, keys, job));
     CHECK(summary.is_cancelled);
     CHECK(summary.learned == make_database(url, robot, OpenMode::read_only).size());
     CHECK(summary.learned < 300);
@@ -239,14 +230,14 @@ TEST_SUITE("flow") {
     auto watcher = connect_to(url);
     // While nobody can save, the first one surely has something to lose.
     for (const char* step : {"BEGIN", "LOCK TABLE mneme_experience IN SHARE ROW EXCLUSIVE MODE"}) {
-      REQUIRE(watcher.query(step).has_value());
+      require(watcher.query(step));
     }
     const pid_t first = start_worker(url, robot, keys);
     wait_until(url, "to_regclass('mneme_task') IS NOT NULL");
     wait_until(url, "EXISTS (SELECT 1 FROM mneme_task WHERE attempt = 1)");
     ::kill(first, SIGKILL);
     REQUIRE(wait_for(first) == -1);
-    REQUIRE(watcher.query("ROLLBACK").has_value());
+    require(watcher.query("ROLLBACK"));
     std::array<pid_t, 4> workers{};
     for (pid_t& worker : workers) worker = start_worker(url, robot, keys);
     int killed = 1;

@@ -17,16 +17,12 @@ namespace mneme::test {
 namespace {
 
 CollisionChecker require_checker(const Robot& robot, const Scene& scene = {}) {
-  const auto checker = CollisionChecker::make(robot, scene);
-  REQUIRE(checker);
-  return *checker;
+  return require(CollisionChecker::make(robot, scene));
 }
 
 LineResult require_line(const CollisionChecker& checker, const Line& line, const Configuration& q,
                         const LineSettings& settings = {}) {
-  const auto result = plan_line(checker, line, q, settings);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return *result;
+  return require(plan_line(checker, line, q, settings));
 }
 
 Line random_line(const std::string& link, Rng& rng) {
@@ -206,8 +202,7 @@ TEST_SUITE("unit") {
     line.target->rotation = line.target->rotation * rotation_about(Vec3::UnitZ(), kPi / 2);
     const LineResult stopped = require_line(checker, line, q);
     CHECK(!stopped.is_whole());
-    CHECK(stopped.reason.find("joint 'wrist_3_joint' at its upper limit of 3.142 rad") !=
-          std::string::npos);
+    CHECK(contains(stopped.reason, "joint 'wrist_3_joint' at its upper limit of 3.142 rad"));
     line.free_axis = Axis::z;
     const LineResult free = require_line(checker, line, q);
     CHECK_MESSAGE(free.is_whole(), free.reason);
@@ -251,9 +246,8 @@ TEST_SUITE("unit") {
     const LineResult result = require_line(checker, line, kReady);
     CHECK(!result.is_whole());
     CHECK(result.line.fraction() > 0.2);
-    CHECK_MESSAGE(result.reason.find("contact of link 'panda_") != std::string::npos,
-                  result.reason);
-    CHECK_MESSAGE(result.reason.find("with obstacle 'shelf'") != std::string::npos, result.reason);
+    CHECK_MESSAGE(contains(result.reason, "contact of link 'panda_"), result.reason);
+    CHECK_MESSAGE(contains(result.reason, "with obstacle 'shelf'"), result.reason);
     CHECK(is_path_free(robot, scene, result.line.path, 0.005));
   }
 
@@ -265,7 +259,7 @@ TEST_SUITE("unit") {
     const LineResult result = require_line(require_checker(robot), line, kReady);
     CHECK(result.line.path.empty());
     CHECK(result.branches == 0);
-    CHECK_MESSAGE(result.reason.find("out of reach") != std::string::npos, result.reason);
+    CHECK_MESSAGE(contains(result.reason, "out of reach"), result.reason);
   }
 
   TEST_CASE("a start in contact is told") {
@@ -278,14 +272,13 @@ TEST_SUITE("unit") {
     CHECK(result.line.path.empty());
     CHECK(result.steps == 0);
     CHECK_MESSAGE(result.reason.find("the line cannot start: contact of link") == 0, result.reason);
-    CHECK_MESSAGE(result.reason.find("'ball'") != std::string::npos, result.reason);
+    CHECK_MESSAGE(contains(result.reason, "'ball'"), result.reason);
   }
 
   TEST_CASE("a start at which spheres alone touch is checked by exact geometry") {
     const Box plate{{Eigen::Matrix3d::Identity(), {0, 0, 0.2}}, {0.1, 0.1, 0.01}};
-    const auto robot = attach(shipped_robot("panda"), {{"plate", kHand, {plate}}});
-    REQUIRE(robot.has_value());
-    const Transform begin = pose_at(*robot, kHand, kReady).pose;
+    const auto robot = require(attach(shipped_robot("panda"), {{"plate", kHand, {plate}}}));
+    const Transform begin = pose_at(robot, kHand, kReady).pose;
     Scene scene;
     const auto add_tray = [&](double gap) {
       scene.obstacles.clear();
@@ -293,7 +286,7 @@ TEST_SUITE("unit") {
       REQUIRE(scene.add({"tray", {Box{under, {0.05, 0.05, 0.02}}}}));
     };
     add_tray(0.003);
-    const CollisionChecker checker = require_checker(*robot, scene);
+    const CollisionChecker checker = require_checker(robot, scene);
     REQUIRE_FALSE(checker.is_valid(std::span<const double>(kReady)));
     Line line = line_by(kHand, Vec3(0, 0, 0.1));
     for (const bool is_from_pose : {false, true}) {
@@ -301,18 +294,16 @@ TEST_SUITE("unit") {
       const LineResult result = require_line(checker, line, kReady);
       CHECK_MESSAGE(result.is_whole(), result.reason);
       REQUIRE(result.notes.size() >= 1);
-      CHECK(result.notes.front().find("touches obstacle 'tray' only with its spheres") !=
-            std::string::npos);
+      CHECK(contains(result.notes.front(), "touches obstacle 'tray' only with its spheres"));
       REQUIRE(result.scene.has_value());
-      CHECK(is_path_free(*robot, *result.scene, result.line.path, 0.005));
-      check_deviation(*robot, line, result);
+      CHECK(is_path_free(robot, *result.scene, result.line.path, 0.005));
+      check_deviation(robot, line, result);
     }
     add_tray(-0.001);
     line.start.reset();
-    const LineResult touching = require_line(require_checker(*robot, scene), line, kReady);
+    const LineResult touching = require_line(require_checker(robot, scene), line, kReady);
     CHECK(touching.line.path.empty());
-    CHECK(touching.reason.find("contact of link 'plate' with obstacle 'tray'") !=
-          std::string::npos);
+    CHECK(contains(touching.reason, "contact of link 'plate' with obstacle 'tray'"));
   }
 
   TEST_CASE("limits and cancellation end the search") {
@@ -324,8 +315,7 @@ TEST_SUITE("unit") {
     const LineResult few = require_line(checker, line, kReady, settings);
     CHECK(!few.is_whole());
     CHECK(few.steps < 12);
-    CHECK_MESSAGE(few.reason.find("the search was ended by its limits") != std::string::npos,
-                  few.reason);
+    CHECK_MESSAGE(contains(few.reason, "the search was ended by its limits"), few.reason);
     const std::atomic<bool> cancel = true;
     settings = {};
     settings.cancel = &cancel;
@@ -342,8 +332,7 @@ TEST_SUITE("unit") {
       change(line, settings);
       const auto result = plan_line(checker, line, kReady, settings);
       REQUIRE_MESSAGE(!result.has_value(), expected);
-      CHECK_MESSAGE(result.error().message.find(expected) != std::string::npos,
-                    result.error().message);
+      CHECK_MESSAGE(contains(result.error().message, expected), result.error().message);
     };
     check([](Line& line, auto&) { line.link = "panda_hnd"; },
           "the line's link \"panda_hnd\" is no link of robot panda; did you mean 'panda_hand'?");
@@ -386,12 +375,11 @@ TEST_SUITE("unit") {
   TEST_CASE("a start that is no configuration begins no line, and the reason says why") {
     const CollisionChecker checker = require_checker(shipped_robot("panda"));
     const auto reason_of = [&](const Configuration& start) {
-      const auto result = plan_line(checker, line_by(kHand, Vec3(0, 0, 0.1)), start);
-      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-      CHECK_FALSE(result->is_whole());
-      CHECK(result->branches == 0);
-      CHECK(result->line.path.empty());
-      return result->reason;
+      const auto result = require(plan_line(checker, line_by(kHand, Vec3(0, 0, 0.1)), start));
+      CHECK_FALSE(result.is_whole());
+      CHECK(result.branches == 0);
+      CHECK(result.line.path.empty());
+      return result.reason;
     };
     CHECK(reason_of({0, -0.785, 0, 3, 0, 1.571, 0.785}).starts_with("start: joint 'panda_joint4'"));
     CHECK(reason_of({0, 0}).starts_with("start: there are 2 values"));
@@ -399,13 +387,10 @@ TEST_SUITE("unit") {
 
   TEST_CASE("constraints are refused") {
     const Robot robot = shipped_robot("panda");
-    CheckerSettings settings;
-    settings.constraints = {{kHand, Vec3(0, 0, -1), Vec3::UnitZ(), 0.5}};
-    const auto checker = CollisionChecker::make(robot, {}, settings);
-    REQUIRE(checker);
-    const auto result = plan_line(*checker, line_by(kHand, Vec3(0, 0, 0.1)), kReady);
-    REQUIRE(!result);
-    CHECK(result.error().message.find("without orientation constraints") != std::string::npos);
+    const auto checker = require(CollisionChecker::make(
+        robot, {}, {.constraints = {{kHand, Vec3(0, 0, -1), Vec3::UnitZ(), 0.5}}}));
+    const Error error = require_error(plan_line(checker, line_by(kHand, Vec3(0, 0, 0.1)), kReady));
+    CHECK(contains(error.message, "without orientation constraints"));
   }
 }
 

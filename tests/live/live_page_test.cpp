@@ -41,10 +41,8 @@ Problem problem_in(const std::string& page, const std::string& directory) {
 }
 
 Path plan(const Problem& problem) {
-  const auto result = solve(problem, nullptr, {});
-  REQUIRE(result.has_value());
-  REQUIRE(result->plan.is_solved());
-  return result->plan.path;
+  const SolveResult result = require_solved(problem, nullptr, {});
+  return result.plan.path;
 }
 
 }  // namespace
@@ -55,9 +53,8 @@ TEST_SUITE("flow") {
     for (const char* name : {"shelf/thick.yaml", "planar/scenario1.yaml"}) {
       CAPTURE(name);
       const Problem problem = load_problem(find_scene(name).value()).value();
-      const auto page = make_offline_page(problem, {"script", "module"});
-      REQUIRE(page.has_value());
-      const Problem read = problem_in(*page, directory / "");
+      const auto page = require(make_offline_page(problem, {"script", "module"}));
+      const Problem read = problem_in(page, directory / "");
       CHECK(std::ranges::equal(read.robot.self_pairs(), problem.robot.self_pairs()));
       CHECK(read.robot.joint_names() == problem.robot.joint_names());
       CHECK(plan(read) == plan(problem));
@@ -70,19 +67,17 @@ TEST_SUITE("flow") {
     part.meshes.push_back({"part.stl", Vec3::Ones(), Transform()});
     ApproximatedObject carried{.object = part, .spheres = {{{0, 0, 0}, 0.01}}, .capsules = {}};
     problem.robot = problem.robot.with_attached({carried}).value();
-    const auto page = make_offline_page(problem, {"script", "module"});
-    REQUIRE_FALSE(page.has_value());
-    CHECK(page.error().code == ErrorCode::unsupported);
-    CHECK(page.error().message.find("'part'") != std::string::npos);
+    const Error error = require_error(make_offline_page(problem, {"script", "module"}));
+    CHECK(error.code == ErrorCode::unsupported);
+    CHECK(contains(error.message, "'part'"));
   }
 
   TEST_CASE("the bytes of the module stand in the page, and no link to another file") {
     const Robot robot = load_robot(find_robot("panda").value()).value();
-    const auto page = make_offline_page(resting_problem(robot, ""), {"script", "module"});
-    REQUIRE(page.has_value());
-    CHECK(element_of(*page, "planner-code") == "c2NyaXB0");
-    CHECK(element_of(*page, "planner-wasm") == "bW9kdWxl");
-    CHECK(page->find(" src=") == page->npos);
+    const auto page = require(make_offline_page(resting_problem(robot, ""), {"script", "module"}));
+    CHECK(element_of(page, "planner-code") == "c2NyaXB0");
+    CHECK(element_of(page, "planner-wasm") == "bW9kdWxl");
+    CHECK(page.find(" src=") == page.npos);
   }
 
   TEST_CASE("the page of a service has no planner, and keeps clouds for the service") {
@@ -93,15 +88,14 @@ TEST_SUITE("flow") {
     problem.scene.obstacles.push_back(
         {"scan", {PointCloud{{}, std::make_shared<Parts<CloudPoint>>(points), 0.01}}});
     problem.scene.obstacles.push_back({"ball", {Sphere{{2, 0, 0}, 0.1}}});
-    const auto page = make_live_page(problem, true);
-    REQUIRE(page.has_value());
-    REQUIRE(page->kept.obstacles.size() == 1);
-    CHECK(page->kept.obstacles[0].name == "scan");
-    const auto trace = nlohmann::json::parse(element_of(page->html, "trace"));
+    const auto page = require(make_live_page(problem, true));
+    REQUIRE(page.kept.obstacles.size() == 1);
+    CHECK(page.kept.obstacles[0].name == "scan");
+    const auto trace = nlohmann::json::parse(element_of(page.html, "trace"));
     CHECK(trace["live"]["scene"] == kLivePageScene);
     CHECK(trace["live"]["has_memory"] == true);
     CHECK_FALSE(trace["live"].contains("planner"));
-    CHECK(page->html.find("planner-wasm\">") == page->html.npos);
+    CHECK(page.html.find("planner-wasm\">") == page.html.npos);
   }
 }
 

@@ -36,9 +36,7 @@ Box random_box(Rng& rng) { return std::get<Box>(random_shape(1, rng)); }
 
 std::vector<LocalPrimitive> body_pairs(const Robot& robot, const Scene& scene,
                                        std::optional<double> max_gap = {}) {
-  const auto result = decompose({robot, scene}, {{}, max_gap});
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return *result;
+  return require(decompose({robot, scene}, {{}, max_gap}));
 }
 
 /// Centroid and S of one shape, from points drawn uniformly within it.
@@ -204,10 +202,9 @@ TEST_SUITE("unit") {
     CHECK(default_memory_kind(lifting_arm()).name == "body_pairs");
     const Robot robot = planar8();
     const Scene scene = make_circle_scene("", {{3, 1, 0.9}, {3, -1, 0.9}});
-    const auto result = decompose({robot, scene}, of_kind("body_pairs"));
-    REQUIRE(result.has_value());
-    REQUIRE(result->size() == 1);
-    CHECK((*result)[0].key.size() == 2 * kBodyKeySize);
+    const auto result = require(decompose({robot, scene}, of_kind("body_pairs")));
+    REQUIRE(result.size() == 1);
+    CHECK(result[0].key.size() == 2 * kBodyKeySize);
   }
 }
 

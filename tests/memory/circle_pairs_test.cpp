@@ -12,15 +12,11 @@ std::vector<LocalPrimitive> pairs(const std::vector<std::array<double, 3>>& circ
                                   double max_gap = 1.0) {
   const Robot robot = planar8();
   const Scene scene = make_circle_scene("circles", circles);
-  const auto result = decompose({robot, scene}, {{}, max_gap});
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return *result;
+  return require(decompose({robot, scene}, {{}, max_gap}));
 }
 
 Error refusal(const Robot& robot, const Scene& scene) {
-  const auto result = decompose({robot, scene}, of_kind("pairs"));
-  REQUIRE(!result.has_value());
-  return result.error();
+  return require_error(decompose({robot, scene}, of_kind("pairs")));
 }
 
 /// Two links in the plane; what the words stand for differs from test to test.
@@ -36,9 +32,7 @@ Robot two_link_arm(const std::string& first_origin, const std::string& second_or
       first_origin + "/><axis xyz='0 0 1'/></joint><joint name='j2' type='continuous'>" +
       "<parent link='one'/><child link='two'/><origin " + second_origin + "/><axis xyz='" +
       second_axis + "'/></joint></robot>";
-  const auto robot = parse_robot(text, "odd.urdf");
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(parse_robot(text, "odd.urdf"));
 }
 
 constexpr const char* kAlongX = "xyz='0.5 0 0' rpy='0 1.5707963267948966 0'";
@@ -86,18 +80,18 @@ TEST_SUITE("unit") {
     scene.obstacles.push_back({"crate", {Box{{}, Vec3(1, 1, 1)}}});
     Error error = refusal(planar8(), scene);
     CHECK(error.code == ErrorCode::unsupported);
-    CHECK(error.message.find("'crate'") != std::string::npos);
-    CHECK(error.message.find("box") != std::string::npos);
+    CHECK(contains(error.message, "'crate'"));
+    CHECK(contains(error.message, "box"));
 
     scene.obstacles.back() = {"dumbbell", {Sphere{Vec3(1, 0, 0), 1}, Sphere{Vec3(3, 0, 0), 1}}};
     error = refusal(planar8(), scene);
     CHECK(error.code == ErrorCode::unsupported);
-    CHECK(error.message.find("'dumbbell' has 2 shapes") != std::string::npos);
+    CHECK(contains(error.message, "'dumbbell' has 2 shapes"));
 
     scene.obstacles.back() = {"balloon", {Sphere{Vec3(3, 0, 0.5), 1}}};
     error = refusal(planar8(), scene);
     CHECK(error.code == ErrorCode::unsupported);
-    CHECK(error.message.find("'balloon' is centred at z = 0.5") != std::string::npos);
+    CHECK(contains(error.message, "'balloon' is centred at z = 0.5"));
   }
 
   TEST_CASE("a circle that is not finite or has no size is refused by name") {
@@ -106,7 +100,7 @@ TEST_SUITE("unit") {
                                  Sphere{Vec3(3, 0, 0), 0}, Sphere{Vec3(3, 0, 0), -1}}) {
       const Error error = refusal(planar8(), Scene{"s", {{"ghost", {sphere}}}});
       CHECK(error.code == ErrorCode::invalid);
-      CHECK(error.message.find("'ghost'") != std::string::npos);
+      CHECK(contains(error.message, "'ghost'"));
     }
   }
 
@@ -117,20 +111,19 @@ TEST_SUITE("unit") {
 
     Error error = refusal(two_link_arm("xyz='0 0 0'", "xyz='1 0 0'", "0 1 0", kAlongX), scene);
     CHECK(error.code == ErrorCode::unsupported);
-    CHECK(error.message.find("'odd': the robot is not planar") != std::string::npos);
+    CHECK(contains(error.message, "'odd': the robot is not planar"));
 
     error = refusal(two_link_arm("xyz='0.3 0 0'", "xyz='1 0 0'", "0 0 1", kAlongX), scene);
-    CHECK(error.message.find("joint 'j1' does not turn link 'one' about the base") !=
-          std::string::npos);
+    CHECK(contains(error.message, "joint 'j1' does not turn link 'one' about the base"));
 
     error =
         refusal(two_link_arm("xyz='0 0 0'", "xyz='1 0 0' rpy='0 0 0.5'", "0 0 1", kAlongX), scene);
-    CHECK(error.message.find("link 'two' is not its own mirror image") != std::string::npos);
+    CHECK(contains(error.message, "link 'two' is not its own mirror image"));
 
     error = refusal(two_link_arm("xyz='0 0 0'", "xyz='1 0 0'", "0 0 1",
                                  "xyz='0.5 0.1 0' rpy='0 1.5707963267948966 0'"),
                     scene);
-    CHECK(error.message.find("link 'one' is not its own mirror image") != std::string::npos);
+    CHECK(contains(error.message, "link 'one' is not its own mirror image"));
   }
 }
 

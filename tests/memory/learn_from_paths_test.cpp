@@ -10,9 +10,7 @@ namespace {
 
 std::vector<Experience> learn_rows(const Robot& robot, const Scene& scene,
                                    const std::vector<Path>& paths, double reach = 0.12) {
-  auto rows = learn_from_paths({robot, scene}, paths, {}, reach);
-  REQUIRE_MESSAGE(rows.has_value(), (rows ? "" : rows.error().message));
-  return std::move(*rows);
+  return require(learn_from_paths({robot, scene}, paths, {}, reach));
 }
 
 Configuration row_of(const GaussianMixture& mixture, int component) {
@@ -67,9 +65,7 @@ Path moved_path(const SymmetricJoints& joints, const Symmetry& motion, const Pat
 
 Database new_database(const std::string& path, const Robot& robot) {
   const auto space = make_signature(robot);
-  auto database = Database::open(path, space, OpenMode::create);
-  REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
-  return std::move(*database);
+  return require(Database::open(path, space, OpenMode::create));
 }
 
 }  // namespace
@@ -98,9 +94,8 @@ TEST_SUITE("unit") {
   TEST_CASE("the errors are those of the decomposition") {
     const Robot robot = lifting_arm();
     const Scene scene = shelf_scene();
-    const auto rows = learn_from_paths({robot, scene}, {}, of_kind("triples"));
-    REQUIRE(!rows.has_value());
-    CHECK(rows.error().message.find("'triples'") != std::string::npos);
+    const Error error = require_error(learn_from_paths({robot, scene}, {}, of_kind("triples")));
+    CHECK(contains(error.message, "'triples'"));
   }
 
   TEST_CASE("planar arms learn from paths too") {
@@ -164,13 +159,12 @@ TEST_SUITE("oracle") {
     const SymmetricJoints joints = find_symmetric_joints(robot);
     const Scene scene = shelf_scene();
     const std::vector<Path> paths = {reaching_path(robot, 50, 5), reaching_path(robot, 50, 6)};
-    const auto primitives = decompose({robot, scene});
-    REQUIRE(primitives.has_value());
-    REQUIRE(primitives->size() == 3);
+    const auto primitives = require(decompose({robot, scene}));
+    REQUIRE(primitives.size() == 3);
     for (const double reach : {0.03, 0.12}) {
       const auto rows = learn_rows(robot, scene, paths, reach);
       std::size_t next = 0;
-      for (const LocalPrimitive& primitive : *primitives) {
+      for (const LocalPrimitive& primitive : primitives) {
         Path expected;
         for (const Path& path : paths) {
           for (const Configuration& q : path) {
@@ -202,9 +196,7 @@ TEST_SUITE("flow") {
     const Robot robot = lifting_arm();
     const SymmetricJoints joints = find_symmetric_joints(robot);
     const auto checker_of = [&](const Scene& scene) {
-      auto checker = CollisionChecker::make(robot, scene, {});
-      REQUIRE(checker.has_value());
-      return *checker;
+      return require(CollisionChecker::make(robot, scene, {}));
     };
     const CollisionChecker here = checker_of(shelf_scene());
     Path path;
@@ -214,7 +206,7 @@ TEST_SUITE("flow") {
     REQUIRE(path.size() > 50);
     const TemporaryDirectory directory;
     Database database = new_database(directory / "a.db", robot);
-    REQUIRE(database.insert(learn_rows(robot, shelf_scene(), {path})).has_value());
+    require(database.insert(learn_rows(robot, shelf_scene(), {path})));
     const std::int64_t components = database.info().components;
     REQUIRE(components > 30);
     SolveSettings settings;
@@ -222,12 +214,12 @@ TEST_SUITE("flow") {
     for (const Symmetry& motion : {Symmetry{}, Symmetry{1.1, false, 0.15}, {-1.7, false, -0.2}}) {
       const Scene scene = moved_scene(transform_of(joints, motion), shelf_scene());
       const CollisionChecker there = checker_of(scene);
-      const auto gl = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings);
-      REQUIRE_MESSAGE(gl.has_value(), (gl ? "" : gl.error().message));
-      CHECK(gl->mixture->component_count() == components);
+      const auto gl =
+          require(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings));
+      CHECK(gl.mixture->component_count() == components);
       int touching = 0;
-      for (int i = 0; i < gl->mixture->component_count(); ++i) {
-        const Configuration q = row_of(*gl->mixture, i);
+      for (int i = 0; i < gl.mixture->component_count(); ++i) {
+        const Configuration q = row_of(*gl.mixture, i);
         const Configuration back = moved_configuration(joints, inverse(motion), q);
         CHECK(std::ranges::any_of(
             path, [&](const auto& waypoint) { return robot.distance(waypoint, back) < 1e-5; }));
@@ -244,7 +236,7 @@ TEST_SUITE("flow") {
     const TemporaryDirectory directory;
     Database database = new_database(directory / "a.db", robot);
     const auto learned = learn_rows(robot, shelf_scene(), {path});
-    REQUIRE(database.insert(learned).has_value());
+    require(database.insert(learned));
     SolveSettings settings;
     settings.similarity = 1e-6;
     const Scene shelf = shelf_scene();
@@ -261,9 +253,9 @@ TEST_SUITE("flow") {
         }
       }
       const Scene scene = moved_scene(transform_of(joints, motion), shelf_scene());
-      const auto gl = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings);
-      REQUIRE(gl.has_value());
-      CHECK(gl->mixture->component_count() == expected);
+      const auto gl =
+          require(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings));
+      CHECK(gl.mixture->component_count() == expected);
       CHECK(expected > 0);
       CHECK(expected < database.info().components);
     }

@@ -106,11 +106,9 @@ TEST_SUITE("unit") {
     PrimitiveKey not_finite = near_pair();
     not_finite[4] = std::numeric_limits<double>::quiet_NaN();
     for (const PrimitiveKey& key : {PrimitiveKey(18, 0.5), PrimitiveKey{}, not_finite}) {
-      const auto learned = learn_local_sampler(planar8(), key, cheap_settings(), 1);
-      REQUIRE(!learned.has_value());
-      CHECK(learned.error().code == ErrorCode::invalid);
-      CHECK_MESSAGE(learned.error().message.find("pair of circles") != std::string::npos,
-                    learned.error().message);
+      const Error error = require_error(learn_local_sampler(planar8(), key, cheap_settings(), 1));
+      CHECK(error.code == ErrorCode::invalid);
+      CHECK_MESSAGE(contains(error.message, "pair of circles"), error.message);
     }
   }
 
@@ -171,10 +169,10 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a robot that is no planar arm is refused by name") {
-    const auto learned = learn_local_sampler(upright_arm(), random_keys(1, 1)[0], {}, 1);
-    REQUIRE(!learned.has_value());
-    CHECK(learned.error().code == ErrorCode::unsupported);
-    CHECK(learned.error().message.find("'upright'") != std::string::npos);
+    const Error error =
+        require_error(learn_local_sampler(upright_arm(), random_keys(1, 1)[0], {}, 1));
+    CHECK(error.code == ErrorCode::unsupported);
+    CHECK(contains(error.message, "'upright'"));
   }
 
   TEST_CASE("settings describe themselves: equal ones alike, others differently") {
@@ -197,7 +195,7 @@ TEST_SUITE("unit") {
     std::sort(texts.begin(), texts.end());
     CHECK(std::unique(texts.begin(), texts.end()) == texts.end());
     CHECK(texts.size() == 7);
-    for (const std::string& text : texts) CHECK(text.find('\n') == std::string::npos);
+    for (const std::string& text : texts) CHECK(!contains(text, "\n"));
   }
 }
 

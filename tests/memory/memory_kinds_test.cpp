@@ -149,17 +149,15 @@ TEST_SUITE("unit") {
       for (const char* name : {"circle_pairs", "body_pairs", "motions", "whole_paths"}) {
         text += read_file(source_file("tests/memory/" + std::string(name) + "_test.cpp"));
       }
-      CHECK_MESSAGE(text.find("\"" + std::string(kind->name) + "\"") != std::string::npos,
-                    kind->name);
+      CHECK_MESSAGE(contains(text, "\"" + std::string(kind->name) + "\""), kind->name);
     }
   }
 
   TEST_CASE("an unknown kind is refused with the names of those there are") {
-    const auto found = find_memory_kind("triples");
-    REQUIRE(!found.has_value());
-    CHECK(found.error().code == ErrorCode::invalid);
-    CHECK(found.error().message.find("'triples'") != std::string::npos);
-    CHECK(found.error().message.find("pairs") != std::string::npos);
+    const Error error = require_error(find_memory_kind("triples"));
+    CHECK(error.code == ErrorCode::invalid);
+    CHECK(contains(error.message, "'triples'"));
+    CHECK(contains(error.message, "pairs"));
     const Robot robot = planar8();
     CHECK(!decompose({robot, Scene{}}, of_kind("triples")).has_value());
   }
@@ -167,10 +165,9 @@ TEST_SUITE("unit") {
   TEST_CASE("a maximal gap that is no length is refused") {
     const Robot robot = planar8();
     for (const double gap : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
-      const auto result = decompose({robot, Scene{}}, {{}, gap});
-      REQUIRE(!result.has_value());
-      CHECK(result.error().code == ErrorCode::invalid);
-      CHECK(result.error().message.find("max-gap") != std::string::npos);
+      const Error error = require_error(decompose({robot, Scene{}}, {{}, gap}));
+      CHECK(error.code == ErrorCode::invalid);
+      CHECK(contains(error.message, "max-gap"));
     }
   }
 
@@ -187,7 +184,7 @@ TEST_SUITE("unit") {
     const internal::KindTable table(kinds);
     CHECK(table.find("triples").value() == &triples);
     CHECK(table.of_version("triples/1") == &triples);
-    CHECK(table.find("quads").error().message.find("paths, triples") != std::string::npos);
+    CHECK(contains(table.find("quads").error().message, "paths, triples"));
     const auto name_for = [&](const Robot& robot, int MemoryKind::*rank) {
       return table.best_for(robot, rank).name;
     };
@@ -202,10 +199,9 @@ TEST_SUITE("unit") {
   TEST_CASE("the kind that is left out is the robot's own") {
     const Robot robot = planar8();
     const Scene scene = make_circle_scene("two", {{3, 1, 0.9}, {3, -1, 0.9}});
-    const auto result = decompose({robot, scene});
-    REQUIRE(result.has_value());
-    REQUIRE(result->size() == 1);
-    CHECK(result->front().kind == "pairs/1");
+    const auto result = require(decompose({robot, scene}));
+    REQUIRE(result.size() == 1);
+    CHECK(result.front().kind == "pairs/1");
   }
 }
 

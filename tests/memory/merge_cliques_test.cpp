@@ -31,15 +31,14 @@ std::optional<Eigen::MatrixXd> covariance_of(const LocalSampler& sampler, int co
 
 /// A ball that slides in the plane z = 0, among boxes.
 CollisionChecker sliding_ball_among(const std::vector<Shape>& shapes) {
-  auto robot = parse_robot(R"(<robot name="slider"><link name="rail"/><link name="cart"/>
+  auto robot = require(parse_robot(R"(<robot name="slider"><link name="rail"/><link name="cart"/>
     <link name="ball"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
     <joint name="x" type="prismatic"><parent link="rail"/><child link="cart"/><axis xyz="1 0 0"/>
       <limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
     <joint name="y" type="prismatic"><parent link="cart"/><child link="ball"/><axis xyz="0 1 0"/>
       <limit lower="-2" upper="2" effort="1" velocity="1"/></joint></robot>)",
-                           "slider.urdf");
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return make_checker(*robot, {"", {{"table", shapes}}});
+                                   "slider.urdf"));
+  return make_checker(robot, {"", {{"table", shapes}}});
 }
 
 /// With one wall along x = 0 that ends at y = 0.
@@ -105,10 +104,9 @@ TEST_SUITE("unit") {
     const Eigen::VectorXd center = samples.rowwise().mean();
     const Eigen::MatrixXd centered = samples.colwise() - center;
     const Eigen::MatrixXd expected = centered * centered.transpose() / 39;
-    const auto covariance = covariance_of(merged, 0);
-    REQUIRE(covariance.has_value());
-    CHECK((*covariance - expected).norm() < 5e-4);
-    CHECK(Eigen::LLT<Eigen::MatrixXd>(*covariance).info() == Eigen::Success);
+    const auto covariance = require(covariance_of(merged, 0));
+    CHECK((covariance - expected).norm() < 5e-4);
+    CHECK(Eigen::LLT<Eigen::MatrixXd>(covariance).info() == Eigen::Success);
     for (int j = 0; j < 2; ++j) {
       CHECK(mean_of(merged, 0)[static_cast<std::size_t>(j)] == doctest::Approx(center(j)));
     }
@@ -121,9 +119,8 @@ TEST_SUITE("unit") {
       for (int i = 0; i < 8; ++i) means.push_back({0.5 + step * i, 1});
       const LocalSampler merged = merge_cliques(checker, make_sampler(means));
       REQUIRE(merged.component_count() == 1);
-      const auto covariance = covariance_of(merged, 0);
-      REQUIRE(covariance.has_value());
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(*covariance);
+      const auto covariance = require(covariance_of(merged, 0));
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
       CHECK(eigen.eigenvalues().minCoeff() > 1e-6);
       CHECK(eigen.eigenvalues().minCoeff() < 1e-3);
     }
@@ -135,9 +132,7 @@ TEST_SUITE("unit") {
         merge_cliques(checker, make_sampler({{3.1, 0}, {-3.1, 0}, {3.0, 0.3}, {-3.0, 0.3}}));
     REQUIRE(merged.component_count() == 1);
     CHECK(std::abs(mean_of(merged, 0)[0]) == doctest::Approx(kPi));
-    const auto covariance = covariance_of(merged, 0);
-    REQUIRE(covariance.has_value());
-    CHECK((*covariance)(0, 0) < 0.05);
+    CHECK(require(covariance_of(merged, 0))(0, 0) < 0.05);
   }
 
   TEST_CASE("components with a covariance of their own stay as they are") {
@@ -151,7 +146,7 @@ TEST_SUITE("unit") {
     CHECK(!covariance_of(merged, 0).has_value());
     for (const auto& [after, before] : {std::pair{1, 1}, {2, 3}}) {
       CHECK(mean_of(merged, after) == mean_of(sampler, before));
-      REQUIRE(covariance_of(merged, after).has_value());
+      require(covariance_of(merged, after));
       CHECK(*covariance_of(merged, after) == *covariance_of(sampler, before));
     }
     // What has nothing more to join is merged already.

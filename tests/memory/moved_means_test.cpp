@@ -144,13 +144,11 @@ TEST_SUITE("unit") {
 
   TEST_CASE("means that leave the limits are dropped with all that belongs to them") {
     // The first joint is limited, so that it cannot turn as far as a continuous one.
-    const auto urdf = planar_arm_urdf("arm", std::vector<double>{1, 1}, 0.01);
-    REQUIRE(urdf.has_value());
-    std::string text = *urdf;
+    const auto urdf = require(planar_arm_urdf("arm", std::vector<double>{1, 1}, 0.01));
+    std::string text = urdf;
     text.replace(text.find("continuous"), 10, "revolute");
     text.insert(text.find("<limit ") + 7, R"(lower="-1" upper="2" )");
-    const auto robot = parse_robot(text, "arm.urdf");
-    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+    const auto robot = require(parse_robot(text, "arm.urdf"));
     Experience experience;
     experience.sampler().joint_count = 2;
     experience.sampler().means = {-0.5f, 1, 0, -2, 1.5f, 3};
@@ -158,7 +156,7 @@ TEST_SUITE("unit") {
     experience.sampler().factors = {1, 2, 3, 4, 5, 6};
 
     const auto synthesized = [&](const Symmetry& motion) {
-      return pooled_of(*robot, std::vector{retrieve({{shared(experience), 0, motion}})});
+      return pooled_of(robot, std::vector{retrieve({{shared(experience), 0, motion}})});
     };
     CHECK(synthesized({}).component_count() == 3);
     const GaussianMixture turned = synthesized({1, false});

@@ -15,12 +15,6 @@ namespace {
 
 using Pairs = std::vector<std::pair<int, int>>;
 
-Pairs near_pairs(const Scene& scene, double gap) {
-  const auto pairs = internal::find_near_pairs(scene, gap);
-  REQUIRE_MESSAGE(pairs.has_value(), (pairs ? "" : pairs.error().message));
-  return *pairs;
-}
-
 Scene row_of_balls(int count, double spacing, double radius) {
   Scene scene{"row", {}};
   for (int i = 0; i < count; ++i) {
@@ -31,16 +25,17 @@ Scene row_of_balls(int count, double spacing, double radius) {
 
 TEST_SUITE("unit") {
   TEST_CASE("neighbours are near and others are not") {
-    CHECK(near_pairs(row_of_balls(4, 1, 0.4), 0.3) == Pairs{{0, 1}, {1, 2}, {2, 3}});
-    CHECK(near_pairs(row_of_balls(4, 1, 0.4), 0.1).empty());
-    CHECK(near_pairs(row_of_balls(1, 1, 0.4), 1).empty());
-    CHECK(near_pairs({}, 1).empty());
+    CHECK(require(internal::find_near_pairs(row_of_balls(4, 1, 0.4), 0.3)) ==
+          Pairs{{0, 1}, {1, 2}, {2, 3}});
+    CHECK(require(internal::find_near_pairs(row_of_balls(4, 1, 0.4), 0.1)).empty());
+    CHECK(require(internal::find_near_pairs(row_of_balls(1, 1, 0.4), 1)).empty());
+    CHECK(require(internal::find_near_pairs({}, 1)).empty());
   }
 
   TEST_CASE("all shapes of an obstacle count") {
     Scene scene = row_of_balls(2, 10, 0.4);
     scene.obstacles[0].shapes.push_back(Sphere{{9, 0, 0}, 0.4});
-    CHECK(near_pairs(scene, 0.3) == Pairs{{0, 1}});
+    CHECK(require(internal::find_near_pairs(scene, 0.3)) == Pairs{{0, 1}});
   }
 
   TEST_CASE("boxes stand for compound shapes where there is another obstacle to pair with") {
@@ -50,22 +45,20 @@ TEST_SUITE("unit") {
     const Scene alone{"mesh", {{"board", {compound_of(surface_of(board))}}}};
     CHECK(!internal::with_boxed_compounds(alone));
     scene.obstacles.push_back(alone.obstacles[0]);
-    const auto boxed = internal::with_boxed_compounds(scene);
-    REQUIRE(boxed);
-    CHECK(boxed->obstacles[0] == scene.obstacles[0]);
-    const auto* box = std::get_if<Box>(&boxed->obstacles[1].shapes[0]);
+    const auto boxed = require(internal::with_boxed_compounds(scene));
+    CHECK(boxed.obstacles[0] == scene.obstacles[0]);
+    const auto* box = std::get_if<Box>(&boxed.obstacles[1].shapes[0]);
     REQUIRE(box != nullptr);
     CHECK((box->pose.translation - board.pose.translation).norm() < 1e-9);
     CHECK(box->half_extents.prod() == doctest::Approx(board.half_extents.prod()).epsilon(0.05));
   }
 
   TEST_CASE("too many pairs are refused with the scene's name and a way out") {
-    const auto refused = internal::find_near_pairs(row_of_balls(100, 0.01, 1), 0.1, 1000);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::unsupported);
+    const Error refused =
+        require_error(internal::find_near_pairs(row_of_balls(100, 0.01, 1), 0.1, 1000));
+    CHECK(refused.code == ErrorCode::unsupported);
     for (const char* word : {"'row'", "100 obstacles", "1000 pairs", "max-gap"}) {
-      CHECK_MESSAGE(refused.error().message.find(word) != std::string::npos,
-                    refused.error().message);
+      CHECK_MESSAGE(contains(refused.message, word), refused.message);
     }
   }
 }
@@ -83,7 +76,7 @@ TEST_SUITE("oracle") {
         scene.obstacles.push_back({std::to_string(i), {transformed(away, shape)}});
       }
       const double gap = rng.uniform(0.0, 1.0);
-      const Pairs pairs = near_pairs(scene, gap);
+      const Pairs pairs = require(internal::find_near_pairs(scene, gap));
       CHECK(std::ranges::is_sorted(pairs));
       for (int i = 0; i < 30; ++i) {
         for (int j = i + 1; j < 30; ++j) {
@@ -101,7 +94,7 @@ TEST_SUITE("oracle") {
 
 TEST_SUITE("law") {
   TEST_CASE("a hundred thousand obstacles far apart have few pairs, found without all looks") {
-    CHECK(near_pairs(row_of_balls(100000, 1, 0.4), 0.3).size() == 99999);
+    CHECK(require(internal::find_near_pairs(row_of_balls(100000, 1, 0.4), 0.3)).size() == 99999);
   }
 }
 

@@ -92,13 +92,9 @@ TEST_SUITE("unit") {
     }
     parts.links[1].parent_joint = 0;
     parts.links[2] = {"hand", 1, {{Vec3::Zero(), 0.1}}, {}, {}};
-    const auto free = make_robot(parts);
-    REQUIRE(free.has_value());
-    CHECK(find_symmetric_joints(*free).turn == 0);
+    CHECK(find_symmetric_joints(require(make_robot(parts))).turn == 0);
     parts.joints[1].mimic = Mimic{0, 1, 0};
-    const auto followed = make_robot(parts);
-    REQUIRE(followed.has_value());
-    CHECK(find_symmetric_joints(*followed).turn == -1);
+    CHECK(find_symmetric_joints(require(make_robot(parts))).turn == -1);
   }
 
   TEST_CASE("of two turns or two lifts in a row the first counts") {
@@ -141,10 +137,9 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("indices are those of a configuration, whatever the order of its joints") {
-    RobotOptions options;
-    options.joints = {"joint_4", "joint_2", "joint_3", "joint_1"};
-    check_joints(robot_of(lifting_arm_parts(), options), 1, 3, turning_axis().x(),
-                 turning_axis().y());
+    check_joints(
+        robot_of(lifting_arm_parts(), {.joints = {"joint_4", "joint_2", "joint_3", "joint_1"}}), 1,
+        3, turning_axis().x(), turning_axis().y());
   }
 
   TEST_CASE("joints outside the planning group stand where they are fixed") {
@@ -199,9 +194,7 @@ TEST_SUITE("law") {
 TEST_SUITE("flow") {
   TEST_CASE("the robots that come with mneme have the symmetries that their builders gave them") {
     const auto shipped = [](const std::string& name) {
-      auto robot = load_robot(source_file("robots/" + name + ".urdf"));
-      REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-      return *robot;
+      return require(load_robot(source_file("robots/" + name + ".urdf")));
     };
     const Robot fetch = shipped("fetch");
     const SymmetricJoints of_fetch = find_symmetric_joints(fetch);

@@ -50,7 +50,7 @@ struct PathMemory {
       Database::open(directory / "m.db", make_signature(problem.robot), OpenMode::create).value();
 
   void remember(const std::vector<Path>& paths) {
-    REQUIRE(database.insert(learn_whole_paths(problem.robot, paths)).has_value());
+    require(database.insert(learn_whole_paths(problem.robot, paths)));
   }
   [[nodiscard]] GlSampler recall(const SolveSettings& settings = {}) {
     SolveSettings of_paths = settings;
@@ -294,10 +294,8 @@ TEST_SUITE("flow") {
     PathMemory memory;
     SolveSettings settings;
     settings.sampler = "uniform";
-    const auto first = solve(memory.problem, nullptr, settings);
-    REQUIRE(first.has_value());
-    REQUIRE(first->plan.is_solved());
-    memory.remember({first->plan.path});
+    const SolveResult first = require_solved(memory.problem, nullptr, settings);
+    memory.remember({first.plan.path});
     settings.sampler = "gl";
     settings.memory.kind = "paths";
     settings.retrieve_after = 0;
@@ -306,14 +304,12 @@ TEST_SUITE("flow") {
     std::uint64_t with_memory = 0, without = 0;
     for (int seed = 2; seed < 7; ++seed) {
       settings.plan.seed = static_cast<std::uint64_t>(seed);
-      const auto with = solve(memory.problem, &memory.database, settings);
-      const auto uniform = solve(memory.problem, nullptr, settings);
-      REQUIRE(with.has_value());
-      REQUIRE(uniform.has_value());
-      CHECK(with->plan.is_solved());
-      CHECK(with->gl.primitives.size() == 1);
-      with_memory += with->plan.iterations;
-      without += uniform->plan.iterations;
+      const auto with = require(solve(memory.problem, &memory.database, settings));
+      const auto uniform = require(solve(memory.problem, nullptr, settings));
+      CHECK(with.plan.is_solved());
+      CHECK(with.gl.primitives.size() == 1);
+      with_memory += with.plan.iterations;
+      without += uniform.plan.iterations;
     }
     CHECK(2 * with_memory < without);
   }
@@ -327,7 +323,7 @@ TEST_SUITE("flow") {
                           memory.database, of_paths);
     REQUIRE_FALSE(gl.has_value());
     CHECK(gl.error().code == ErrorCode::invalid);
-    CHECK(gl.error().message.find("start and goal") != std::string::npos);
+    CHECK(contains(gl.error().message, "start and goal"));
   }
 }
 

@@ -16,6 +16,10 @@
 namespace mneme::internal {
 namespace {
 
+using test::contains;
+using test::require;
+using test::require_error;
+
 using Surface = std::vector<Triangle>;
 
 double area_of(const Surface& surface) {
@@ -25,15 +29,11 @@ double area_of(const Surface& surface) {
 }
 
 Surface read(const std::string& bytes, const std::string& path) {
-  const auto surface = parse_triangles(bytes, path, Vec3::Ones(), {});
-  REQUIRE_MESSAGE(surface.has_value(), (surface ? "" : surface.error().message));
-  return *surface;
+  return require(parse_triangles(bytes, path, Vec3::Ones(), {}));
 }
 
 std::string refusal(const std::string& bytes, const std::string& path) {
-  const auto surface = parse_triangles(bytes, path, Vec3::Ones(), {});
-  REQUIRE_FALSE(surface.has_value());
-  return surface.error().message;
+  return require_error(parse_triangles(bytes, path, Vec3::Ones(), {})).message;
 }
 
 /// A number as `size` bytes, the least significant one first unless `is_big`.
@@ -201,36 +201,35 @@ TEST_SUITE("unit") {
   TEST_CASE("COLLADA that refers to what is not there is refused with line and element") {
     CHECK(refusal(make_dae(kSquare, ""), "a.dae") ==
           "mesh a.dae:1: <instance_node>: there is no element with the id in \"#n\"");
-    CHECK(refusal(make_dae(kSquare, "<node id=\"n\"><instance_geometry url=\"b.dae#g\"/></node>"),
-                  "a.dae")
-              .find("expected the id of an element in this file") != std::string::npos);
+    CHECK(contains(
+        refusal(make_dae(kSquare, "<node id=\"n\"><instance_geometry url=\"b.dae#g\"/></node>"),
+                "a.dae"),
+        "expected the id of an element in this file"));
     CHECK(refusal(make_dae("<triangles>" + kInputs + "<p>0 0 0 1 0 9</p></triangles>", kNode),
                   "a.dae") == "mesh a.dae:1: <p>: a face has the vertex 9, but there are 4");
-    CHECK(refusal("<COLLADA>\n<a></COLLADA>", "a.dae").find(": is no well-formed XML") !=
-          std::string::npos);
+    CHECK(contains(refusal("<COLLADA>\n<a></COLLADA>", "a.dae"), ": is no well-formed XML"));
     CHECK(refusal("<svg/>", "a.dae") == "mesh a.dae: expected a <COLLADA> element");
   }
 
   TEST_CASE("Nodes that instance themselves, or expand without end, are refused at once") {
-    CHECK(refusal(make_dae(kSquare,
-                           "<node id=\"n\"><instance_node url=\"#m\"/></node>"
-                           "<node id=\"m\"><instance_node url=\"#n\"/></node>"),
-                  "a.dae")
-              .find("this node contains an instance of itself") != std::string::npos);
+    CHECK(contains(refusal(make_dae(kSquare,
+                                    "<node id=\"n\"><instance_node url=\"#m\"/></node>"
+                                    "<node id=\"m\"><instance_node url=\"#n\"/></node>"),
+                           "a.dae"),
+                   "this node contains an instance of itself"));
     std::string doubling = "<node id=\"n\"><instance_node url=\"#n0\"/></node>";
     for (int i = 0; i < 60; ++i) {
       const std::string next = "<instance_node url=\"#n" + std::to_string(i + 1) + "\"/>";
       doubling += "<node id=\"n" + std::to_string(i) + "\">" + next + next + "</node>";
     }
-    CHECK(refusal(make_dae(kSquare, doubling + "<node id=\"n60\"/>"), "a.dae")
-              .find("expand to more than") != std::string::npos);
+    CHECK(contains(refusal(make_dae(kSquare, doubling + "<node id=\"n60\"/>"), "a.dae"),
+                   "expand to more than"));
     std::string chain = "<node id=\"n\"><instance_node url=\"#n0\"/></node>";
     for (int i = 0; i < 5000; ++i) {
       chain += "<node id=\"n" + std::to_string(i) + "\"><instance_node url=\"#n" +
                std::to_string(i + 1) + "\"/></node>";
     }
-    CHECK(refusal(make_dae(kSquare, chain), "a.dae").find("nests its nodes too deep") !=
-          std::string::npos);
+    CHECK(contains(refusal(make_dae(kSquare, chain), "a.dae"), "nests its nodes too deep"));
   }
 
   TEST_CASE("Names, references and comments in nodes with many instances count as steps") {
@@ -265,8 +264,7 @@ TEST_SUITE("unit") {
     const std::string own =
         "<triangles><input semantic=\"VERTEX\" source=\"#w\" offset=\"0\"/><p>0 1 2</p></triangles>"
         "<vertices id=\"w\"><input semantic=\"POSITION\" source=\"#w\"/></vertices>";
-    CHECK(refusal(make_dae(own, kNode), "a.dae").find("expected an <accessor>") !=
-          std::string::npos);
+    CHECK(contains(refusal(make_dae(own, kNode), "a.dae"), "expected an <accessor>"));
   }
 
   TEST_CASE("XML that would take a parser for ever is refused before it") {
@@ -278,12 +276,11 @@ TEST_SUITE("unit") {
           "mesh a.dae: has an element with more than 100 attributes");
     std::string elements = "<COLLADA>";
     for (int i = 0; i < 2000000; ++i) elements += "<a/>";
-    CHECK(refusal(elements + "</COLLADA>", "a.dae")
-              .find("XML elements and attributes, expected at most") != std::string::npos);
+    CHECK(contains(refusal(elements + "</COLLADA>", "a.dae"),
+                   "XML elements and attributes, expected at most"));
     std::string deep;
     for (int i = 0; i < 20000; ++i) deep += "<node>";
-    CHECK(refusal("<COLLADA>" + deep, "a.dae").find("nests its elements too deep") !=
-          std::string::npos);
+    CHECK(contains(refusal("<COLLADA>" + deep, "a.dae"), "nests its elements too deep"));
   }
 
   TEST_CASE("Counts and lengths that a file only announces take neither time nor memory") {
@@ -319,10 +316,9 @@ TEST_SUITE("unit") {
   TEST_CASE("A pipe is refused without waiting for it, and a mesh opens no other file") {
     const test::TemporaryDirectory files;
     REQUIRE(mkfifo((files / "pipe.stl").c_str(), 0600) == 0);
-    const auto pipe = read_triangles(files / "pipe.stl", Vec3::Ones(), {});
-    REQUIRE_FALSE(pipe.has_value());
-    CHECK(pipe.error().code == ErrorCode::io);
-    CHECK(pipe.error().message == "mesh " + (files / "pipe.stl") + ": expected a regular file");
+    const Error error = require_error(read_triangles(files / "pipe.stl", Vec3::Ones(), {}));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(error.message == "mesh " + (files / "pipe.stl") + ": expected a regular file");
     REQUIRE(mkfifo((files / "m.mtl").c_str(), 0600) == 0);
     test::write_file(files / "a.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     CHECK(read_triangles(files / "a.obj", Vec3::Ones(), {}).value().size() == 1);
@@ -337,8 +333,7 @@ TEST_SUITE("unit") {
     const std::string stl =
         "solid a\nfacet\nvertex 0 0 0\nvertex 2 0 0\nvertex 0 2 0\nendfacet\nendsolid\n";
     CHECK(area_of(read(mark + stl + std::string(100, '\0'), "a.stl")) == doctest::Approx(2));
-    CHECK(refusal("# comment\n" + stl + stl, "a.stl").find("does not begin with \"solid\"") !=
-          std::string::npos);
+    CHECK(contains(refusal("# comment\n" + stl + stl, "a.stl"), "does not begin with \"solid\""));
     const std::string ply =
         ply_header("ascii") + "0 7 0 .5\n2 7 0 .5\n2 7 3 .5\n0 7 3 .5\n4 0 1 2 3\n";
     CHECK(area_of(read(mark + ply, "a.ply")) == doctest::Approx(6));
@@ -380,8 +375,7 @@ TEST_SUITE("unit") {
       star += fmt::format("v {} {} 0\n", r * std::cos(angle), r * std::sin(angle));
       face += fmt::format(" {}", i + 1);
     }
-    CHECK(refusal(star + face, "a.obj").find("concave polygon with 500 corners") !=
-          std::string::npos);
+    CHECK(contains(refusal(star + face, "a.obj"), "concave polygon with 500 corners"));
   }
 }
 

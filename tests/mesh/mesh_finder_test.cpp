@@ -10,6 +10,9 @@
 namespace mneme {
 namespace {
 
+using test::contains;
+using test::require_error;
+
 using internal::MeshFinder;
 namespace fs = std::filesystem;
 
@@ -38,17 +41,12 @@ class Workspace {
   RosPackagePath no_ros_1_{""}, no_ros_2_{"", "AMENT_PREFIX_PATH"};
 };
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 constexpr const char* kMesh = "package://arm_description/meshes/a.stl";
 
 std::string refusal(const MeshFinder& meshes, const std::string& name, ErrorCode code) {
-  const auto path = meshes.find(name);
-  REQUIRE_FALSE(path.has_value());
-  CHECK(path.error().code == code);
-  return path.error().message;
+  const Error error = require_error(meshes.find(name));
+  CHECK(error.code == code);
+  return error.message;
 }
 
 }  // namespace

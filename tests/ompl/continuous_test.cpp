@@ -11,8 +11,7 @@ Problem problem_of(const World& world) {
 }
 
 Path solved_path(const World& world, const SolveSettings& settings) {
-  const SolveResult result = solve_or_fail(problem_of(world), nullptr, settings);
-  REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+  const SolveResult result = require_solved(problem_of(world), nullptr, settings);
   return result.plan.path;
 }
 
@@ -44,7 +43,7 @@ TEST_SUITE("flow") {
     settings.resolution = coarse_states().resolution;
     settings.plan.continuous = true;
     settings.plan.timeout_s = 0.5;
-    const SolveResult result = solve_or_fail(problem_of(world), nullptr, settings);
+    const SolveResult result = require(solve(problem_of(world), nullptr, settings));
     CHECK(result.plan.status == PlanStatus::timeout);
     CHECK(result.plan.message.ends_with("verification refused 1 path"));
   }

@@ -18,9 +18,8 @@ TEST_SUITE("flow") {
     const TemporaryDirectory directory;
     {
       Database database = make_database(directory / "m.db", problem.robot);
-      const auto primitives = decompose(memory_query(problem));
-      REQUIRE(primitives.has_value());
-      learn_into(database, problem.robot, {primitives->at(0).key});
+      const auto primitives = require(decompose(memory_query(problem)));
+      learn_into(database, problem.robot, {primitives.at(0).key});
     }
     const std::string command = quoted(MNEME_EXAMPLE) + " " +
                                 quoted(source_file("scenes/planar/threaded_b4.yaml")) + " " +

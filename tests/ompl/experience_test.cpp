@@ -8,8 +8,7 @@ namespace {
 std::vector<Path> solved_paths(const Problem& problem) {
   SolveSettings settings;
   settings.sampler = "uniform";
-  const SolveResult result = solve_or_fail(problem, nullptr, settings);
-  REQUIRE(result.plan.is_solved());
+  const SolveResult result = require_solved(problem, nullptr, settings);
   return {result.plan.path};
 }
 
@@ -34,9 +33,8 @@ TEST_SUITE("unit") {
     const std::vector<Path> wrong = {{}, {{0, 0, 0}, {0, 0}}, {{0, 0, 0}, {0, 0, std::nan("")}}};
     for (const Path& path : wrong) {
       for (const char* name : {"Lightning", "Thunder"}) {
-        const auto trained = train(name, robot, {&path, 1}, directory / name);
-        REQUIRE(!trained.has_value());
-        CHECK(trained.error().code == ErrorCode::invalid);
+        const Error error = require_error(train(name, robot, {&path, 1}, directory / name));
+        CHECK(error.code == ErrorCode::invalid);
       }
     }
   }
@@ -45,14 +43,13 @@ TEST_SUITE("unit") {
     const Problem problem = gap_problem();
     SolveSettings settings = settings_for("Lightning");
     settings.plan.experience_path = "no/such/file";
-    const auto result = solve(problem, nullptr, settings);
-    REQUIRE(!result.has_value());
-    CHECK(result.error().code == ErrorCode::io);
-    CHECK(result.error().message.find("no/such/file") != std::string::npos);
+    const Error error = require_error(solve(problem, nullptr, settings));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(contains(error.message, "no/such/file"));
     const auto trained =
         train("Lightning", problem.robot, solved_paths(problem), "no/such/directory/file");
     REQUIRE(!trained.has_value());
-    CHECK(trained.error().message.find("no/such/directory/file") != std::string::npos);
+    CHECK(contains(trained.error().message, "no/such/directory/file"));
   }
 }
 
@@ -65,11 +62,9 @@ TEST_SUITE("flow") {
       CAPTURE(name);
       SolveSettings settings = settings_for(name);
       settings.plan.experience_path = directory / name;
-      const auto trained = train(name, problem.robot, paths, settings.plan.experience_path);
-      REQUIRE_MESSAGE(trained.has_value(), (trained ? "" : trained.error().message));
+      require(train(name, problem.robot, paths, settings.plan.experience_path));
       CHECK(read_file(settings.plan.experience_path).size() > 100);
-      const SolveResult result = solve_or_fail(problem, nullptr, settings);
-      REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+      const SolveResult result = require_solved(problem, nullptr, settings);
       CHECK(problem.robot.distance(result.plan.path.back(), problem.goals[0]) < 1e-9);
     }
   }

@@ -97,10 +97,8 @@ TEST_SUITE("law") {
 
   TEST_CASE("the way to the last valid state is verified where motions are") {
     const Motions motions;
-    CheckerSettings coarse;
-    coarse.resolution = 4;
     const auto checker =
-        CollisionChecker::make(motions.problem.robot, motions.problem.scene, coarse);
+        CollisionChecker::make(motions.problem.robot, motions.problem.scene, {.resolution = 4});
     REQUIRE(checker.has_value());
     const MotionVerifier verifier(*checker, Verification::motions);
     const auto validity = mneme::ompl::make_verified_motion_validity(motions.information, *checker,

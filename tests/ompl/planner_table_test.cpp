@@ -31,10 +31,9 @@ TEST_SUITE("unit") {
       CHECK_MESSAGE(names.count(name) == 1, name);
     }
     for (const char* name : {"ompl:rrtconnect", "ompl:"}) {
-      const auto planner = find_planner(name);
-      REQUIRE(!planner.has_value());
-      CHECK(planner.error().code == ErrorCode::invalid);
-      CHECK(planner.error().message.find("ompl:RRTConnect") != std::string::npos);
+      const Error error = require_error(find_planner(name));
+      CHECK(error.code == ErrorCode::invalid);
+      CHECK(contains(error.message, "ompl:RRTConnect"));
     }
   }
 

@@ -41,10 +41,9 @@ struct LearnedScene {
   TemporaryDirectory directory;
   Database database = make_database(directory / "m.db", problem.robot);
   LearnedScene() {
-    const auto primitives = decompose(memory_query(problem));
-    REQUIRE(primitives.has_value());
+    const auto primitives = require(decompose(memory_query(problem)));
     std::vector<PrimitiveKey> keys;
-    for (const LocalPrimitive& primitive : *primitives) keys.push_back(primitive.key);
+    for (const LocalPrimitive& primitive : primitives) keys.push_back(primitive.key);
     learn_into(database, problem.robot, keys);
   }
 };
@@ -122,8 +121,7 @@ TEST_SUITE("unit") {
     LearnedScene world;
     SolveSettings settings;
     settings.drop_invalid_means = false;
-    const auto gl = create_gl_sampler(world.problem, world.database, settings);
-    REQUIRE(gl.has_value());
+    const auto gl = require(create_gl_sampler(world.problem, world.database, settings));
     const auto information = mneme::ompl::make_space_information(checker_of(world.problem));
     for (const double lambda : {0.0, 0.5, 1.0}) {
       settings.lambda = lambda;
@@ -133,7 +131,7 @@ TEST_SUITE("unit") {
       const auto sampler = (*allocator)(information->getStateSpace().get());
       // Sigma is 0.05 for each of eight joints; uniform samples are several radians away.
       const int near =
-          count_near(world.problem.robot, *gl->mixture, *sampler, information, 400, 0.4);
+          count_near(world.problem.robot, *gl.mixture, *sampler, information, 400, 0.4);
       CHECK(std::abs(near - 400 * lambda) <= 50);
     }
   }
@@ -146,10 +144,10 @@ TEST_SUITE("unit") {
     settings.drop_invalid_means = false;
     const auto gl = create_gl_sampler(world.problem, world.database, settings);
     const Problem scene_alone{"", world.problem.robot, "", world.problem.scene, {}, {}, {}};
-    const auto allocator = mneme::ompl::gl_sampler_allocator(scene_alone, world.database, settings);
-    REQUIRE(allocator.has_value());
+    const auto allocator =
+        require(mneme::ompl::gl_sampler_allocator(scene_alone, world.database, settings));
     const auto information = mneme::ompl::make_space_information(checker_of(world.problem));
-    const auto sampler = (*allocator)(information->getStateSpace().get());
+    const auto sampler = allocator(information->getStateSpace().get());
     const auto near = [&] {
       return count_near(world.problem.robot, *gl->mixture, *sampler, information, 100, 0.4);
     };
@@ -164,15 +162,14 @@ TEST_SUITE("unit") {
     settings.lambda = 1;
     settings.sigma = 1e-4;
     settings.margin = 0.01;
-    const auto gl = create_gl_sampler(world.problem, world.database, settings);
-    REQUIRE(gl.has_value());
-    const auto careful = CollisionChecker::make(robot, world.problem.scene, {{}, settings.margin});
-    REQUIRE(careful.has_value());
-    const GaussianMixture kept = internal::keep_valid_components(*careful, *gl->mixture);
+    const auto gl = require(create_gl_sampler(world.problem, world.database, settings));
+    const auto careful =
+        require(CollisionChecker::make(robot, world.problem.scene, {{}, settings.margin}));
+    const GaussianMixture kept = internal::keep_valid_components(careful, *gl.mixture);
     const GaussianMixture free =
-        internal::keep_valid_components(checker_of(world.problem), *gl->mixture);
+        internal::keep_valid_components(checker_of(world.problem), *gl.mixture);
     REQUIRE(kept.component_count() < free.component_count());
-    const auto information = mneme::ompl::make_space_information(*careful);
+    const auto information = mneme::ompl::make_space_information(careful);
     const auto count_near_kept = [&] {
       const auto allocator =
           mneme::ompl::gl_sampler_allocator(world.problem, world.database, settings);
@@ -189,9 +186,8 @@ TEST_SUITE("unit") {
     LearnedScene world;
     const Problem other{
         "", planar_arm({1, 1}), "", make_circle_scene("", {{1.5, 0.75, 0.35}}), {}, {}, {}};
-    const auto allocator = mneme::ompl::gl_sampler_allocator(other, world.database);
-    REQUIRE(!allocator.has_value());
-    CHECK(allocator.error().code == ErrorCode::wrong_robot);
+    const Error error = require_error(mneme::ompl::gl_sampler_allocator(other, world.database));
+    CHECK(error.code == ErrorCode::wrong_robot);
   }
 }
 

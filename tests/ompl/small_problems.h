@@ -73,13 +73,6 @@ inline std::vector<std::string> valid_sampler_names() {
   return names;
 }
 
-inline SolveResult solve_or_fail(const Problem& problem, Database* database,
-                                 const SolveSettings& settings) {
-  auto result = solve(problem, database, settings);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return std::move(*result);
-}
-
 inline CollisionChecker checker_of(const Problem& problem) {
   return make_checker(problem.robot, problem.scene);
 }

@@ -9,10 +9,9 @@ namespace {
 constexpr double kExactResolution = 0.002;
 
 void check_refused(const SolveSettings& settings, const std::string& word) {
-  const auto result = solve(gap_problem(), nullptr, settings);
-  REQUIRE(!result.has_value());
-  CHECK(result.error().code == ErrorCode::invalid);
-  CHECK_MESSAGE(result.error().message.find(word) != std::string::npos, result.error().message);
+  const Error error = require_error(solve(gap_problem(), nullptr, settings));
+  CHECK(error.code == ErrorCode::invalid);
+  CHECK_MESSAGE(contains(error.message, word), error.message);
 }
 
 /// A path from start to goal without contact, by exact distances at ten times the resolution.
@@ -43,26 +42,26 @@ TEST_SUITE("unit") {
   TEST_CASE("a start in contact is a status") {
     Problem problem = gap_problem();
     problem.start = {2.8, 0, 0};
-    const SolveResult result = solve_or_fail(problem, nullptr, settings_for("RRTConnect"));
+    const SolveResult result = require(solve(problem, nullptr, settings_for("RRTConnect")));
     CHECK(result.plan.status == PlanStatus::invalid_start);
-    CHECK(result.plan.message.find("touches") != std::string::npos);
+    CHECK(contains(result.plan.message, "touches"));
   }
 
   TEST_CASE("a database of another robot is refused") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "m.db", planar8());
-    const auto result = solve(gap_problem(), &database, settings_for("RRTConnect", "gl"));
-    REQUIRE(!result.has_value());
-    CHECK(result.error().code == ErrorCode::wrong_robot);
+    const Error error =
+        require_error(solve(gap_problem(), &database, settings_for("RRTConnect", "gl")));
+    CHECK(error.code == ErrorCode::wrong_robot);
   }
 
   TEST_CASE("the same seed gives the same path, another one another") {
     const Problem problem = gap_problem();
     SolveSettings settings = settings_for("RRTConnect");
-    const Path path = solve_or_fail(problem, nullptr, settings).plan.path;
-    CHECK(solve_or_fail(problem, nullptr, settings).plan.path == path);
+    const Path path = require(solve(problem, nullptr, settings)).plan.path;
+    CHECK(require(solve(problem, nullptr, settings)).plan.path == path);
     settings.plan.seed = 2;
-    CHECK(solve_or_fail(problem, nullptr, settings).plan.path != path);
+    CHECK(require(solve(problem, nullptr, settings)).plan.path != path);
   }
 
   TEST_CASE("OMPL's defaults let a planner jump over an obstacle; tuned ones do not") {
@@ -75,12 +74,12 @@ TEST_SUITE("unit") {
     int tunnels = 0;
     for (settings.plan.seed = 1; settings.plan.seed <= 10; ++settings.plan.seed) {
       careless_settings.plan.seed = settings.plan.seed;
-      const SolveResult careless = solve_or_fail(problem, nullptr, careless_settings);
+      const SolveResult careless = require(solve(problem, nullptr, careless_settings));
       if (careless.plan.is_solved() &&
           !is_path_free(problem.robot, problem.scene, careless.plan.path, kExactResolution)) {
         ++tunnels;
       }
-      check_path(problem, solve_or_fail(problem, nullptr, settings));
+      check_path(problem, require(solve(problem, nullptr, settings)));
     }
     CHECK(tunnels > 0);
   }
@@ -94,7 +93,7 @@ TEST_SUITE("flow") {
       SolveSettings settings = settings_for(name);
       settings.plan.timeout_s = 600;
       settings.plan.seed = 2;  // with which the planners that optimise are quick
-      const SolveResult result = solve_or_fail(problem, nullptr, settings);
+      const SolveResult result = require(solve(problem, nullptr, settings));
       check_path(problem, result);
       CHECK(result.planner == "ompl:" + name);
       CHECK(result.total_time_s >= result.planning_time_s);
@@ -107,32 +106,31 @@ TEST_SUITE("flow") {
     const Problem problem = gap_problem();
     for (const std::string& name : valid_sampler_names()) {
       CAPTURE(name);
-      check_path(problem, solve_or_fail(problem, nullptr, settings_for("PRM", name)));
+      check_path(problem, require(solve(problem, nullptr, settings_for("PRM", name))));
     }
-    check_path(problem, solve_or_fail(problem, nullptr, settings_for("PRM", "halton")));
+    check_path(problem, require(solve(problem, nullptr, settings_for("PRM", "halton"))));
   }
 
   TEST_CASE("with memory RRTConnect threads the arm out of a gap after fewer samples") {
     const Problem problem = planar_problem("threaded_b4");
     const TemporaryDirectory directory;
     Database database = make_database(directory / "m.db", problem.robot);
-    const auto primitives = decompose(memory_query(problem));
-    REQUIRE(primitives.has_value());
+    const auto primitives = require(decompose(memory_query(problem)));
     LearnSettings learning = cheap_settings();
     learning.starts_per_link = 2;
-    learn_into(database, problem.robot, {primitives->at(0).key}, learning);
+    learn_into(database, problem.robot, {primitives.at(0).key}, learning);
     std::uint64_t with_memory = 0, uniform = 0;
     SolveSettings settings = settings_for("RRTConnect", "gl");
     settings.plan.max_iterations = 30000;
     settings.plan.timeout_s = 600;
     for (settings.plan.seed = 1; settings.plan.seed <= 2; ++settings.plan.seed) {
       settings.sampler = "gl";
-      const SolveResult remembered = solve_or_fail(problem, &database, settings);
+      const SolveResult remembered = require(solve(problem, &database, settings));
       check_path(problem, remembered);
       CHECK(remembered.gl.mixture->component_count() > 0);
       with_memory += remembered.plan.iterations;
       settings.sampler = "uniform";
-      uniform += solve_or_fail(problem, nullptr, settings).plan.iterations;
+      uniform += require(solve(problem, nullptr, settings)).plan.iterations;
     }
     CHECK(with_memory < uniform);
   }
@@ -144,14 +142,14 @@ TEST_SUITE("flow") {
     Database database = Database::open(directory / "m.db", space, OpenMode::create).value();
     SolveSettings settings = settings_for("RRTConnect", "gl");
     settings.memory.kind = "paths";
-    CHECK(!solve_or_fail(problem, &database, settings).remembered.is_queued);
+    CHECK(!require(solve(problem, &database, settings)).remembered.is_queued);
     settings.remember_after = 0;
     settings.plan.ompl_defaults = true;
-    CHECK(!solve_or_fail(problem, &database, settings).remembered.is_queued);
+    CHECK(!require(solve(problem, &database, settings)).remembered.is_queued);
     settings.plan.ompl_defaults = false;
     REQUIRE(database.size() == 0);
 
-    const SolveResult result = solve_or_fail(problem, &database, settings);
+    const SolveResult result = require(solve(problem, &database, settings));
     check_path(problem, result);
     CHECK(result.remembered.is_queued);
     REQUIRE(database.flush());

@@ -145,13 +145,11 @@ TEST_SUITE("unit") {
 
   TEST_CASE("every waypoint is free at the resolution of the planner, verified or not") {
     const Robot robot = thick_arm({1, 1});
-    CheckerSettings coarse;
-    coarse.resolution = 0.3;
     const CollisionChecker checker =
         make_checker(robot,
                      make_circle_scene(
                          "", {{1.9, 0.1, 0.05}, {1.5, 0.9, 0.05}, {0.9, -1.3, 0.05}, {-1, 1, 0.1}}),
-                     coarse);
+                     {.resolution = 0.3});
     Rng rng(3);
     int in_contact = 0;
     for (std::uint64_t i = 0; i < 300; ++i) {

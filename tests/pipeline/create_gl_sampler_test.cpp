@@ -11,10 +11,9 @@ GlSampler create(const Robot& robot, const Scene& scene, Database& database,
                  SolveSettings settings) {
   // Components are counted here: what cannot be fitted would be missing.
   settings.retarget = false;
-  auto gl = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings);
-  REQUIRE_MESSAGE(gl.has_value(), (gl ? "" : gl.error().message));
-  REQUIRE(gl->mixture != nullptr);
-  return std::move(*gl);
+  auto gl = require(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings));
+  REQUIRE(gl.mixture != nullptr);
+  return gl;
 }
 
 SolveSettings learning_settings(double budget_s = 60) {
@@ -111,17 +110,17 @@ TEST_SUITE("unit") {
     Database database = make_database(directory / "a.db", robot);
     learn_into(database, robot, keys_near(near_pair(), 4, 0.2, 1));
     const Scene scene = make_scene(near_pair());
-    const auto fitted = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, {});
-    REQUIRE(fitted.has_value());
+    const auto fitted =
+        require(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, {}));
     const GlSampler moved = create(robot, scene, database, {});
-    CHECK(fitted->mixture->component_count() > 0.5 * moved.mixture->component_count());
+    CHECK(fitted.mixture->component_count() > 0.5 * moved.mixture->component_count());
     const CollisionChecker checker = make_checker(robot, scene);
     const auto count_free = [&](const GaussianMixture& mixture) {
       std::vector<std::uint8_t> is_free(static_cast<std::size_t>(mixture.component_count()));
       checker.check_states(mixture.means, is_free);
       return std::ranges::count(is_free, 1);
     };
-    CHECK(count_free(*fitted->mixture) > count_free(*moved.mixture));
+    CHECK(count_free(*fitted.mixture) > count_free(*moved.mixture));
   }
 
   TEST_CASE("a miss without a budget leaves sampler and database empty") {
@@ -186,7 +185,7 @@ TEST_SUITE("unit") {
           create_gl_sampler(problem, database, wrong)}) {
       REQUIRE(!gl.has_value());
       CHECK(gl.error().code == ErrorCode::invalid);
-      CHECK(gl.error().message.find("'sigma'") != std::string::npos);
+      CHECK(contains(gl.error().message, "'sigma'"));
     }
   }
 
@@ -199,9 +198,9 @@ TEST_SUITE("unit") {
     settings.memory.kind = "body_pairs";
     settings.memory.max_gap = 5;
     const Scene scene = make_scene(near_pair());
-    const auto refused = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().message.find("cannot learn while planning") != std::string::npos);
+    const Error refused =
+        require_error(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings));
+    CHECK(contains(refused.message, "cannot learn while planning"));
     settings.learn_budget_s = 0;
     const GlSampler gl = create(robot, scene, database, settings);
     REQUIRE(gl.primitives.size() == 1);
@@ -278,26 +277,23 @@ TEST_SUITE("unit") {
       Database foreign = make_database(directory / "a.db", other);
       learn_into(foreign, other, {near_pair()});
     }
-    auto database = Database::inspect(directory / "a.db");
-    REQUIRE(database.has_value());
+    auto database = require(Database::inspect(directory / "a.db"));
     const Scene scene = make_scene(near_pair());
-    const auto gl = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, *database, {});
-    REQUIRE(!gl.has_value());
-    CHECK(gl.error().code == ErrorCode::wrong_robot);
+    const Error error =
+        require_error(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, {}));
+    CHECK(error.code == ErrorCode::wrong_robot);
     for (const std::string& part :
          {directory / "a.db", other.kinematics_hash(), robot.kinematics_hash()}) {
-      CHECK_MESSAGE(gl.error().message.find(part) != std::string::npos, gl.error().message);
+      CHECK_MESSAGE(contains(error.message, part), error.message);
     }
-    CHECK(create(other, make_scene(near_pair()), *database, {}).primitives.size() == 1);
+    CHECK(create(other, make_scene(near_pair()), database, {}).primitives.size() == 1);
   }
 
   TEST_CASE("an empty file that is only looked at is of every robot") {
     const TemporaryDirectory directory;
     write_file(directory / "a.db", "");
-    auto database = Database::inspect(directory / "a.db");
-    REQUIRE(database.has_value());
-    CHECK(create(planar8(), make_scene(near_pair()), *database, {}).mixture->component_count() ==
-          0);
+    auto database = require(Database::inspect(directory / "a.db"));
+    CHECK(create(planar8(), make_scene(near_pair()), database, {}).mixture->component_count() == 0);
   }
 
   TEST_CASE("a scene that cannot be decomposed is an error that names the obstacle") {
@@ -305,15 +301,15 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
     const Scene scene{"", {{"crate", {Box{}}}}};
-    const auto gl = create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, {});
-    REQUIRE(!gl.has_value());
-    CHECK(gl.error().message.find("'crate'") != std::string::npos);
+    const Error error =
+        require_error(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, {}));
+    CHECK(contains(error.message, "'crate'"));
     SolveSettings unknown;
     unknown.memory.kind = "triples";
     const Scene pair = make_scene(near_pair());
-    const auto refused = create_gl_sampler({"", robot, "", pair, {}, {}, {}}, database, unknown);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().message.find("triples") != std::string::npos);
+    const Error refused =
+        require_error(create_gl_sampler({"", robot, "", pair, {}, {}, {}}, database, unknown));
+    CHECK(contains(refused.message, "triples"));
   }
 }
 

@@ -41,11 +41,9 @@ SolveSettings scalar_settings() {
 }
 
 Path solve_or_fail(const Problem& problem, Database* database, const SolveSettings& settings) {
-  const auto result = solve(problem, database, settings);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
+  const SolveResult result = require_solved(problem, database, settings);
   // Without whole turns, which depend on the start alone.
-  Path path = result->plan.path;
+  Path path = result.plan.path;
   for (Configuration& q : path) q = problem.robot.normalized(q);
   return path;
 }
@@ -54,10 +52,9 @@ Path solve_or_fail(const Problem& problem, Database* database, const SolveSettin
 Database memory_of(const Problem& problem, const std::string& path) {
   Database database = make_database(path, problem.robot);
   const Path solved = solve_or_fail(problem, nullptr, scalar_settings());
-  auto rows = learn_from_paths(memory_query(problem), std::vector<Path>{solved}, {}, 0.3);
-  REQUIRE(rows.has_value());
-  REQUIRE(!rows->empty());
-  REQUIRE(database.insert(std::move(*rows)).has_value());
+  auto rows = require(learn_from_paths(memory_query(problem), std::vector<Path>{solved}, {}, 0.3));
+  REQUIRE(!rows.empty());
+  require(database.insert(std::move(rows)));
   return database;
 }
 
@@ -96,9 +93,7 @@ Problem posts_problem() {
 Problem shelf_problem() {
   ProblemOptions options;
   options.robot_path = source_file("robots/fetch.urdf");
-  auto problem = load_problem(source_file("scenes/shelf/pair_1.yaml"), options);
-  REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-  return std::move(*problem);
+  return require(load_problem(source_file("scenes/shelf/pair_1.yaml"), options));
 }
 
 /// Continues a hash with the paths for each problem of a compact file with 29 seeds. A goal may be
@@ -106,15 +101,11 @@ Problem shelf_problem() {
 std::uint64_t hash_of_file(const std::string& file, SolveSettings settings, std::uint64_t hash) {
   ProblemOptions options;
   options.cache = make_problem_cache();
-  const auto names = list_problems(file);
-  REQUIRE(names.has_value());
-  for (const std::string& name : *names) {
-    const auto problem = load_problem(file + "#" + name, options);
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+  const auto names = require(list_problems(file));
+  for (const std::string& name : names) {
+    const auto problem = require(load_problem(file + "#" + name, options));
     for (settings.plan.seed = 1; settings.plan.seed <= 29; ++settings.plan.seed) {
-      const auto result = solve(*problem, nullptr, settings);
-      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-      hash = hash_of(result->plan.path, hash);
+      hash = hash_of(require(solve(problem, nullptr, settings)).plan.path, hash);
     }
   }
   return hash;
@@ -123,9 +114,7 @@ std::uint64_t hash_of_file(const std::string& file, SolveSettings settings, std:
 /// The settings of a user who wants the same path on all machines.
 SolveSettings portable_settings() {
   SolveSettings settings = scalar_settings();
-  const auto isa = parse_isa("portable");
-  REQUIRE(isa.has_value());
-  settings.isa = *isa;
+  settings.isa = require(parse_isa("portable"));
   return settings;
 }
 
@@ -184,9 +173,8 @@ TEST_SUITE("law") {
 
   TEST_CASE("what one, two and eight threads learn leads to the same path") {
     const Problem problem = planar_problem("threaded_b2");
-    const auto primitives = decompose(memory_query(problem));
-    REQUIRE(primitives.has_value());
-    const std::vector<PrimitiveKey> keys = keys_near((*primitives)[0].key, 12, 0.1, 4);
+    const auto primitives = require(decompose(memory_query(problem)));
+    const std::vector<PrimitiveKey> keys = keys_near(primitives[0].key, 12, 0.1, 4);
     const TemporaryDirectory directory;
     std::vector<std::uint64_t> hashes;
     for (const int jobs : {1, 2, 8}) {
@@ -194,7 +182,7 @@ TEST_SUITE("law") {
       LearnJob job;
       job.settings = cheap_settings();
       job.jobs = jobs;
-      REQUIRE(learn_primitives(problem.robot, keys, database, job).has_value());
+      require(learn_primitives(problem.robot, keys, database, job));
       SolveSettings settings = scalar_settings();
       settings.sampler = "gl";
       settings.plan.max_iterations = 1000000;

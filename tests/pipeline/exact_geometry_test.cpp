@@ -22,16 +22,12 @@ constexpr std::array kAll = {Whose::its_own, Whose::carried};
 
 /// The box is the last link's, or of an object "load" that this carries.
 Robot approximated_robot(const std::string& urdf, const Box& box, Whose whose, double excess) {
-  auto parts = parse_robot_parts(urdf, "arm.urdf");
-  REQUIRE(parts.has_value());
-  if (whose == Whose::its_own) parts->links.back().solids = {box};
-  SphereSettings settings;
-  settings.excess = excess;
-  const auto made = approximate_robot(*parts, settings);
-  REQUIRE(made.has_value());
-  auto robot = make_robot(made->parts);
+  auto parts = require(parse_robot_parts(urdf, "arm.urdf"));
+  if (whose == Whose::its_own) parts.links.back().solids = {box};
+  const auto made = require(approximate_robot(parts, {.excess = excess}));
+  auto robot = make_robot(made.parts);
   REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  if (whose == Whose::carried) robot = attach(*robot, {{"load", parts->links.back().name, {box}}});
+  if (whose == Whose::carried) robot = attach(*robot, {{"load", parts.links.back().name, {box}}});
   REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
   return *robot;
 }
@@ -71,9 +67,7 @@ Problem below_a_plate(double gap, Whose whose = Whose::its_own) {
 }
 
 SolveResult require_solve(const Problem& problem, const SolveSettings& settings = {}) {
-  auto result = solve(problem, nullptr, settings);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return *std::move(result);
+  return require(solve(problem, nullptr, settings));
 }
 
 /// No exceptions at the ends of a path.
@@ -106,13 +100,11 @@ std::string name_of(Whose whose, const std::string& link) {
 
 /// The states that the path's trajectory is in, every 10 ms.
 Path timed_states(const Problem& problem, const SolveSettings& settings, const Path& path) {
-  const auto limits = find_rate_limits(problem.robot);
-  REQUIRE(limits.has_value());
-  const auto timed = make_trajectory(problem, settings, path, *limits);
-  REQUIRE(timed.has_value());
+  const auto limits = require(find_rate_limits(problem.robot));
+  const auto timed = require(make_trajectory(problem, settings, path, limits));
   Path states;
-  for (double time = 0; time < timed->duration_s(); time += 0.01) {
-    states.push_back(timed->at(time).position);
+  for (double time = 0; time < timed.duration_s(); time += 0.01) {
+    states.push_back(timed.at(time).position);
   }
   return states;
 }
@@ -203,9 +195,9 @@ TEST_SUITE("flow") {
       problem.goals = {{0.2, -0.01}};
       const SolveResult refused = require_solve(problem);
       CHECK(refused.plan.status == PlanStatus::invalid_goal);
-      CHECK(refused.plan.message.find("link 'base' touches link '" + name_of(whose, "hand") +
-                                      "'") != std::string::npos);
-      CHECK(refused.plan.message.find("the exact geometry touches, too") != std::string::npos);
+      CHECK(contains(refused.plan.message,
+                     "link 'base' touches link '" + name_of(whose, "hand") + "'"));
+      CHECK(contains(refused.plan.message, "the exact geometry touches, too"));
       for (const double gap : {-0.001, 0.0005}) {
         const SolveResult result = require_solve(beside_its_mast(gap, whose), strict());
         CHECK(result.plan.status == PlanStatus::invalid_start);
@@ -234,9 +226,8 @@ TEST_SUITE("flow") {
     CHECK(
         result.notes[0].starts_with("goal: links 'base' and 'hand' touch only with their spheres"));
     CHECK(is_path_free(problem.robot, checked_scene(problem, result), result.plan.path, 0.01));
-    const auto limits = find_rate_limits(problem.robot);
-    REQUIRE(limits.has_value());
-    CHECK(make_trajectory(problem, {}, result.plan.path, *limits).has_value());
+    const auto limits = require(find_rate_limits(problem.robot));
+    CHECK(make_trajectory(problem, {}, result.plan.path, limits).has_value());
     problem.pose_goals[0].pose.translation.y() -= 0.01;
     const SolveResult refused = require_solve(problem);
     CHECK(refused.plan.status == PlanStatus::invalid_goal);

@@ -18,13 +18,6 @@ SolveSettings short_settings() {
   return settings;
 }
 
-SolveResult solve_hostile(const Problem& problem, Database* database,
-                          const SolveSettings& settings) {
-  auto result = solve(problem, database, settings);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return std::move(*result);
-}
-
 Problem problem_of(const Robot& robot, const Scene& scene, const Configuration& start,
                    const Configuration& goal) {
   return {"hostile", robot, "", scene, start, {goal}, {}};
@@ -58,8 +51,7 @@ TEST_SUITE("unit") {
         settings.planner = planner.name;
         settings.plan.timeout_s = 600;
         CAPTURE(planner.name);
-        const SolveResult result = solve_hostile(problem, nullptr, settings);
-        CHECK_MESSAGE(result.plan.is_solved(), result.plan.message);
+        require_solved(problem, nullptr, settings);
       }
     }
   }
@@ -74,13 +66,12 @@ TEST_SUITE("unit") {
         SolveSettings settings = short_settings();
         settings.planner = planner.name;
         settings.sampler = sampler;
-        const SolveResult result = solve_hostile(problem, nullptr, settings);
-        REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+        const SolveResult result = require_solved(problem, nullptr, settings);
         for (const Configuration& q : result.plan.path) CHECK(q[1] == doctest::Approx(0.3));
       }
     }
     const Problem outside = problem_of(robot, {}, {0, 0.4, 0, 0}, {0.4, 0.3, 1, 1});
-    CHECK(solve_hostile(outside, nullptr, {}).plan.status == PlanStatus::invalid_start);
+    CHECK(require(solve(outside, nullptr, {})).plan.status == PlanStatus::invalid_start);
   }
 
   TEST_CASE("an arm of one joint and one of thirty are planned for") {
@@ -98,7 +89,7 @@ TEST_SUITE("unit") {
           SolveSettings settings = short_settings();
           settings.planner = planner.name;
           settings.plan.max_iterations = 50;
-          const SolveResult result = solve_hostile(problem, nullptr, settings);
+          const SolveResult result = require(solve(problem, nullptr, settings));
           INFO(planner.name, " to ", angle, ": ", result.plan.message);
           if (angle < 2) CHECK(result.plan.is_solved());
           const CollisionChecker checker = make_checker(robot, scene);
@@ -116,15 +107,15 @@ TEST_SUITE("unit") {
       CAPTURE(bad);
       const Robot robot = planar_arm({1, 1});
       const Problem start = problem_of(robot, {}, {0, bad}, {0, 1});
-      CHECK(solve_hostile(start, nullptr, {}).plan.status == PlanStatus::invalid_start);
+      CHECK(require(solve(start, nullptr, {})).plan.status == PlanStatus::invalid_start);
       const Problem goal = problem_of(robot, {}, {0, 0}, {0, bad});
-      CHECK(solve_hostile(goal, nullptr, {}).plan.status == PlanStatus::invalid_goal);
+      CHECK(require(solve(goal, nullptr, {})).plan.status == PlanStatus::invalid_goal);
       const Scene ball{"s", {{"bad ball", {Sphere{{0, bad, 0}, 1}}}}};
       const Scene box{"s", {{"bad box", {box_at({0, 9, 0}, {1, bad, 1})}}}};
       for (const Scene& scene : {ball, box}) {
-        const auto refused = solve(problem_of(robot, scene, {0, 0}, {0, 1}), nullptr, {});
-        REQUIRE(!refused.has_value());
-        CHECK(refused.error().message.find("'bad b") != std::string::npos);
+        const Error refused =
+            require_error(solve(problem_of(robot, scene, {0, 0}, {0, 1}), nullptr, {}));
+        CHECK(contains(refused.message, "'bad b"));
       }
     }
   }
@@ -134,14 +125,12 @@ TEST_SUITE("unit") {
     const Scene point{"s", {{"point", {Sphere{{5, 0, 0}, 0}}}}};
     CHECK(!solve(problem_of(robot, point, {0, 0}, {0, 1}), nullptr, {}).has_value());
     const Scene hill{"s", {{"hill", {Sphere{{0, -5004, 0}, 4990}}}}};
-    const SolveResult past =
-        solve_hostile(problem_of(robot, hill, {0, 0}, {0, 1}), nullptr, short_settings());
-    CHECK_MESSAGE(past.plan.is_solved(), past.plan.message);
+    require_solved(problem_of(robot, hill, {0, 0}, {0, 1}), nullptr, short_settings());
     const Scene around{"s", {{"hill", {Sphere{{0, -4000, 0}, 4990}}}}};
     const SolveResult within =
-        solve_hostile(problem_of(robot, around, {0, 0}, {0, 1}), nullptr, {});
+        require(solve(problem_of(robot, around, {0, 0}, {0, 1}), nullptr, {}));
     CHECK(within.plan.status == PlanStatus::invalid_start);
-    CHECK(within.plan.message.find("hill") != std::string::npos);
+    CHECK(contains(within.plan.message, "hill"));
   }
 
   TEST_CASE("a hundred thousand obstacles are planned among, with memory asked or not") {
@@ -151,13 +140,10 @@ TEST_SUITE("unit") {
     Database database = make_database(directory / "a.db", robot);
     SolveSettings settings = short_settings();
     settings.retrieve_after = 0;
-    const SolveResult result = solve_hostile(problem, &database, settings);
-    CHECK_MESSAGE(result.plan.is_solved(), result.plan.message);
+    const SolveResult result = require_solved(problem, &database, settings);
     CHECK(result.gl.primitives.empty());
     settings.memory.max_gap = 3;
-    const auto crowded = solve(problem, &database, settings);
-    REQUIRE(!crowded.has_value());
-    CHECK(crowded.error().message.find("max-gap") != std::string::npos);
+    CHECK(contains(require_error(solve(problem, &database, settings)).message, "max-gap"));
   }
 
   TEST_CASE("the margin keeps the whole path away from obstacles, its ends too") {
@@ -167,12 +153,11 @@ TEST_SUITE("unit") {
     SolveSettings settings;
     settings.plan.timeout_s = 600;
     settings.margin = 0.1;
-    const SolveResult result = solve_hostile(problem, nullptr, settings);
-    REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+    const SolveResult result = require_solved(problem, nullptr, settings);
     const CollisionChecker strict = make_checker(robot, scene, settings.margin);
     for (const Configuration& q : result.plan.path) CHECK(strict.contacts(q).empty());
     settings.margin = 5;
-    CHECK(solve_hostile(problem, nullptr, settings).plan.status == PlanStatus::invalid_start);
+    CHECK(require(solve(problem, nullptr, settings)).plan.status == PlanStatus::invalid_start);
   }
 }
 

@@ -15,10 +15,8 @@ SolveResult improved(const Problem& problem, std::uint64_t rounds) {
     settings.plan.improve = 1000;
     settings.plan.improve_rounds = rounds;
   }
-  auto result = solve(problem, nullptr, settings);
-  REQUIRE(result.has_value());
-  REQUIRE(result->plan.is_solved());
-  return *std::move(result);
+  SolveResult result = require_solved(problem, nullptr, settings);
+  return result;
 }
 
 }  // namespace
@@ -26,8 +24,7 @@ SolveResult improved(const Problem& problem, std::uint64_t rounds) {
 TEST_SUITE("law") {
   TEST_CASE("more rounds never lead to a longer path, and what improves is verified") {
     const Problem problem = planar_problem("threaded_b2");
-    const auto checker = CollisionChecker::make(problem.robot, problem.scene);
-    REQUIRE(checker.has_value());
+    const auto checker = require(CollisionChecker::make(problem.robot, problem.scene));
     double last = path_length(problem.robot, improved(problem, 0).plan.path);
     const double first = last;
     for (const std::uint64_t rounds : {1, 2, 4, 8}) {
@@ -36,7 +33,7 @@ TEST_SUITE("law") {
       CHECK(length <= last);
       last = length;
       CheckCounters counters;
-      CHECK(find_invalid_motion(*checker, result.plan.path, counters) == -1);
+      CHECK(find_invalid_motion(checker, result.plan.path, counters) == -1);
       CHECK(result.plan.path.front() == problem.start);
       CHECK(result.planning_time_s + result.improvement_time_s <= result.total_time_s);
     }
@@ -150,24 +147,20 @@ TEST_SUITE("unit") {
     SolveSettings settings;
     settings.plan.improve = 1000;
     settings.plan.improve_rounds = 1;
-    const auto query = internal::make_query(problem, nullptr, settings);
-    REQUIRE(query.has_value());
+    const auto query = require(internal::make_query(problem, nullptr, settings));
     SolveResult result;
     result.plan.status = PlanStatus::solved;
     result.plan.path = {{0, 0}, {0.5, 0}, {0.5, 0.5}};
-    const auto resolved = internal::resolve_goals(*query);
-    REQUIRE(resolved.has_value());
-    internal::improve(*resolved, *make_uniform_sampler(arm), result);
+    const auto resolved = require(internal::resolve_goals(query));
+    internal::improve(resolved, *make_uniform_sampler(arm), result);
     CHECK(path_length(arm, result.plan.path) < 0.71);
   }
 
   TEST_CASE("improving ends when its time is up") {
     SolveSettings settings;
     settings.plan.improve = 1e-9;
-    const auto result = solve(planar_problem("threaded_b0"), nullptr, settings);
-    REQUIRE(result.has_value());
-    CHECK(result->plan.is_solved());
-    CHECK(result->improvements.size() <= 2);
+    const SolveResult result = require_solved(planar_problem("threaded_b0"), nullptr, settings);
+    CHECK(result.improvements.size() <= 2);
     settings.plan.improve = -1;
     CHECK(solve(planar_problem("threaded_b0"), nullptr, settings).error().code ==
           ErrorCode::invalid);
@@ -176,9 +169,8 @@ TEST_SUITE("unit") {
   TEST_CASE("rounds of improving without time for any are refused") {
     SolveSettings settings;
     settings.plan.improve_rounds = 3;
-    const auto result = solve(planar_problem("threaded_b0"), nullptr, settings);
-    REQUIRE_FALSE(result.has_value());
-    CHECK(result.error().message ==
+    const Error error = require_error(solve(planar_problem("threaded_b0"), nullptr, settings));
+    CHECK(error.message ==
           "setting 'improve-rounds' has no effect without 'improve': set a time to improve");
   }
 }

@@ -20,18 +20,17 @@ struct Remembering {
     settings.plan.timeout_s = 600;
   }
   SolveResult solve(Database* memory) {
-    auto result = mneme::solve(problem, memory, settings);
-    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
+    auto result = require(mneme::solve(problem, memory, settings));
     REQUIRE(database.flush());
-    return *std::move(result);
+    return result;
   }
   SolveResult solve() { return solve(&database); }
   /// Stores a path of this problem that seems to have been hard to find.
   void remember(const Path& path, std::uint64_t planning_states = 100'000) {
-    auto rows = learn_from_paths(memory_query(problem), std::vector<Path>{path}, {"paths", {}});
-    REQUIRE(rows.has_value());
-    rows->front().path().planning_states = planning_states;
-    REQUIRE(database.insert(*std::move(rows)).has_value());
+    auto rows =
+        require(learn_from_paths(memory_query(problem), std::vector<Path>{path}, {"paths", {}}));
+    rows.front().path().planning_states = planning_states;
+    require(database.insert(std::move(rows)));
   }
 };
 

@@ -74,10 +74,9 @@ void for_all(const Look& look) {
 /// Seconds of work after the time limit.
 double overtime(const Problem& problem, Database& database, const SolveSettings& settings) {
   const double start = own_seconds();
-  const auto result = solve(problem, &database, settings);
+  const auto result = require(solve(problem, &database, settings));
   const double worked = own_seconds() - start;
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  REQUIRE(result->plan.status == PlanStatus::timeout);
+  REQUIRE(result.plan.status == PlanStatus::timeout);
   return worked - settings.plan.timeout_s;
 }
 

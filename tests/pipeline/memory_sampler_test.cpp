@@ -17,25 +17,16 @@ struct MemoryFixture {
   SolveSettings settings;
 
   MemoryFixture() {
-    const auto primitives = decompose(memory_query(problem));
-    REQUIRE(primitives.has_value());
+    const auto primitives = require(decompose(memory_query(problem)));
     std::vector<PrimitiveKey> keys;
-    for (const LocalPrimitive& primitive : *primitives) keys.push_back(primitive.key);
+    for (const LocalPrimitive& primitive : primitives) keys.push_back(primitive.key);
     learn_into(database, problem.robot, keys);
   }
   internal::Query query() {
     settings.plan.walk = 0;
-    auto made = internal::make_query(problem, &database, settings);
-    REQUIRE(made.has_value());
-    return *std::move(made);
+    return require(internal::make_query(problem, &database, settings));
   }
 };
-
-internal::ResolvedQuery resolved(const internal::Query& query) {
-  auto resolved = internal::resolve_goals(query);
-  REQUIRE(resolved.has_value());
-  return *std::move(resolved);
-}
 
 /// Three components of the start's neighbourhood, as if memory had them.
 Result<GaussianMixture> near_start(const internal::Query&, const MemoryQuery& asked,
@@ -67,7 +58,7 @@ TEST_SUITE("unit") {
   TEST_CASE("memory is queried at once where no iterations come before it") {
     MemoryFixture fixture;
     const internal::Query query = fixture.query();
-    const internal::ResolvedQuery goals = resolved(query);
+    const internal::ResolvedQuery goals = require(internal::resolve_goals(query));
     internal::MemorySampler memory(goals, near_start);
     const auto sampler = memory.by_kind();
     CHECK(memory.check().has_value());
@@ -79,7 +70,7 @@ TEST_SUITE("unit") {
     MemoryFixture fixture;
     fixture.settings.retrieve_after = 20;
     const internal::Query query = fixture.query();
-    const internal::ResolvedQuery goals = resolved(query);
+    const internal::ResolvedQuery goals = require(internal::resolve_goals(query));
     internal::MemorySampler memory(goals, near_start);
     const auto sampler = memory.by_kind();
     const auto first = sampler->start(1), second = sampler->start(2);
@@ -93,7 +84,7 @@ TEST_SUITE("unit") {
   TEST_CASE("memory that cannot be queried is a failure, and samples are uniform") {
     MemoryFixture fixture;
     const internal::Query query = fixture.query();
-    const internal::ResolvedQuery goals = resolved(query);
+    const internal::ResolvedQuery goals = require(internal::resolve_goals(query));
     internal::MemorySampler memory(
         goals, [](const auto&, const auto&, const auto&, auto&) -> Result<GaussianMixture> {
           return fail(ErrorCode::io, "the disk is gone");
@@ -108,7 +99,7 @@ TEST_SUITE("unit") {
     MemoryFixture fixture;
     fixture.settings.retrieve_after = 20;
     const internal::Query query = fixture.query();
-    const internal::ResolvedQuery goals = resolved(query);
+    const internal::ResolvedQuery goals = require(internal::resolve_goals(query));
     internal::MemorySampler memory(
         goals, [](const auto&, const auto&, const auto&, auto&) -> Result<GaussianMixture> {
           return fail(ErrorCode::io, "the disk is gone");
@@ -123,7 +114,7 @@ TEST_SUITE("unit") {
   TEST_CASE("memory with nothing to say leaves uniform samples") {
     MemoryFixture fixture;
     const internal::Query query = fixture.query();
-    const internal::ResolvedQuery goals = resolved(query);
+    const internal::ResolvedQuery goals = require(internal::resolve_goals(query));
     internal::MemorySampler memory(goals, [](const auto&, const auto&, const auto&, auto&) {
       return GaussianMixture{8, {}, {}, {}, {}};
     });
@@ -143,7 +134,7 @@ TEST_SUITE("flow") {
     const internal::Query query = fixture.query();
     REQUIRE(query.kinds.size() == 2);
     std::vector<std::string_view> asked;
-    const internal::ResolvedQuery goals = resolved(query);
+    const internal::ResolvedQuery goals = require(internal::resolve_goals(query));
     internal::MemorySampler memory(goals, [&](const auto& same, const auto& memory_query,
                                               const internal::KindSettings& kind, GlSampler& gl) {
       asked.push_back(kind.kind->name);
@@ -166,17 +157,14 @@ TEST_SUITE("flow") {
     REQUIRE(
         fixture.database.insert(learn_whole_paths(fixture.problem.robot, std::vector<Path>{path})));
     fixture.settings.retrieve_after = 0;
-    const auto result = solve(fixture.problem, &fixture.database, fixture.settings);
-    REQUIRE(result.has_value());
-    CHECK(result->plan.is_solved());
-    REQUIRE(result->gl.primitives.size() == 2);
-    CHECK(result->gl.primitives[0].primitive.kind == "pairs/1");
-    CHECK(result->gl.primitives[1].primitive.kind == "paths/1");
+    const SolveResult result = require_solved(fixture.problem, &fixture.database, fixture.settings);
+    REQUIRE(result.gl.primitives.size() == 2);
+    CHECK(result.gl.primitives[0].primitive.kind == "pairs/1");
+    CHECK(result.gl.primitives[1].primitive.kind == "paths/1");
     fixture.settings.memory.kind = "paths";
-    const auto paths = solve(fixture.problem, &fixture.database, fixture.settings);
-    REQUIRE(paths.has_value());
-    REQUIRE(paths->gl.primitives.size() == 1);
-    CHECK(paths->gl.primitives[0].primitive.kind == "paths/1");
+    const auto paths = require(solve(fixture.problem, &fixture.database, fixture.settings));
+    REQUIRE(paths.gl.primitives.size() == 1);
+    CHECK(paths.gl.primitives[0].primitive.kind == "paths/1");
   }
 }
 

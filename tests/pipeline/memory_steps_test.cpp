@@ -39,20 +39,17 @@ struct BudgetedQueries {
     SolveSettings settings;
     settings.learn_budget_s = 60;
     const Problem problem{"", robot, "", scene, {}, {}, {}};
-    const auto query = internal::make_query(problem, &database, settings);
-    REQUIRE(query.has_value());
+    const auto query = require(internal::make_query(problem, &database, settings));
     const MemoryQuery asked = memory_query(problem);
-    internal::KindSettings kind_settings = query->kinds.front();
+    internal::KindSettings kind_settings = query.kinds.front();
     MemoryKind kind = *kind_settings.kind;
     kind.learn = is_cut_short ? learn_at_once<true> : learn_at_once<false>;
     kind_settings.kind = &kind;
-    auto found = internal::decompose(asked, kind_settings);
-    REQUIRE(found.has_value());
+    auto found = require(internal::decompose(asked, kind_settings));
     double learning_time_s = 0;
-    REQUIRE(internal::retrieve(database, kind_settings, found->front()).has_value());
-    REQUIRE(
-        internal::learn(*query, asked, kind_settings, found->front(), learning_time_s).has_value());
-    return found->front();
+    require(internal::retrieve(database, kind_settings, found.front()));
+    require(internal::learn(query, asked, kind_settings, found.front(), learning_time_s));
+    return found.front();
   }
 };
 

@@ -35,10 +35,8 @@ struct Passage {
     return {"turned", robot, "", turned(scene, angle), motion.front(), {motion.back()}, {}};
   }
   [[nodiscard]] SolveResult solve_with(Database* database, const Problem& problem) const {
-    auto result = solve(problem, database, settings);
-    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-    REQUIRE(result->plan.is_solved());
-    return *std::move(result);
+    SolveResult result = require_solved(problem, database, settings);
+    return result;
   }
 };
 

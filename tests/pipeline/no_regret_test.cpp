@@ -15,10 +15,9 @@ struct UselessMemory {
   Database database = make_database(directory / "m.db", problem.robot);
 
   UselessMemory() {
-    const auto primitives = decompose(memory_query(problem));
-    REQUIRE(primitives.has_value());
+    const auto primitives = require(decompose(memory_query(problem)));
     std::vector<Experience> rows;
-    for (const LocalPrimitive& primitive : *primitives) {
+    for (const LocalPrimitive& primitive : primitives) {
       Experience row;
       row.kind = primitive.kind;
       row.key = primitive.key;
@@ -29,7 +28,7 @@ struct UselessMemory {
       }
       rows.push_back(std::move(row));
     }
-    REQUIRE(database.insert(std::move(rows)).has_value());
+    require(database.insert(std::move(rows)));
   }
 
   /// Iterations until solved, over some seeds. Neither anchors nor walks, which would solve it in
@@ -44,11 +43,9 @@ struct UselessMemory {
     settings.plan.timeout_s = 600;
     std::uint64_t sum = 0;
     for (settings.plan.seed = 1; settings.plan.seed <= kSeeds; ++settings.plan.seed) {
-      const auto result = solve(problem, &database, settings);
-      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-      REQUIRE(result->plan.is_solved());
-      CHECK((result->gl.mixture->component_count() > 0) == (lambda > 0));
-      sum += result->plan.iterations;
+      const SolveResult result = require_solved(problem, &database, settings);
+      CHECK((result.gl.mixture->component_count() > 0) == (lambda > 0));
+      sum += result.plan.iterations;
     }
     return sum;
   }
@@ -74,9 +71,9 @@ struct ForeignPassages {
     settings.remember_after = 1'000'000'000;  // the account alone changes
   }
   void learn(const Path& path, const Scene& among) {
-    auto rows = learn_from_paths({robot, among}, std::vector<Path>{path}, of_kind("motions"));
-    REQUIRE(rows.has_value());
-    REQUIRE(memory.insert(*std::move(rows)).has_value());
+    auto rows =
+        require(learn_from_paths({robot, among}, std::vector<Path>{path}, of_kind("motions")));
+    require(memory.insert(std::move(rows)));
   }
   /// States that a query checks, in the passage turned by `angle`.
   double states(Database* database, double angle) {
@@ -84,9 +81,7 @@ struct ForeignPassages {
     const Problem problem{"turned",      robot,          "", turned(scene, angle),
                           there.front(), {there.back()}, {}};
     settings.plan.seed = static_cast<std::uint64_t>(100 + 10 * angle);
-    const auto result = solve(problem, database, settings);
-    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-    return static_cast<double>(result->plan.states_checked);
+    return static_cast<double>(require(solve(problem, database, settings)).plan.states_checked);
   }
 };
 

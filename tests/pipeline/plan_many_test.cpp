@@ -36,16 +36,14 @@ TEST_SUITE("flow") {
     ManySettings settings = uniform_settings();
     for (const int jobs : {1, 3}) {
       settings.jobs = jobs;
-      const auto solutions = plan_many(problems, nullptr, settings);
-      REQUIRE(solutions.has_value());
-      REQUIRE(solutions->size() == problems.size());
+      const auto solutions = require(plan_many(problems, nullptr, settings));
+      REQUIRE(solutions.size() == problems.size());
       for (std::size_t i = 0; i < problems.size(); ++i) {
-        const auto alone = solve(problems[i], nullptr, settings.solve);
-        REQUIRE(alone.has_value());
-        REQUIRE((*solutions)[i].has_value());
-        CHECK(alone->plan.is_solved());
-        CHECK((*solutions)[i]->result.plan.path == alone->plan.path);
-        CHECK((*solutions)[i]->trajectory.empty());
+        const auto alone = require(solve(problems[i], nullptr, settings.solve));
+        REQUIRE(solutions[i].has_value());
+        CHECK(alone.plan.is_solved());
+        CHECK(solutions[i]->result.plan.path == alone.plan.path);
+        CHECK(solutions[i]->trajectory.empty());
       }
     }
   }
@@ -54,9 +52,8 @@ TEST_SUITE("flow") {
     const auto problems = make_cell(planar_problem("threaded_b2"), 2);
     ManySettings settings = uniform_settings();
     settings.timing.emplace().dt = 0.05;
-    const auto solutions = plan_many(problems, nullptr, settings);
-    REQUIRE(solutions.has_value());
-    for (const auto& solution : *solutions) {
+    const auto solutions = require(plan_many(problems, nullptr, settings));
+    for (const auto& solution : solutions) {
       REQUIRE(solution.has_value());
       const auto& points = solution->trajectory;
       REQUIRE(points.size() > 2);
@@ -72,12 +69,11 @@ TEST_SUITE("unit") {
   TEST_CASE("A problem that cannot be planned leaves the others alone") {
     auto problems = make_cell(planar_problem("threaded_b2"), 3);
     problems[1].scene.obstacles.push_back({"flat", {Box{}}});
-    const auto solutions = plan_many(problems, nullptr, uniform_settings());
-    REQUIRE(solutions.has_value());
-    CHECK((*solutions)[0].has_value());
-    REQUIRE_FALSE((*solutions)[1].has_value());
-    CHECK((*solutions)[1].error().message.find("flat") != std::string::npos);
-    CHECK((*solutions)[2].has_value());
+    const auto solutions = require(plan_many(problems, nullptr, uniform_settings()));
+    CHECK(solutions[0].has_value());
+    REQUIRE_FALSE(solutions[1].has_value());
+    CHECK(contains(solutions[1].error().message, "flat"));
+    CHECK(solutions[2].has_value());
     CHECK(plan_many({}, nullptr, uniform_settings()).value().empty());
   }
 
@@ -85,9 +81,7 @@ TEST_SUITE("unit") {
     const auto problems = make_cell(planar_problem("threaded_b2"), 1);
     ManySettings settings = uniform_settings();
     settings.solve.remember_after = 0;
-    const auto refused = plan_many(problems, nullptr, settings);
-    REQUIRE_FALSE(refused.has_value());
-    CHECK(refused.error().code == ErrorCode::invalid);
+    CHECK(require_error(plan_many(problems, nullptr, settings)).code == ErrorCode::invalid);
   }
 
   TEST_CASE("Cancelling ends all problems") {
@@ -95,9 +89,8 @@ TEST_SUITE("unit") {
     const std::atomic<bool> cancel = true;
     ManySettings settings = uniform_settings();
     settings.solve.plan.cancel = &cancel;
-    const auto solutions = plan_many(problems, nullptr, settings);
-    REQUIRE(solutions.has_value());
-    for (const auto& solution : *solutions) {
+    const auto solutions = require(plan_many(problems, nullptr, settings));
+    for (const auto& solution : solutions) {
       CHECK(solution.value().result.plan.status == PlanStatus::cancelled);
     }
   }

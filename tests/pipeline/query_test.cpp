@@ -13,9 +13,7 @@ using internal::KindSettings;
 using internal::Query;
 
 Database open_of(const std::string& path, const Robot& robot) {
-  auto database = Database::open(path, make_signature(robot), OpenMode::create);
-  REQUIRE_MESSAGE(database.has_value(), (database ? "" : database.error().message));
-  return std::move(*database);
+  return require(Database::open(path, make_signature(robot), OpenMode::create));
 }
 
 /// Settings and kinds for the robot; its problem is gone.
@@ -35,10 +33,9 @@ Result<Completed> request(const Robot& robot, Database* database,
 KindSettings completed(const Robot& robot, const SolveSettings& settings = {}) {
   const TemporaryDirectory directory;
   Database database = open_of(directory / "m.db", robot);
-  const auto made = request(robot, &database, settings);
-  REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
-  REQUIRE(!made->kinds.empty());
-  return made->kinds.front();
+  const auto made = require(request(robot, &database, settings));
+  REQUIRE(!made.kinds.empty());
+  return made.kinds.front();
 }
 
 Problem one_post() {
@@ -50,9 +47,7 @@ Problem one_post() {
 /// Why the query is refused.
 Error refusal(const SolveSettings& settings) {
   const Problem problem = one_post();
-  const auto query = internal::make_query(problem, nullptr, settings);
-  REQUIRE(!query.has_value());
-  return query.error();
+  return require_error(internal::make_query(problem, nullptr, settings));
 }
 
 }  // namespace
@@ -90,18 +85,16 @@ TEST_SUITE("unit") {
     remembering.remember_after = 0;
     const TemporaryDirectory directory;
     Database database = open_of(directory / "m.db", robot);
-    const auto remembered = request(robot, &database, remembering);
-    REQUIRE(remembered.has_value());
-    REQUIRE(remembered->kinds.size() == 2);
-    CHECK(remembered->kinds[0].kind->name == "paths");
-    CHECK(remembered->kinds[1].kind->name == "motions");
+    const auto remembered = require(request(robot, &database, remembering));
+    REQUIRE(remembered.kinds.size() == 2);
+    CHECK(remembered.kinds[0].kind->name == "paths");
+    CHECK(remembered.kinds[1].kind->name == "motions");
     const Configuration q(static_cast<std::size_t>(robot.joint_count()));
     REQUIRE(database.insert(learn_whole_paths(robot, std::vector<Path>{{q, q}})));
-    const auto found = request(robot, &database);
-    REQUIRE(found.has_value());
-    REQUIRE(found->kinds.size() == 1);
-    CHECK(found->kinds[0].kind->name == "paths");
-    CHECK(found->kinds[0].sigma == 0.4);
+    const auto found = require(request(robot, &database));
+    REQUIRE(found.kinds.size() == 1);
+    CHECK(found.kinds[0].kind->name == "paths");
+    CHECK(found.kinds[0].sigma == 0.4);
     settings.memory.kind = "body_pairs";
     CHECK(request(robot, &database, settings)->kinds[0].sigma == 0.3);
   }
@@ -174,7 +167,7 @@ TEST_SUITE("unit") {
     std::vector<std::string> declared, listed;
     const auto note = [&](const std::string& name, const auto&, auto, auto,
                           const std::string& text) {
-      if (text.find("Default: by kind (see table)") != std::string::npos) declared.push_back(name);
+      if (contains(text, "Default: by kind (see table)")) declared.push_back(name);
     };
     const SolveSettings settings;
     visit_settings(settings, note);
@@ -224,13 +217,13 @@ TEST_SUITE("unit") {
           "setting 'lambda' is 1.5: expected 0 to 1");
     settings = {};
     settings.plan.timeout_s = std::numeric_limits<double>::quiet_NaN();
-    CHECK(request(robot, nullptr, settings).error().message.find("'timeout'") != std::string::npos);
+    CHECK(contains(request(robot, nullptr, settings).error().message, "'timeout'"));
     settings = {};
     settings.learn.starts_per_link = 0;
     CHECK(request(robot, nullptr, settings).error().code == ErrorCode::invalid);
     settings = {};
     settings.memory.max_gap = -1;
-    CHECK(request(robot, nullptr, settings).error().message.find("'max-gap'") != std::string::npos);
+    CHECK(contains(request(robot, nullptr, settings).error().message, "'max-gap'"));
   }
 
   TEST_CASE("a budget for learning goes with kinds that learn on a miss, or is refused with why") {
@@ -244,11 +237,10 @@ TEST_SUITE("unit") {
     CHECK(request(robot, &database, settings).has_value());
     for (const char* name : {"paths", "body_pairs"}) {
       settings.memory.kind = name;
-      const auto refused = request(robot, &database, settings);
-      REQUIRE(!refused.has_value());
-      CHECK(refused.error().code == ErrorCode::unsupported);
-      CHECK(refused.error().message.find("'learn-budget'") != std::string::npos);
-      CHECK(refused.error().message.find(name) != std::string::npos);
+      const Error refused = require_error(request(robot, &database, settings));
+      CHECK(refused.code == ErrorCode::unsupported);
+      CHECK(contains(refused.message, "'learn-budget'"));
+      CHECK(contains(refused.message, name));
     }
   }
 
@@ -260,11 +252,10 @@ TEST_SUITE("unit") {
     settings.learn_budget_s = 1;
     CHECK(internal::make_query(problem, &database, settings).has_value());
     settings.sampler = "uniform";
-    const auto refused = internal::make_query(problem, &database, settings);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::invalid);
+    const Error refused = require_error(internal::make_query(problem, &database, settings));
+    CHECK(refused.code == ErrorCode::invalid);
     CHECK(
-        refused.error().message ==
+        refused.message ==
         "setting 'learn-budget': sampler 'uniform' does not query memory, expected one that does, "
         "such as gl");
     CHECK(internal::make_query(problem, nullptr, settings).has_value());
@@ -282,7 +273,7 @@ TEST_SUITE("unit") {
       const auto late = internal::make_query(problem, &database, settings);
       REQUIRE((!early.has_value() && !late.has_value()));
       CHECK(early.error().message == late.error().message);
-      CHECK_MESSAGE(early.error().message.find(words) != std::string::npos, early.error().message);
+      CHECK_MESSAGE(contains(early.error().message, words), early.error().message);
     };
     settings.memory.kind = "paths";
     refuses("cannot learn while planning");
@@ -307,9 +298,7 @@ TEST_SUITE("unit") {
     settings.sampler = "gl";
     CHECK(check_query(problem, settings).has_value());
     settings.memory.kind = "pairs";
-    const auto refused = check_query(problem, settings);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().message.find("does not handle robot") != std::string::npos);
+    CHECK(contains(require_error(check_query(problem, settings)).message, "does not handle robot"));
     // That start is the planner's to refuse.
     problem.start = {0};
     CHECK(check_query(problem, settings).has_value());
@@ -322,15 +311,14 @@ TEST_SUITE("unit") {
           0);
     settings = {};
     settings.planner = "rrt_star";
-    CHECK(refusal(settings).message.find("expected one of rrt_connect") != std::string::npos);
+    CHECK(contains(refusal(settings).message, "expected one of rrt_connect"));
     const TemporaryDirectory directory;
     Database database = open_of(directory / "a.db", planar8());
     settings = {};
     settings.memory.kind = "triples";
-    const auto refused = request(planar8(), &database, settings);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::invalid);
-    CHECK(refused.error().message.find("'triples'") != std::string::npos);
+    const Error refused = require_error(request(planar8(), &database, settings));
+    CHECK(refused.code == ErrorCode::invalid);
+    CHECK(contains(refused.message, "'triples'"));
   }
 
   TEST_CASE("samplers of valid states are refused with planners that draw none") {
@@ -341,7 +329,7 @@ TEST_SUITE("unit") {
     settings.sampler = "near_walls";
     const Error error = refusal(settings);
     CHECK(error.code == ErrorCode::invalid);
-    CHECK(error.message.find("'near_walls'") != std::string::npos);
+    CHECK(contains(error.message, "'near_walls'"));
   }
 
   TEST_CASE("a database of the robot will do, one of another robot is refused with both") {
@@ -350,23 +338,20 @@ TEST_SUITE("unit") {
     Database own = open_of(directory / "own.db", planar);
     CHECK(request(planar, &own).has_value());
     Database foreign = open_of(directory / "a.db", spatial);
-    const auto refused = request(planar, &foreign);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::wrong_robot);
+    const Error refused = require_error(request(planar, &foreign));
+    CHECK(refused.code == ErrorCode::wrong_robot);
     for (const std::string& word : {directory / "a.db", planar.name(), spatial.name(),
                                     planar.kinematics_hash(), spatial.kinematics_hash()}) {
-      CHECK_MESSAGE(refused.error().message.find(word) != std::string::npos,
-                    refused.error().message);
+      CHECK_MESSAGE(contains(refused.message, word), refused.message);
     }
   }
 
   TEST_CASE("an empty file that is only looked at is of every robot") {
     const TemporaryDirectory directory;
     write_file(directory / "a.db", "");
-    auto database = Database::inspect(directory / "a.db");
-    REQUIRE(database.has_value());
-    CHECK(request(planar8(), &*database).has_value());
-    CHECK(request(lifting_arm(), &*database).has_value());
+    auto database = require(Database::inspect(directory / "a.db"));
+    CHECK(request(planar8(), &database).has_value());
+    CHECK(request(lifting_arm(), &database).has_value());
   }
 
   TEST_CASE("the checker has the resolution, margin and instruction set of the settings") {
@@ -374,20 +359,18 @@ TEST_SUITE("unit") {
     SolveSettings settings;
     settings.resolution = 0.125;
     settings.isa = Isa::scalar;
-    const auto query = internal::make_query(problem, nullptr, settings);
-    REQUIRE(query.has_value());
-    const auto checker = internal::resolve_goals(*query)->checker;
+    const auto query = require(internal::make_query(problem, nullptr, settings));
+    const auto checker = internal::resolve_goals(query)->checker;
     CHECK(checker.resolution() == 0.125);
     CHECK(checker.isa() == Isa::scalar);
     CHECK(checker.is_valid(problem.start));
     settings.margin = 10;
-    const auto wary = internal::make_query(problem, nullptr, settings);
-    REQUIRE(wary.has_value());
-    const auto refused = internal::resolve_goals(*wary);
+    const auto wary = require(internal::make_query(problem, nullptr, settings));
+    const auto refused = internal::resolve_goals(wary);
     REQUIRE((refused.has_value() && refused->refusal));
     CHECK(refused->refusal->status == PlanStatus::invalid_start);
     settings.margin = -1;
-    CHECK(refusal(settings).message.find("'margin'") != std::string::npos);
+    CHECK(contains(refusal(settings).message, "'margin'"));
   }
 
   TEST_CASE("only samplers of memory use the database") {

@@ -15,11 +15,9 @@ struct Growing {
     return Database::open(directory / "m.db", make_signature(problem.robot), mode).value();
   }
   SolveResult solve_with(Database& database) {
-    auto result = solve(problem, &database, settings);
-    REQUIRE(result.has_value());
-    REQUIRE(result->plan.is_solved());
+    SolveResult result = require_solved(problem, &database, settings);
     REQUIRE(database.flush());
-    return *std::move(result);
+    return result;
   }
 };
 
@@ -36,7 +34,7 @@ TEST_SUITE("flow") {
     CHECK(first.remembered.time_s > 0);
     CHECK(first.planning_time_s + first.remembered.time_s <= first.total_time_s);
     REQUIRE(database.size() == 1);
-    CHECK(database.get(0)->provenance.settings.find("threaded_b4") != std::string::npos);
+    CHECK(contains(database.get(0)->provenance.settings, "threaded_b4"));
     CHECK(static_cast<std::size_t>(database.get(0)->component_count()) == first.plan.path.size());
 
     growing.settings.remember_after = 1000000000;
@@ -128,7 +126,7 @@ TEST_SUITE("flow") {
     growing.settings.remember_after = 0;
     const SolveResult result = growing.solve_with(database);
     CHECK(!result.remembered.is_queued);
-    CHECK(result.remembered.failure.find("m.db") != std::string::npos);
+    CHECK(contains(result.remembered.failure, "m.db"));
   }
 }
 

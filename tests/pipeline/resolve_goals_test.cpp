@@ -20,9 +20,7 @@ Problem posed_problem(const Configuration& at) {
 }
 
 SolveResult solve_soundly(const Problem& problem, const SolveSettings& settings) {
-  auto result = solve(problem, nullptr, settings);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return *std::move(result);
+  return require(solve(problem, nullptr, settings));
 }
 
 TEST_SUITE("flow") {
@@ -115,7 +113,7 @@ TEST_SUITE("unit") {
       settings.plan.timeout_s = 0;
       const SolveResult result = solve_soundly(problem, settings);
       CHECK(result.plan.status == PlanStatus::timeout);
-      CHECK(result.plan.message.find("within the time limit") != std::string::npos);
+      CHECK(contains(result.plan.message, "within the time limit"));
     }
     SUBCASE("a little time") {
       settings.plan.timeout_s = 0.01;
@@ -133,15 +131,14 @@ TEST_SUITE("unit") {
     problem.start.pop_back();
     const SolveResult result = solve_soundly(problem, {});
     CHECK(result.plan.status == PlanStatus::invalid_start);
-    CHECK(result.plan.message.find("there are 6 values") != std::string::npos);
+    CHECK(contains(result.plan.message, "there are 6 values"));
   }
 
   TEST_CASE("a pose of an unknown link is an error") {
     Problem problem = posed_problem(kReady);
     problem.pose_goals[0].link = "nose";
-    const auto result = solve(problem, nullptr, {});
-    REQUIRE(!result.has_value());
-    CHECK(result.error().message == "expected a link of robot panda, got \"nose\"");
+    CHECK(require_error(solve(problem, nullptr, {})).message ==
+          "expected a link of robot panda, got \"nose\"");
   }
 }
 

@@ -23,15 +23,12 @@ Result<SolveSettings> read_settings(const std::string& yaml) {
 TEST_SUITE("unit") {
   TEST_CASE("seeds are read exactly, and other numbers within their ranges") {
     for (const std::uint64_t seed : {0UL, 9007199254740993UL, 18446744073709551615UL}) {
-      const auto settings = read_settings("seed: " + std::to_string(seed));
-      REQUIRE_MESSAGE(settings.has_value(), (settings ? "" : settings.error().message));
-      CHECK(settings->plan.seed == seed);
+      CHECK(require(read_settings("seed: " + std::to_string(seed))).plan.seed == seed);
     }
-    const auto settings = read_settings("{threads: 2, lambda: 0.25, max-nodes: 1e6}");
-    REQUIRE_MESSAGE(settings.has_value(), (settings ? "" : settings.error().message));
-    CHECK(settings->threads == 2);
-    CHECK(settings->lambda == 0.25);
-    CHECK(settings->plan.max_nodes == 1000000);
+    const auto settings = require(read_settings("{threads: 2, lambda: 0.25, max-nodes: 1e6}"));
+    CHECK(settings.threads == 2);
+    CHECK(settings.lambda == 0.25);
+    CHECK(settings.plan.max_nodes == 1000000);
   }
 
   TEST_CASE("numbers that are not whole or out of range are refused with what there may be") {
@@ -52,7 +49,7 @@ TEST_SUITE("unit") {
         {"lambda: .nan", "expected a number from 0 to 1, got .nan"}};
     for (const auto& [yaml, message] : refused) {
       const std::string told = refusal(yaml);
-      CHECK_MESSAGE(told.find(message) != std::string::npos, told);
+      CHECK_MESSAGE(contains(told, message), told);
     }
   }
 }

@@ -10,20 +10,12 @@
 namespace mneme::test {
 namespace {
 
-SolveResult solve_soundly(const Problem& problem, Database* database,
-                          const SolveSettings& settings) {
-  auto result = solve(problem, database, settings);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return std::move(*result);
-}
-
 /// Checks that a solve with `settings` is an error of kind invalid that names `word`.
 void check_refused(const Problem& problem, const SolveSettings& settings, const std::string& word) {
-  const auto result = solve(problem, nullptr, settings);
+  const Error error = require_error(solve(problem, nullptr, settings));
   INFO(word);
-  REQUIRE(!result.has_value());
-  CHECK(result.error().code == ErrorCode::invalid);
-  CHECK_MESSAGE(result.error().message.find(word) != std::string::npos, result.error().message);
+  CHECK(error.code == ErrorCode::invalid);
+  CHECK_MESSAGE(contains(error.message, word), error.message);
 }
 
 /// Puts each number of `part`, a part of `settings`, outside its range, and expects its name.
@@ -72,14 +64,12 @@ void learn_paths_into(Database& database, const Problem& problem) {
   std::vector<Path> paths;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     settings.plan.seed = seed;
-    const SolveResult result = solve_soundly(problem, nullptr, settings);
-    REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+    const SolveResult result = require_solved(problem, nullptr, settings);
     paths.push_back(result.plan.path);
   }
-  auto rows = learn_from_paths(memory_query(problem), paths, {}, 0.3);
-  REQUIRE(rows.has_value());
-  REQUIRE(!rows->empty());
-  REQUIRE(database.insert(std::move(*rows)).has_value());
+  auto rows = require(learn_from_paths(memory_query(problem), paths, {}, 0.3));
+  REQUIRE(!rows.empty());
+  require(database.insert(std::move(rows)));
 }
 
 double mean_iterations(const Problem& problem, Database* database, SolveSettings settings,
@@ -87,7 +77,7 @@ double mean_iterations(const Problem& problem, Database* database, SolveSettings
   std::uint64_t sum = 0;
   for (int seed = 1; seed <= seeds; ++seed) {
     settings.plan.seed = static_cast<std::uint64_t>(seed);
-    sum += solve_soundly(problem, database, settings).plan.iterations;
+    sum += require(solve(problem, database, settings)).plan.iterations;
   }
   return static_cast<double>(sum) / seeds;
 }
@@ -104,8 +94,7 @@ TEST_SUITE("flow") {
         for (const char* planner : {"rrt_connect", "rrt", "prm"}) {
           SolveSettings settings;
           settings.planner = planner;
-          const SolveResult result = solve_soundly(problem, nullptr, settings);
-          REQUIRE(result.plan.is_solved());
+          const SolveResult result = require_solved(problem, nullptr, settings);
           const Path& path = result.plan.path;
           CHECK(path.front() == problem.start);
           for (std::size_t i = 1; i < path.size(); ++i) {
@@ -114,10 +103,9 @@ TEST_SUITE("flow") {
           CHECK(std::abs(std::remainder(path.back()[0] + 2.5, 2 * kPi)) < 1e-6);
           CHECK(is_path_free(problem.robot, problem.scene, path, 0.002));
           const RateLimits limits{Configuration(8, 1.0), Configuration(8, 1.0)};
-          const auto trajectory = make_trajectory(problem, settings, path, limits);
-          REQUIRE(trajectory.has_value());
-          CHECK(trajectory->at(0).position == problem.start);
-          const Configuration end = trajectory->at(trajectory->duration_s()).position;
+          const auto trajectory = require(make_trajectory(problem, settings, path, limits));
+          CHECK(trajectory.at(0).position == problem.start);
+          const Configuration end = trajectory.at(trajectory.duration_s()).position;
           CHECK(end[0] == doctest::Approx(path.back()[0]));
         }
       }
@@ -126,14 +114,13 @@ TEST_SUITE("flow") {
 
   TEST_CASE("memory of similar pairs needs far fewer iterations than uniform sampling") {
     const Problem problem = planar_problem("threaded_b4");
-    const auto primitives = decompose(memory_query(problem));
-    REQUIRE(primitives.has_value());
-    REQUIRE(primitives->size() == 1);
+    const auto primitives = require(decompose(memory_query(problem)));
+    REQUIRE(primitives.size() == 1);
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", problem.robot);
     LearnSettings learning;
     learning.starts_per_link = 2;
-    learn_into(database, problem.robot, keys_near((*primitives)[0].key, 60, 0.2, 1), learning);
+    learn_into(database, problem.robot, keys_near(primitives[0].key, 60, 0.2, 1), learning);
     SolveSettings settings;
     settings.plan.timeout_s = 60;
     settings.plan.max_iterations = 400000;
@@ -144,31 +131,29 @@ TEST_SUITE("flow") {
     const double memory = mean_iterations(problem, &database, settings, 6);
     INFO("uniform ", uniform, ", memory ", memory);
     CHECK(memory < 0.25 * uniform);
-    CHECK(solve_soundly(problem, &database, settings).plan.is_solved());
+    require_solved(problem, &database, settings);
   }
 
   TEST_CASE("memory of the bare robot helps it when it carries something, and its paths are free") {
     Problem problem = planar_problem("threaded_b4");
-    const auto primitives = decompose(memory_query(problem));
-    REQUIRE(primitives.has_value());
+    const auto primitives = require(decompose(memory_query(problem)));
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", problem.robot);
     LearnSettings learning;
     learning.starts_per_link = 2;
-    learn_into(database, problem.robot, keys_near((*primitives)[0].key, 20, 0.2, 1), learning);
+    learn_into(database, problem.robot, keys_near(primitives[0].key, 20, 0.2, 1), learning);
     // Off the axis: what pairs ask of a robot does not count for what it carries.
-    const auto robot = attach(problem.robot, {{"cup", "link_8", {Sphere{{0.2, 0.05, 0}, 0.01}}}});
-    REQUIRE(robot.has_value());
-    problem.robot = *robot;
+    const auto robot =
+        require(attach(problem.robot, {{"cup", "link_8", {Sphere{{0.2, 0.05, 0}, 0.01}}}}));
+    problem.robot = robot;
     SolveSettings settings;
     settings.plan.timeout_s = 60;
     settings.plan.max_iterations = 400000;
     settings.retrieve_after = 0;
-    const auto result = solve(problem, &database, settings);
-    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-    CHECK(result->gl.mixture->component_count() > 0);
-    REQUIRE_MESSAGE(result->plan.is_solved(), result->plan.message);
-    CHECK(is_path_free(problem.robot, problem.scene, result->plan.path, 0.002));
+    const auto result = require(solve(problem, &database, settings));
+    CHECK(result.gl.mixture->component_count() > 0);
+    REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+    CHECK(is_path_free(problem.robot, problem.scene, result.plan.path, 0.002));
   }
 
   TEST_CASE("a start in contact is solved once that contact is allowed") {
@@ -176,18 +161,14 @@ TEST_SUITE("flow") {
     problem.scene.obstacles.push_back({"post", {Sphere{{1, 0, 0}, 0.1}}});
     const std::vector<std::string> links = {"link_1"};
     problem.start.assign(8, 0.0);
-    const auto refused = solve(problem, nullptr, {});
-    REQUIRE(refused.has_value());
-    CHECK(refused->plan.status == PlanStatus::invalid_start);
+    CHECK(require(solve(problem, nullptr, {})).plan.status == PlanStatus::invalid_start);
     problem.scene.obstacles.back().may_touch = links;
     SolveSettings settings;
     settings.plan.timeout_s = 60;
     settings.margin = 1e-3;
-    const auto allowed = solve(problem, nullptr, settings);
-    REQUIRE(allowed.has_value());
-    CHECK(allowed->plan.status != PlanStatus::invalid_start);
+    CHECK(require(solve(problem, nullptr, settings)).plan.status != PlanStatus::invalid_start);
     problem.scene.obstacles.back().may_touch = {"hand"};
-    CHECK(solve(problem, nullptr, settings).error().message.find("'hand'") != std::string::npos);
+    CHECK(contains(solve(problem, nullptr, settings).error().message, "'hand'"));
   }
 
   TEST_CASE("every planner solves with every sampler, and its path starts and ends as asked") {
@@ -205,8 +186,7 @@ TEST_SUITE("flow") {
         settings.planner = planner.name;
         settings.sampler = sampler;
         settings.learn_budget_s = entry.uses_memory ? 1 : 0;
-        const SolveResult result = solve_soundly(problem, &database, settings);
-        REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+        const SolveResult result = require_solved(problem, &database, settings);
         CHECK(result.planner == planner.name);
         CHECK(result.sampler == sampler);
         CHECK(result.seed == settings.plan.seed);
@@ -230,7 +210,7 @@ TEST_SUITE("law") {
     settings.learn = cheap_settings();
     bool has_learned = false;
     for (int round = 0; round < 3; ++round) {
-      const SolveResult result = solve_soundly(problem, &database, settings);
+      const SolveResult result = require(solve(problem, &database, settings));
       CHECK(result.total_time_s > 0);
       CHECK(result.planning_time_s > 0);
       CHECK(result.planning_time_s <= result.total_time_s);
@@ -248,21 +228,20 @@ TEST_SUITE("law") {
 
   TEST_CASE("the same seed gives the same path, another one another path") {
     const Problem problem = planar_problem("threaded_b2");
-    const auto primitives = decompose(memory_query(problem));
-    REQUIRE(primitives.has_value());
+    const auto primitives = require(decompose(memory_query(problem)));
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", problem.robot);
-    learn_into(database, problem.robot, keys_near((*primitives)[0].key, 20, 0.1, 4));
+    learn_into(database, problem.robot, keys_near(primitives[0].key, 20, 0.1, 4));
     SolveSettings settings;
     settings.plan.timeout_s = 60;
     settings.plan.max_iterations = 1000000;
-    const SolveResult first = solve_soundly(problem, &database, settings);
-    const SolveResult second = solve_soundly(problem, &database, settings);
+    const SolveResult first = require(solve(problem, &database, settings));
+    const SolveResult second = require(solve(problem, &database, settings));
     REQUIRE_MESSAGE(first.plan.is_solved(), first.plan.message);
     CHECK(first.plan.path == second.plan.path);
     CHECK(first.plan.iterations == second.plan.iterations);
     settings.plan.seed = 2;
-    CHECK(solve_soundly(problem, &database, settings).plan.path != first.plan.path);
+    CHECK(require(solve(problem, &database, settings)).plan.path != first.plan.path);
   }
 
   TEST_CASE("an arm in space solves with memory, and the same seed gives the same path") {
@@ -279,14 +258,13 @@ TEST_SUITE("law") {
         settings.planner = planner.name;
         settings.plan.seed = 1;
         INFO(planner.name, " after ", after.value_or(-1));
-        const SolveResult first = solve_soundly(problem, &database, settings);
-        REQUIRE_MESSAGE(first.plan.is_solved(), first.plan.message);
+        const SolveResult first = require_solved(problem, &database, settings);
         CHECK(first.plan.path.front() == problem.robot.normalized(problem.start));
         CHECK(first.plan.path.back() == problem.robot.normalized(problem.goals[0]));
         CheckCounters counters;
         const CollisionChecker checker = make_checker(problem.robot, problem.scene);
         CHECK(find_invalid_motion(checker, first.plan.path, counters) == -1);
-        const SolveResult second = solve_soundly(problem, &database, settings);
+        const SolveResult second = require(solve(problem, &database, settings));
         CHECK(first.plan.path == second.plan.path);
         CHECK(first.plan.iterations == second.plan.iterations);
       }
@@ -301,13 +279,13 @@ TEST_SUITE("unit") {
     Database database = make_database(directory / "a.db", problem.robot);
     SolveSettings settings;
     settings.retrieve_after = 0;
-    const SolveResult gl = solve_soundly(problem, nullptr, settings);
+    const SolveResult gl = require(solve(problem, nullptr, settings));
     CHECK(gl.sampler == "gl");
     CHECK(gl.gl.primitives.empty());
-    const SolveResult without_match = solve_soundly(problem, &database, settings);
+    const SolveResult without_match = require(solve(problem, &database, settings));
     CHECK(without_match.gl.primitives.size() == 1);
     settings.sampler = "uniform";
-    const SolveResult uniform = solve_soundly(problem, &database, settings);
+    const SolveResult uniform = require(solve(problem, &database, settings));
     CHECK(uniform.gl.primitives.empty());
     REQUIRE(uniform.plan.is_solved());
     CHECK(gl.plan.path == uniform.plan.path);
@@ -341,12 +319,12 @@ TEST_SUITE("unit") {
   TEST_CASE("a bad start is an answer, not an error") {
     Problem problem = easy_problem();
     problem.start = {kPi / 4, 0, 0, 0, 0, 0, 0, 0};
-    const SolveResult result = solve_soundly(problem, nullptr, {});
+    const SolveResult result = require(solve(problem, nullptr, {}));
     CHECK(result.plan.status == PlanStatus::invalid_start);
-    CHECK(result.plan.message.find(problem.scene.obstacles[0].name) != std::string::npos);
+    CHECK(contains(result.plan.message, problem.scene.obstacles[0].name));
     problem = easy_problem();
     problem.goals.clear();
-    CHECK(solve_soundly(problem, nullptr, {}).plan.status == PlanStatus::invalid_goal);
+    CHECK(require(solve(problem, nullptr, {})).plan.status == PlanStatus::invalid_goal);
   }
 
   TEST_CASE(
@@ -354,13 +332,12 @@ TEST_SUITE("unit") {
     Problem problem = easy_problem();
     const Configuration free = problem.goals[0];
     problem.goals = {{kPi / 4, 0, 0, 0, 0, 0, 0, 0}, free};
-    const SolveResult result = solve_soundly(problem, nullptr, {});
-    CHECK(result.plan.is_solved());
+    const SolveResult result = require_solved(problem, nullptr, {});
     CHECK(result.goals == std::vector<Configuration>{free});
     REQUIRE(result.notes.size() == 1);
     CHECK(result.notes[0].starts_with("goal 1 is in contact: "));
     problem.goals.pop_back();
-    const SolveResult refused = solve_soundly(problem, nullptr, {});
+    const SolveResult refused = require(solve(problem, nullptr, {}));
     CHECK(refused.plan.status == PlanStatus::invalid_goal);
     CHECK(refused.notes.empty());
   }
@@ -368,7 +345,7 @@ TEST_SUITE("unit") {
   TEST_CASE("no time is a timeout") {
     SolveSettings settings;
     settings.plan.timeout_s = 0;
-    const SolveResult result = solve_soundly(easy_problem(), nullptr, settings);
+    const SolveResult result = require(solve(easy_problem(), nullptr, settings));
     CHECK(result.plan.status == PlanStatus::timeout);
     CHECK(result.plan.iterations == 0);
   }
@@ -385,7 +362,7 @@ TEST_SUITE("unit") {
     for (const bool is_merging : {false, true}) {
       settings.learn.merge_cliques = is_merging;
       settings.plan.timeout_s = is_merging ? 0.8 : 0.4;
-      const SolveResult result = solve_soundly(problem, &database, settings);
+      const SolveResult result = require(solve(problem, &database, settings));
       // Without the limit it would be minutes; the slack is for busy machines.
       CHECK(result.total_time_s < settings.plan.timeout_s + 10);
     }
@@ -394,7 +371,7 @@ TEST_SUITE("unit") {
     const std::atomic<bool> is_cancelled = true;
     settings.plan.timeout_s = 100;
     settings.plan.cancel = &is_cancelled;
-    const SolveResult cancelled = solve_soundly(problem, &database, settings);
+    const SolveResult cancelled = require(solve(problem, &database, settings));
     CHECK(cancelled.plan.status == PlanStatus::cancelled);
     CHECK(cancelled.total_time_s < 10);
     CHECK(database.size() == rows);
@@ -410,14 +387,14 @@ TEST_SUITE("unit") {
     settings.learn = cheap_settings();
     settings.resolution = 0.03;
     const auto learned_with = [&] {
-      solve_soundly(problem, &database, settings);
+      require(solve(problem, &database, settings));
       return database.get(database.size() - 1)->provenance.settings;
     };
-    CHECK(learned_with().find("learn-resolution=0.03") != std::string::npos);
+    CHECK(contains(learned_with(), "learn-resolution=0.03"));
     Database other = make_database(directory / "b.db", problem.robot);
     database = std::move(other);
     settings.learn.resolution = 0.01;
-    CHECK(learned_with().find("learn-resolution=0.01") != std::string::npos);
+    CHECK(contains(learned_with(), "learn-resolution=0.01"));
   }
 
   TEST_CASE(
@@ -431,24 +408,20 @@ TEST_SUITE("unit") {
     Database database = make_database(directory / "a.db", problem.robot);
     SolveSettings settings;
     settings.retrieve_after = 0;
-    const auto refused = solve(problem, &database, settings);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().message.find("'crate'") != std::string::npos);
+    CHECK(contains(require_error(solve(problem, &database, settings)).message, "'crate'"));
     settings.sampler = "uniform";
-    CHECK(solve_soundly(problem, &database, settings).plan.is_solved());
-    CHECK(solve_soundly(problem, nullptr, {}).plan.is_solved());
+    require_solved(problem, &database, settings);
+    require_solved(problem, nullptr, {});
   }
 
   TEST_CASE("a database of another robot is an error, if memory is asked for") {
     const Problem problem = easy_problem();
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", planar_arm({3, 3, 3}));
-    const auto refused = solve(problem, &database, {});
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::wrong_robot);
+    CHECK(require_error(solve(problem, &database, {})).code == ErrorCode::wrong_robot);
     SolveSettings settings;
     settings.sampler = "uniform";
-    CHECK(solve_soundly(problem, &database, settings).plan.is_solved());
+    require_solved(problem, &database, settings);
   }
 
   TEST_CASE("memory is asked only after so many iterations, and reported only then") {
@@ -459,19 +432,17 @@ TEST_SUITE("unit") {
     SolveSettings settings;
     settings.plan.timeout_s = 60;
     settings.retrieve_after = 1000000000;
-    const SolveResult late = solve_soundly(problem, &database, settings);
-    REQUIRE_MESSAGE(late.plan.is_solved(), late.plan.message);
+    const SolveResult late = require_solved(problem, &database, settings);
     CHECK(late.gl.primitives.empty());
     CHECK(late.gl.mixture == nullptr);
     CHECK(late.gl.retrieval_time_s == 0);
     // Until then it is the uniform planner.
-    const SolveResult uniform = solve_soundly(problem, nullptr, settings);
+    const SolveResult uniform = require(solve(problem, nullptr, settings));
     CHECK(late.plan.path == uniform.plan.path);
     REQUIRE(uniform.plan.iterations > 1);
     for (const int after : {0, 1}) {
       settings.retrieve_after = after;
-      const SolveResult result = solve_soundly(problem, &database, settings);
-      REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+      const SolveResult result = require_solved(problem, &database, settings);
       CHECK(result.gl.primitives.size() == 3);
       REQUIRE(result.gl.mixture != nullptr);
       CHECK(result.gl.mixture->component_count() > 0);
@@ -487,9 +458,7 @@ TEST_SUITE("unit") {
     Database database = make_database(directory / "a.db", planar8());
     SolveSettings settings;
     settings.retrieve_after = 1000000000;
-    const auto refused = solve(problem, &database, settings);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().code == ErrorCode::wrong_robot);
+    CHECK(require_error(solve(problem, &database, settings)).code == ErrorCode::wrong_robot);
   }
 
   TEST_CASE("what goes wrong when memory is asked late is an error too") {
@@ -499,17 +468,13 @@ TEST_SUITE("unit") {
     Database database = make_database(directory / "a.db", problem.robot);
     SolveSettings settings;
     settings.retrieve_after = 1;
-    const auto refused = solve(problem, &database, settings);
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().message.find("'crate'") != std::string::npos);
+    CHECK(contains(require_error(solve(problem, &database, settings)).message, "'crate'"));
   }
 
   TEST_CASE("a scene that cannot be checked is an error") {
     Problem problem = easy_problem();
     problem.scene.obstacles.push_back({"hole", {Sphere{Vec3(std::nan(""), 0, 0), 1}}});
-    const auto refused = solve(problem, nullptr, {});
-    REQUIRE(!refused.has_value());
-    CHECK(refused.error().message.find("'hole'") != std::string::npos);
+    CHECK(contains(require_error(solve(problem, nullptr, {})).message, "'hole'"));
   }
 
   TEST_CASE("means in contact with the whole scene are dropped, unless they shall not be") {
@@ -526,9 +491,9 @@ TEST_SUITE("unit") {
     SolveSettings settings;
     settings.retrieve_after = 0;
     settings.retarget = false;
-    const SolveResult dropped = solve_soundly(problem, &database, settings);
+    const SolveResult dropped = require(solve(problem, &database, settings));
     settings.drop_invalid_means = false;
-    const SolveResult kept = solve_soundly(problem, &database, settings);
+    const SolveResult kept = require(solve(problem, &database, settings));
     CHECK(kept.gl.mixture->component_count() == database.info().components);
     CHECK(dropped.gl.mixture->component_count() < kept.gl.mixture->component_count());
     const CollisionChecker checker = make_checker(robot, problem.scene);

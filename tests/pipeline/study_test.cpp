@@ -40,10 +40,9 @@ TEST_SUITE("flow") {
     {
       const WriteLock lock(path);
       settings.plan.seed = 7;
-      const auto locked = study(problem, database, settings);
-      REQUIRE_FALSE(locked.has_value());
-      CHECK(locked.error().code == ErrorCode::io);
-      CHECK(locked.error().message.find("rows are not stored yet") != std::string::npos);
+      const Error error = require_error(study(problem, database, settings));
+      CHECK(error.code == ErrorCode::io);
+      CHECK(contains(error.message, "rows are not stored yet"));
       CHECK(database.queued_rows().waiting > 0);
     }
     REQUIRE(database.flush());

@@ -35,13 +35,12 @@ struct Hopeless {
   }
   /// Iterations of a search in vain; 0 if memory answers after the first few.
   std::uint64_t iterations(const Problem& asked) {
-    const auto result = solve(asked, &database, settings);
-    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-    CHECK(result->plan.status == PlanStatus::iteration_limit);
-    const bool is_known = result->plan.message.find("remembers") != std::string::npos;
-    CHECK(is_known == (result->plan.iterations <= 64));
+    const auto result = require(solve(asked, &database, settings));
+    CHECK(result.plan.status == PlanStatus::iteration_limit);
+    const bool is_known = contains(result.plan.message, "remembers");
+    CHECK(is_known == (result.plan.iterations <= 64));
     REQUIRE(database.flush());
-    return is_known ? 0 : result->plan.iterations;
+    return is_known ? 0 : result.plan.iterations;
   }
 };
 
@@ -95,9 +94,7 @@ TEST_SUITE("flow") {
     REQUIRE(hopeless.database.size() == 1);
     Problem open = hopeless.problem;
     open.scene.obstacles.clear();
-    const auto result = solve(open, &hopeless.database, hopeless.settings);
-    REQUIRE(result.has_value());
-    CHECK(result->plan.is_solved());
+    require_solved(open, &hopeless.database, hopeless.settings);
   }
 }
 

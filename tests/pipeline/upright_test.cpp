@@ -56,9 +56,7 @@ Waiter fetch_waiter() {
 
 Robot with_cup(const Waiter& waiter) {
   AttachedObject cup{"cup", waiter.upright.link, {waiter.cup}, {}, waiter.fingers};
-  const auto robot = attach(shipped_robot(waiter.robot), {cup});
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(attach(shipped_robot(waiter.robot), {cup}));
 }
 
 /// What is asked of a goal that a random configuration reaches.
@@ -110,14 +108,11 @@ class Poses {
 /// The largest along the path whose corners are rounded.
 double tilt_of_trajectory(const Problem& problem, const SolveSettings& settings, const Path& path) {
   const TrajectorySettings timing;
-  const auto limits = find_rate_limits(problem.robot, {});
-  REQUIRE(limits.has_value());
-  const auto trajectory = make_trajectory(problem, settings, path, *limits, timing);
-  REQUIRE_MESSAGE(trajectory.has_value(), (trajectory ? "" : trajectory.error().message));
+  const auto limits = require(find_rate_limits(problem.robot, {}));
+  const auto trajectory = require(make_trajectory(problem, settings, path, limits, timing));
   double largest = 0;
-  const auto points = trajectory->sample(timing.dt);
-  REQUIRE(points.has_value());
-  for (const Trajectory::Point& point : *points) {
+  const auto points = require(trajectory.sample(timing.dt));
+  for (const Trajectory::Point& point : points) {
     largest = std::max(largest, tilt(problem.robot, problem.constraints[0], point.position));
   }
   return largest;
@@ -139,13 +134,12 @@ int carry(const Waiter& waiter, const Asked& asked, int count) {
     settings.plan.timeout_s = 1e6;
     settings.plan.max_iterations =
         static_cast<std::uint64_t>(number_from("MNEME_UPRIGHT_ITERATIONS", 5000));
-    const auto result = solve(problem, nullptr, settings);
-    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-    if (!result->plan.is_solved()) continue;
-    const Path& path = result->plan.path;
+    const auto result = require(solve(problem, nullptr, settings));
+    if (!result.plan.is_solved()) continue;
+    const Path& path = result.plan.path;
     ++solved;
-    quick += result->total_time_s <= 1;
-    longest_s = std::max(longest_s, result->total_time_s);
+    quick += result.total_time_s <= 1;
+    longest_s = std::max(longest_s, result.total_time_s);
     largest = std::max(largest, largest_tilt(problem.robot, waiter.upright, path, 1e-3));
     CHECK(is_path_free(problem.robot, problem.scene, path, 0.01));
     largest = std::max(largest, tilt_of_trajectory(problem, settings, path));
@@ -178,11 +172,9 @@ TEST_SUITE("flow") {
     settings.replay = 0.5;
     settings.plan.max_iterations = 5000;
     const auto solve_again = [&] {
-      auto result = solve(problem, &database, settings);
-      REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-      REQUIRE(result->plan.is_solved());
+      SolveResult result = require_solved(problem, &database, settings);
       REQUIRE(database.flush());
-      return *std::move(result);
+      return result;
     };
     CHECK(solve_again().remembered.is_queued);
     CHECK(database.size() == 1);
@@ -204,10 +196,9 @@ TEST_SUITE("flow") {
     const Problem problem = Poses(waiter).problem({"configurations", false});
     ProblemLesson lesson;
     lesson.paths = 3;
-    const auto repeated = solve_repeatedly(problem, lesson);
-    REQUIRE(repeated.has_value());
-    CHECK(!repeated->paths.empty());
-    for (const Path& path : repeated->paths) {
+    const auto repeated = require(solve_repeatedly(problem, lesson));
+    CHECK(!repeated.paths.empty());
+    for (const Path& path : repeated.paths) {
       CHECK(largest_tilt(problem.robot, waiter.upright, path, 1e-3) <= waiter.upright.angle);
     }
   }
@@ -220,14 +211,11 @@ TEST_SUITE("flow") {
     SolveSettings settings;
     settings.memory.kind = "body_pairs";
     settings.remember_after = 0;
-    const auto result = solve(problem, &database, settings);
-    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-    CHECK(result->plan.is_solved());
+    require_solved(problem, &database, settings);
     REQUIRE(database.flush());
     CHECK(database.size() == 0);
     CHECK(database.queued_rows().lost == 1);
-    CHECK(database.queued_rows().failure.find("'body_pairs' does not support constraints") !=
-          std::string::npos);
+    CHECK(contains(database.queued_rows().failure, "'body_pairs' does not support constraints"));
   }
 }
 

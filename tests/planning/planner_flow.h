@@ -145,7 +145,7 @@ inline void check_iteration_limit_is_exact(OwnPlanner plan) {
     CHECK(result.iterations == limit);
     CHECK(sampler.log().drawn == limit);
     CHECK(result.path.empty());
-    CHECK(result.message.find(std::to_string(limit)) != std::string::npos);
+    CHECK(contains(result.message, std::to_string(limit)));
   }
 }
 
@@ -159,7 +159,7 @@ inline void check_node_limit_is_kept(OwnPlanner plan) {
     CHECK(result.nodes >= limit);
     CHECK(result.nodes <= std::max<std::uint64_t>(limit, 2));  // start and goal are always there
     CHECK(result.path.empty());
-    CHECK(result.message.find(std::to_string(limit)) != std::string::npos);
+    CHECK(contains(result.message, std::to_string(limit)));
   }
   settings.max_nodes = 1000000000;
   settings.max_iterations = 1000;
@@ -254,7 +254,7 @@ inline void check_refused(const PlanResult& result, PlanStatus status,
   CHECK(result.path.empty());
   CHECK(result.iterations == 0);
   for (const std::string& word : words) {
-    CHECK_MESSAGE(result.message.find(word) != std::string::npos, result.message, " lacks ", word);
+    CHECK_MESSAGE(contains(result.message, word), result.message, " lacks ", word);
   }
 }
 
@@ -339,9 +339,7 @@ inline void check_is_repeatable(OwnPlanner plan) {
 inline void check_verification_catches_tunnelling(OwnPlanner plan) {
   World world{"posts", thick_arm({1, 1}), {}, {{-1, 0.4}, {{1, 0.4}}}};
   world.scene = make_circle_scene("", {{1.9, 0.1, 0.01}, {1.5, 0.3, 0.01}, {0.9, -0.3, 0.01}});
-  CheckerSettings coarse;
-  coarse.resolution = 0.5;
-  const CollisionChecker checker = make_checker(world, coarse);
+  const CollisionChecker checker = make_checker(world, {.resolution = 0.5});
   const auto sampler = make_uniform_sampler(world.robot);
   int tunnelled = 0, solved = 0;
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {

@@ -53,9 +53,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a range or a resolution that is set, or no verification, keeps early steps short") {
     const auto own = doctest::Approx(default_range(gantry()));
-    CheckerSettings fine;
-    fine.resolution = 0.01;
-    CHECK(Fixture(open_world(), {}, fine).run.range() == own);
+    CHECK(Fixture(open_world(), {}, {.resolution = 0.01}).run.range() == own);
     PlanSettings unverified;
     unverified.verify = false;
     CHECK(Fixture(open_world(), unverified).run.range() == own);
@@ -70,15 +68,14 @@ TEST_SUITE("unit") {
       world.scene.obstacles.push_back(
           make_ball("ball" + std::to_string(i), {1, 1, 1}, 0.1 + 0.1 * i));
     }
-    const auto refused = refuse_query(make_checker(world), world.query);
-    REQUIRE(refused.has_value());
-    const PlanResult& result = *refused;
+    const auto refused = require(refuse_query(make_checker(world), world.query));
+    const PlanResult& result = refused;
     CHECK(result.status == PlanStatus::invalid_goal);
-    CHECK(result.message.find("goal 1 is in contact") != std::string::npos);
-    CHECK(result.message.find("link 'link_3' touches obstacle 'ball0'") != std::string::npos);
-    CHECK(result.message.find("'ball3'") != std::string::npos);
-    CHECK(result.message.find("'ball4'") == std::string::npos);
-    CHECK(result.message.find("2 more") != std::string::npos);
+    CHECK(contains(result.message, "goal 1 is in contact"));
+    CHECK(contains(result.message, "link 'link_3' touches obstacle 'ball0'"));
+    CHECK(contains(result.message, "'ball3'"));
+    CHECK(!contains(result.message, "'ball4'"));
+    CHECK(contains(result.message, "2 more"));
   }
 
   TEST_CASE("iterations end at the limit") {

@@ -17,11 +17,9 @@ TEST_SUITE("unit") {
       CHECK(!planner.summary.empty());
     }
     for (const char* unknown : {"", "RRT", "rrt_star"}) {
-      const auto found = find_planner(unknown);
-      REQUIRE(!found.has_value());
-      CHECK(found.error().code == ErrorCode::invalid);
-      CHECK(found.error().message.find("expected one of rrt_connect, rrt, prm") !=
-            std::string::npos);
+      const Error error = require_error(find_planner(unknown));
+      CHECK(error.code == ErrorCode::invalid);
+      CHECK(contains(error.message, "expected one of rrt_connect, rrt, prm"));
     }
     CHECK(find_planner("RRTConnect").error().message.ends_with("did you mean 'rrt_connect'?"));
     CHECK(find_planner("ompl:RRTConnect").error().code == ErrorCode::unsupported);
@@ -30,8 +28,7 @@ TEST_SUITE("unit") {
   TEST_CASE("every planner has a test that runs the planner flow") {
     for (const PlannerEntry& planner : planners()) {
       const std::string name = "tests/planning/" + std::string(planner.name) + "_test.cpp";
-      CHECK_MESSAGE(
-          read_file(source_file(name)).find("planning/planner_flow.h") != std::string::npos, name);
+      CHECK_MESSAGE(contains(read_file(source_file(name)), "planning/planner_flow.h"), name);
     }
   }
 

@@ -10,14 +10,12 @@ namespace mneme::test {
 namespace {
 
 CollisionChecker checker_of(const std::vector<std::array<double, 3>>& circles) {
-  auto checker = CollisionChecker::make(planar8(), make_circle_scene("circles", circles));
-  REQUIRE(checker.has_value());
-  return *checker;
+  return require(CollisionChecker::make(planar8(), make_circle_scene("circles", circles)));
 }
 
 /// Two links in a row, the second one of which is a box in spheres.
 Robot approximated_arm() {
-  const auto parts = parse_robot_parts(
+  const auto parts = require(parse_robot_parts(
       R"(<robot name="arm"><link name="l0"/>
       <link name="l1"><collision><origin xyz="0.4 0 0"/><geometry><box size="1 0.2 0.2"/></geometry>
       </collision></link><link name="l2"/>
@@ -26,13 +24,8 @@ Robot approximated_arm() {
       <joint name="j2" type="revolute"><parent link="l1"/><child link="l2"/>
       <origin xyz="1 0 0"/><axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="1"/></joint>
       </robot>)",
-      "arm.urdf");
-  REQUIRE(parts.has_value());
-  const auto made = approximate_robot(*parts);
-  REQUIRE(made.has_value());
-  const auto robot = make_robot(made->parts);
-  REQUIRE(robot.has_value());
-  return *robot;
+      "arm.urdf"));
+  return require(make_robot(require(approximate_robot(parts)).parts));
 }
 
 const Configuration kStraight(8, 0.0);
@@ -44,22 +37,20 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a start in contact names the link and the obstacle") {
-    const auto refused = refuse_query(checker_of({{5, 0, 1}}), {kStraight, {kUp}});
-    REQUIRE(refused.has_value());
-    CHECK(refused->status == PlanStatus::invalid_start);
-    CHECK(refused->message.find("start") != std::string::npos);
-    CHECK(refused->message.find("link_3") != std::string::npos);
-    CHECK(refused->message.find("circle_1") != std::string::npos);
+    const auto refused = require(refuse_query(checker_of({{5, 0, 1}}), {kStraight, {kUp}}));
+    CHECK(refused.status == PlanStatus::invalid_start);
+    CHECK(contains(refused.message, "start"));
+    CHECK(contains(refused.message, "link_3"));
+    CHECK(contains(refused.message, "circle_1"));
   }
 
   TEST_CASE("what touches says how deep, and at least how deep where that is not known") {
     // The links of the planar arm are 1 mm thick.
     for (const auto& [y, words] :
          {std::pair(1.0003, "' by 0.2 mm"), {0.9, "' by at least 0.5 mm"}}) {
-      const auto refused = refuse_query(checker_of({{5, y, 1}}), {kStraight, {kUp}});
-      REQUIRE(refused.has_value());
-      INFO(refused->message);
-      CHECK(refused->message.ends_with(words));
+      const auto refused = require(refuse_query(checker_of({{5, y, 1}}), {kStraight, {kUp}}));
+      INFO(refused.message);
+      CHECK(refused.message.ends_with(words));
     }
   }
 
@@ -72,19 +63,19 @@ TEST_SUITE("unit") {
       const auto checker =
           CollisionChecker::make(robot, {"scene", {{"shelf", {shape}}}}, {.margin = margin});
       REQUIRE(checker.has_value());
-      const auto refused = refuse_query(*checker, {Configuration{0, 0}, {Configuration{0, 1}}});
-      REQUIRE(refused.has_value());
-      return refused->message;
+      const auto refused =
+          require(refuse_query(*checker, {Configuration{0, 0}, {Configuration{0, 1}}}));
+      return refused.message;
     };
     const Box above{{Eigen::Matrix3d::Identity(), {1.4, 0, 0.202}}, {0.5, 0.1, 0.1}};
     const std::string message = refuse(above);
     INFO(message);
     CHECK(message.starts_with("start is in contact: link 'l1' touches obstacle 'shelf' by "));
-    CHECK(message.find(
-              fmt::format(" mm (the spheres stick out by up to {:.2g} mm; the exact geometry is "
-                          "2 mm away). Try finer spheres (`mneme robot spheres --excess "
-                          "0.002`), or `allow` what may touch",
-                          excess)) != std::string::npos);
+    CHECK(contains(
+        message, fmt::format(" mm (the spheres stick out by up to {:.2g} mm; the exact geometry is "
+                             "2 mm away). Try finer spheres (`mneme robot spheres --excess "
+                             "0.002`), or `allow` what may touch",
+                             excess)));
     Box lower = above;
     lower.pose.translation.z() -= 0.003;
     CHECK(refuse(lower).ends_with(" mm; the exact geometry touches, too)"));
@@ -92,20 +83,19 @@ TEST_SUITE("unit") {
     CHECK(refuse(above, 0.0015).ends_with("the exact geometry is 2 mm away)"));
     Box higher = above;
     higher.pose.translation.z() += 0.2;
-    CHECK(refuse(higher, 0.3).find("the exact geometry is 202 mm away)") != std::string::npos);
+    CHECK(contains(refuse(higher, 0.3), "the exact geometry is 202 mm away)"));
   }
 
   TEST_CASE("what is carried says how far its spheres stick out, which nothing makes finer") {
     const Robot robot =
         attach(approximated_arm(), {{"rod", "l2", {Box{{}, Vec3::Constant(0.05)}}}}).value();
     const Box ahead{{Eigen::Matrix3d::Identity(), {2.152, 0, 0}}, {0.1, 0.1, 0.1}};
-    const auto checker = CollisionChecker::make(robot, {"scene", {{"wall", {ahead}}}});
-    REQUIRE(checker.has_value());
-    const auto refused = refuse_query(*checker, {Configuration{0, 0}, {Configuration{0, 1}}});
-    REQUIRE(refused.has_value());
-    INFO(refused->message);
-    CHECK(refused->message.starts_with("start is in contact: link 'rod' touches obstacle 'wall'"));
-    CHECK(refused->message.ends_with(
+    const auto checker = require(CollisionChecker::make(robot, {"scene", {{"wall", {ahead}}}}));
+    const auto refused =
+        require(refuse_query(checker, {Configuration{0, 0}, {Configuration{0, 1}}}));
+    INFO(refused.message);
+    CHECK(refused.message.starts_with("start is in contact: link 'rod' touches obstacle 'wall'"));
+    CHECK(refused.message.ends_with(
         "(the spheres stick out by up to 15 mm; the exact geometry is 2 mm away)"));
   }
 
@@ -142,35 +132,30 @@ TEST_SUITE("unit") {
     const auto distant =
         CollisionChecker::make(planar8(), make_circle_scene("circles", {{{5, 2, 1}}}), settings);
     REQUIRE(distant.has_value());
-    const auto refused = refuse_query(*distant, {kStraight, {kUp}});
-    REQUIRE(refused.has_value());
-    CHECK(refused->message.starts_with("start is within the margin of 1.5 m: link 'link_"));
-    CHECK(refused->message.find("is 1 m from obstacle 'circle_1'") != std::string::npos);
-    CHECK(refused->message.find("touches") == std::string::npos);
+    const auto refused = require(refuse_query(*distant, {kStraight, {kUp}}));
+    CHECK(refused.message.starts_with("start is within the margin of 1.5 m: link 'link_"));
+    CHECK(contains(refused.message, "is 1 m from obstacle 'circle_1'"));
+    CHECK(!contains(refused.message, "touches"));
 
-    const auto both = CollisionChecker::make(
-        planar8(), make_circle_scene("circles", {{{2.5, 2, 1}, {6.5, 0, 0.2}}}), settings);
-    REQUIRE(both.has_value());
-    const auto touching = refuse_query(*both, {kStraight, {kUp}});
-    REQUIRE(touching.has_value());
-    CHECK(touching->message.starts_with("start is in contact: link 'link_"));
-    CHECK(touching->message.find("touches obstacle 'circle_2'") <
-          touching->message.find("m from obstacle 'circle_1'"));
+    const auto both = require(CollisionChecker::make(
+        planar8(), make_circle_scene("circles", {{{2.5, 2, 1}, {6.5, 0, 0.2}}}), settings));
+    const auto touching = require(refuse_query(both, {kStraight, {kUp}}));
+    CHECK(touching.message.starts_with("start is in contact: link 'link_"));
+    CHECK(touching.message.find("touches obstacle 'circle_2'") <
+          touching.message.find("m from obstacle 'circle_1'"));
   }
 
   TEST_CASE("of several goals the one that is wrong is numbered") {
     Configuration broken = kUp;
     broken[3] = std::nan("");
-    const auto refused = refuse_query(checker_of({}), {kStraight, {kUp, broken}});
-    REQUIRE(refused.has_value());
-    CHECK(refused->status == PlanStatus::invalid_goal);
-    CHECK(refused->message.find("goal 2") != std::string::npos);
+    const auto refused = require(refuse_query(checker_of({}), {kStraight, {kUp, broken}}));
+    CHECK(refused.status == PlanStatus::invalid_goal);
+    CHECK(contains(refused.message, "goal 2"));
   }
 
   TEST_CASE("a query without a goal is refused") {
-    const auto refused = refuse_query(checker_of({}), {kStraight, {}});
-    REQUIRE(refused.has_value());
-    CHECK(refused->status == PlanStatus::invalid_goal);
+    const auto refused = require(refuse_query(checker_of({}), {kStraight, {}}));
+    CHECK(refused.status == PlanStatus::invalid_goal);
   }
 }
 

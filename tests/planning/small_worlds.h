@@ -20,9 +20,7 @@ struct World {
 
 inline CollisionChecker make_checker(const Robot& robot, const Scene& scene,
                                      const CheckerSettings& settings) {
-  auto checker = CollisionChecker::make(robot, scene, settings);
-  REQUIRE_MESSAGE(checker.has_value(), (checker ? "" : checker.error().message));
-  return *checker;
+  return require(CollisionChecker::make(robot, scene, settings));
 }
 inline CollisionChecker make_checker(const World& world, const CheckerSettings& settings = {}) {
   return make_checker(world.robot, world.scene, settings);
@@ -50,11 +48,7 @@ inline void add_link(Robot::Parts& parts, JointType type, const Vec3& offset, co
   parts.joints.push_back(joint);
 }
 
-inline Robot make_small_robot(Robot::Parts parts) {
-  auto robot = make_robot(std::move(parts));
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
-}
+inline Robot make_small_robot(Robot::Parts parts) { return require(make_robot(std::move(parts))); }
 
 /// An arm in space: a turning column, a shoulder, an elbow and a wrist, made of spheres.
 inline Robot spatial_arm() {

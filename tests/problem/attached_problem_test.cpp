@@ -37,16 +37,10 @@ class Files {
     write_file(directory_ / "p.yaml", kHead + keys);
     return load_problem(directory_ / "p.yaml");
   }
-  [[nodiscard]] Problem require(const std::string& keys) const {
-    auto problem = read(keys);
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    return *problem;
-  }
   /// The message without the directory.
   [[nodiscard]] std::string refusal(const std::string& keys) const {
-    const auto problem = read(keys);
-    REQUIRE(!problem.has_value());
-    const std::string& message = problem.error().message;
+    const Error error = require_error(read(keys));
+    const std::string& message = error.message;
     const std::string prefix = directory_ / "";
     return message.starts_with(prefix) ? message.substr(prefix.size()) : message;
   }
@@ -68,10 +62,10 @@ scene:
 TEST_SUITE("unit") {
   TEST_CASE("attached objects have a link, shapes and what may touch them") {
     const Files files;
-    const Problem problem = files.require(R"(attached:
+    const Problem problem = require(files.read(R"(attached:
   - {name: box, link: finger, type: box, position: [0, 0, 0.1], size: [0.1, 0.1, 0.1], touch: [carriage, rod]}
   - {name: rod, link: arm, shapes: [{type: capsule, a: [0, 0, 0], b: [1, 0, 0], radius: 0.02}, {type: sphere, position: [1, 0, 0], radius: 0.1}]}
-)");
+)"));
     const auto attached = problem.robot.attached();
     REQUIRE(attached.size() == 2);
     CHECK(attached[0].object.link == "finger");
@@ -84,20 +78,20 @@ TEST_SUITE("unit") {
 
   TEST_CASE("pairs that may touch are taken to links, attached objects and obstacles") {
     const Files files;
-    const Problem problem = files.require(R"(attached:
+    const Problem problem = require(files.read(R"(attached:
   - {name: box, link: finger, type: sphere, position: [0, 0, 0.1], radius: 0.1}
 allow: [[arm, table], [cup, box], [base, box], [base, arm]]
-)");
+)"));
     CHECK(problem.scene.obstacles[0].may_touch == Names{"arm"});
     CHECK(problem.scene.obstacles[1].may_touch == Names{"box"});
     CHECK(problem.robot.attached()[0].object.may_touch == Names{"base"});
-    CHECK(files.require("").scene.obstacles[0].may_touch.empty());
+    CHECK(require(files.read("")).scene.obstacles[0].may_touch.empty());
   }
 
   TEST_CASE("two links that may touch are not checked against each other") {
     const Files files("base");
-    CHECK(files.require("").robot.self_pairs().size() == 1);
-    CHECK(files.require("allow: [[arm, base]]\n").robot.self_pairs().empty());
+    CHECK(require(files.read("")).robot.self_pairs().size() == 1);
+    CHECK(require(files.read("allow: [[arm, base]]\n")).robot.self_pairs().empty());
   }
 
   TEST_CASE(
@@ -109,23 +103,22 @@ allow: [[arm, table], [cup, box], [base, box], [base, arm]]
       urdf.replace(at, 6, "\"cup\"");
     }
     write_file(files / "lifter.urdf", urdf);
-    const Problem as_link = files.require("allow: [[cup, arm]]\n");
+    const Problem as_link = require(files.read("allow: [[cup, arm]]\n"));
     CHECK(as_link.robot.self_pairs().empty());
     CHECK(as_link.scene.obstacles[1].may_touch.empty());
-    const Problem as_obstacle = files.require("allow: [[arm, cup]]\n");
+    const Problem as_obstacle = require(files.read("allow: [[arm, cup]]\n"));
     CHECK(as_obstacle.robot.self_pairs().size() == 1);
     CHECK(as_obstacle.scene.obstacles[1].may_touch == Names{"arm"});
     // Neither is mixed up where the problem is written.
     write_file(files / "again.yaml", to_yaml(as_link, files / "lifter.urdf"));
-    const auto again = load_problem(files / "again.yaml");
-    REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
-    CHECK(again->robot.self_pairs().empty());
-    CHECK(again->scene.obstacles[1].may_touch.empty());
+    const auto again = require(load_problem(files / "again.yaml"));
+    CHECK(again.robot.self_pairs().empty());
+    CHECK(again.scene.obstacles[1].may_touch.empty());
   }
 
   TEST_CASE("pairs of links are refused where the robot is given") {
     const Files files("base");
-    const Problem problem = files.require("");
+    const Problem problem = require(files.read(""));
     const auto failure = [&](const std::string& allow) {
       const std::string source = "request";
       const internal::InputValue value =
@@ -145,31 +138,30 @@ allow: [[arm, table], [cup, box], [base, box], [base, arm]]
 
   TEST_CASE("a link that stands on an obstacle is a note") {
     const Files files("world");
-    CHECK(files.require("").warnings ==
+    CHECK(require(files.read("")).warnings ==
           Names{"link world touches obstacle table, and no joint of the group moves it: this "
                 "contact is ignored"});
-    CHECK(files.require("allow: [[world, table]]\n").warnings.empty());
+    CHECK(require(files.read("allow: [[world, table]]\n")).warnings.empty());
   }
 
   TEST_CASE("a problem that is written reads back with what is attached and may touch") {
     const Files files("base");
-    const Problem problem = files.require(R"(attached:
+    const Problem problem = require(files.read(R"(attached:
   - {name: box, link: finger, type: box, position: [0, 0, 0.1], size: [0.1, 0.2, 0.3], touch: [carriage]}
 allow: [[arm, table], [box, cup], [base, arm]]
-)");
+)"));
     write_file(files / "again.yaml", to_yaml(problem, files / "lifter.urdf"));
-    const auto again = load_problem(files / "again.yaml");
-    REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
-    REQUIRE(again->robot.attached().size() == 1);
-    const AttachedObject& object = again->robot.attached()[0].object;
+    const auto again = require(load_problem(files / "again.yaml"));
+    REQUIRE(again.robot.attached().size() == 1);
+    const AttachedObject& object = again.robot.attached()[0].object;
     CHECK(object.name == "box");
     CHECK(object.link == "finger");
     CHECK(object.may_touch == Names{"carriage"});
     CHECK(std::get<Box>(object.shapes.at(0)).half_extents == Vec3(0.05, 0.1, 0.15));
-    CHECK(again->scene.obstacles[0].may_touch == Names{"arm"});
-    CHECK(again->scene.obstacles[1].may_touch == Names{"box"});
-    CHECK(again->robot.self_pairs().size() == problem.robot.self_pairs().size());
-    CHECK(again->allowed_pairs == problem.allowed_pairs);
+    CHECK(again.scene.obstacles[0].may_touch == Names{"arm"});
+    CHECK(again.scene.obstacles[1].may_touch == Names{"box"});
+    CHECK(again.robot.self_pairs().size() == problem.robot.self_pairs().size());
+    CHECK(again.allowed_pairs == problem.allowed_pairs);
   }
 
   TEST_CASE("a problem that is written elsewhere finds the meshes that it carries") {
@@ -177,31 +169,28 @@ allow: [[arm, table], [box, cup], [base, arm]]
     write_file(files / "cube.obj",
                "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
                "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
-    static_cast<void>(files.require(
+    require(files.read(
         "attached: [{name: box, link: finger, type: mesh, file: cube.obj, scale: 0.1}]\n"));
-    const auto problem = load_problem(std::filesystem::relative(files / "p.yaml").string());
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    const auto problem =
+        require(load_problem(std::filesystem::relative(files / "p.yaml").string()));
     std::filesystem::create_directory(files / "sub");
-    write_file(files / "sub/again.yaml", to_yaml(*problem, files / "lifter.urdf"));
-    const auto again = load_problem(files / "sub/again.yaml");
-    REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
-    CHECK(again->robot.attached()[0].object.meshes.size() == 1);
+    write_file(files / "sub/again.yaml", to_yaml(problem, files / "lifter.urdf"));
+    const auto again = require(load_problem(files / "sub/again.yaml"));
+    CHECK(again.robot.attached()[0].object.meshes.size() == 1);
   }
 
   TEST_CASE("a scene without its robot keeps what links may touch, not attached objects") {
     const Files files;
-    static_cast<void>(files.require(R"(attached:
+    require(files.read(R"(attached:
   - {name: box, link: finger, type: sphere, position: [0, 0, 0.1], radius: 0.1}
 allow: [[arm, table], [cup, box], [table, base]]
 )"));
-    const auto framed = extract_scene(files / "p.yaml");
-    REQUIRE(framed.has_value());
-    CHECK(framed->scene.obstacles[0].may_touch == Names{"arm", "base"});
-    CHECK(framed->scene.obstacles[1].may_touch.empty());
-    write_file(files / "scene.json", to_compact_json(*framed));
-    const auto again = extract_scene(files / ("scene.json#" + framed->scene.name));
-    REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
-    CHECK(again->scene.obstacles[0].may_touch == Names{"arm", "base"});
+    const auto framed = require(extract_scene(files / "p.yaml"));
+    CHECK(framed.scene.obstacles[0].may_touch == Names{"arm", "base"});
+    CHECK(framed.scene.obstacles[1].may_touch.empty());
+    write_file(files / "scene.json", to_compact_json(framed));
+    const auto again = require(extract_scene(files / ("scene.json#" + framed.scene.name)));
+    CHECK(again.scene.obstacles[0].may_touch == Names{"arm", "base"});
   }
 
   TEST_CASE("compact problems carry and allow, too") {
@@ -212,10 +201,9 @@ allow: [[arm, table], [cup, box], [table, base]]
         "attached": [{"name": "can", "link": "finger", "touch": ["arm"], "type": "cylinder",
                       "p": [0, 0, 0.1], "radius": 0.03, "length": 0.1}],
         "allow": [["can", "cup"]]}]})");
-    const auto problem = load_problem(files / "c.json#a");
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    CHECK(problem->robot.attached()[0].object.may_touch == Names{"arm"});
-    CHECK(problem->scene.obstacles[0].may_touch == Names{"can"});
+    const auto problem = require(load_problem(files / "c.json#a"));
+    CHECK(problem.robot.attached()[0].object.may_touch == Names{"arm"});
+    CHECK(problem.scene.obstacles[0].may_touch == Names{"can"});
   }
 
   TEST_CASE("what is wrong with attached objects is refused with line and key") {
@@ -236,16 +224,13 @@ allow: [[arm, table], [cup, box], [table, base]]
     CHECK(refusal("name: box, link: arm, touch: [thumb]" + ball) ==
           "p.yaml:10: key attached[0].touch[0]: expected a link of robot lifter or an attached "
           "object, got \"thumb\"");
-    CHECK(refusal("name: box, link: arm, type: cone").find("expected sphere, box, cylinder") !=
-          std::string::npos);
+    CHECK(contains(refusal("name: box, link: arm, type: cone"), "expected sphere, box, cylinder"));
     CHECK(refusal("name: box, link: arm, shapes: []") ==
           "p.yaml:10: key attached[0].shapes: expected at least one shape, got a list of 0");
-    CHECK(
-        refusal("name: box, link: arm, body: b" + ball).find("key attached[0].body: unknown key") !=
-        std::string::npos);
-    CHECK(refusal("link: arm" + ball).find("expected the key name") != std::string::npos);
-    CHECK(refusal("name: box, link: arm, type: mesh, file: none.stl").find("none.stl") !=
-          std::string::npos);
+    CHECK(contains(refusal("name: box, link: arm, body: b" + ball),
+                   "key attached[0].body: unknown key"));
+    CHECK(contains(refusal("link: arm" + ball), "expected the key name"));
+    CHECK(contains(refusal("name: box, link: arm, type: mesh, file: none.stl"), "none.stl"));
     CHECK(refusal("name: box, link: arm, type: mesh, file: a.stl, scale: 0") ==
           "p.yaml:10: key attached[0].scale: expected a number above 0, got 0");
   }
@@ -269,26 +254,22 @@ allow: [[arm, table], [cup, box], [table, base]]
     CHECK(files.refusal("allow: [{pair: [hand, table], at_ends: 0.01}]\n") ==
           "p.yaml:9: key allow[0]: expected a link of robot lifter, an attached object or an "
           "obstacle, got \"hand\"");
-    CHECK(files.refusal("allow: [{pair: [arm, table]}]\n").find("at_ends") != std::string::npos);
-    CHECK(files.refusal("allow: {arm: table}\n").find("key allow: expected a list") !=
-          std::string::npos);
+    CHECK(contains(files.refusal("allow: [{pair: [arm, table]}]\n"), "at_ends"));
+    CHECK(contains(files.refusal("allow: {arm: table}\n"), "key allow: expected a list"));
   }
 
   TEST_CASE("a scene file may say what links may touch its obstacles") {
-    const auto scene = parse_scene(
-        "obstacles: [{name: cup, type: sphere, position: [0, 0, 0], radius: 0.1}]\n"
-        "allow: [[arm, cup], [finger, cup]]\n",
-        "s.yaml");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    CHECK(scene->obstacles[0].may_touch == Names{"arm", "finger"});
-    CHECK(parse_scene(to_yaml(*scene), "again")->obstacles[0].may_touch == Names{"arm", "finger"});
+    const auto scene = require(
+        parse_scene("obstacles: [{name: cup, type: sphere, position: [0, 0, 0], radius: 0.1}]\n"
+                    "allow: [[arm, cup], [finger, cup]]\n",
+                    "s.yaml"));
+    CHECK(scene.obstacles[0].may_touch == Names{"arm", "finger"});
+    CHECK(parse_scene(to_yaml(scene), "again")->obstacles[0].may_touch == Names{"arm", "finger"});
     CHECK(parse_scene("allow: [[arm, cup]]\n", "s.yaml").error().message ==
           "s.yaml:1: key allow[0]: expected a link and an obstacle; the scene has no obstacle "
           "\"cup\"");
-    const auto moveit = to_moveit_yaml({*scene, "world"});
-    REQUIRE(!moveit.has_value());
-    CHECK(
-        moveit.error().message.starts_with("\"arm\" may touch obstacle \"cup\"; expected a scene"));
+    CHECK(require_error(to_moveit_yaml({scene, "world"}))
+              .message.starts_with("\"arm\" may touch obstacle \"cup\"; expected a scene"));
   }
 }
 

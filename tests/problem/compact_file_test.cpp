@@ -33,9 +33,9 @@ TEST_SUITE("unit") {
     CHECK(input.at("a").numbers() == std::vector<double>{1, -2, 0.5, 1000});
     CHECK(input.at("b").text() == "1");
     CHECK(input.entries().size() == 4);
-    const auto number = internal::without_throwing([&] { return input.at("b").number(); });
-    REQUIRE_FALSE(number.has_value());
-    CHECK(number.error().message == "f:1: key b: expected a number, got \"1\"");
+    const Error error =
+        require_error(internal::without_throwing([&] { return input.at("b").number(); }));
+    CHECK(error.message == "f:1: key b: expected a number, got \"1\"");
   }
 
   TEST_CASE("whole numbers are exact up to 2^64 - 1") {
@@ -123,9 +123,8 @@ struct File {
   Result<Problem> load(const std::string& name) const { return load_problem(path() + "#" + name); }
   /// The message of the failure without the directory.
   std::string failure(const std::string& where_after_path) const {
-    const auto problem = load_problem(path() + where_after_path);
-    REQUIRE_FALSE(problem.has_value());
-    std::string message = problem.error().message;
+    const Error error = require_error(load_problem(path() + where_after_path));
+    std::string message = error.message;
     const std::string prefix = directory / "";
     for (std::size_t at = message.find(prefix); at != std::string::npos;
          at = message.find(prefix)) {
@@ -238,27 +237,23 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a file that is missing is an io error") {
-    const auto problem = load_problem("/nonexistent.json#a");
-    REQUIRE_FALSE(problem.has_value());
-    CHECK(problem.error().code == ErrorCode::io);
+    CHECK(require_error(load_problem("/nonexistent.json#a")).code == ErrorCode::io);
     CHECK(list_problems("/nonexistent.json").error().code == ErrorCode::io);
   }
 }
 
 /// Loads every problem of a file with the given robot and checks what all of them have in common.
 void check_file(const std::string& path, const std::string& robot_path, int joint_count) {
-  const auto names = list_problems(path);
-  REQUIRE_MESSAGE(names.has_value(), (names ? "" : names.error().message));
+  const auto names = require(list_problems(path));
   ProblemOptions options;
   options.robot_path = robot_path;
   options.robot.hard_limits = true;  // goals of Panda's problems are beyond its soft limits
-  for (const std::string& name : *names) {
-    const auto problem = load_problem(path + "#" + name, options);
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    REQUIRE(problem->robot.joint_count() == joint_count);
-    REQUIRE_FALSE(problem->robot.describe_violation(problem->start, "start"));
-    REQUIRE_FALSE(problem->robot.describe_violation(problem->goals.at(0), "goal"));
-    REQUIRE_FALSE(problem->scene.obstacles.empty());
+  for (const std::string& name : names) {
+    const auto problem = require(load_problem(path + "#" + name, options));
+    REQUIRE(problem.robot.joint_count() == joint_count);
+    REQUIRE_FALSE(problem.robot.describe_violation(problem.start, "start"));
+    REQUIRE_FALSE(problem.robot.describe_violation(problem.goals.at(0), "goal"));
+    REQUIRE_FALSE(problem.scene.obstacles.empty());
   }
 }
 
@@ -306,17 +301,16 @@ TEST_SUITE("unit") {
     FramedScene scene = strange_scene();
     scene.scene.obstacles.push_back({"bar", {Capsule{{1, 0, 0}, {0, 1, 0}, 0.02}}});
     write_file(directory / "s.json", to_compact_json(scene));
-    const auto read = extract_scene(directory / "s.json" + "#a: scene");
-    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
-    CHECK(read->frame == "base_link");
-    CHECK(read->scene.name == "a: scene");
-    REQUIRE(read->scene.obstacles.size() == 3);
-    const auto& box = std::get<Box>(read->scene.obstacles[1].shapes.at(0));
+    const auto read = require(extract_scene(directory / "s.json" + "#a: scene"));
+    CHECK(read.frame == "base_link");
+    CHECK(read.scene.name == "a: scene");
+    REQUIRE(read.scene.obstacles.size() == 3);
+    const auto& box = std::get<Box>(read.scene.obstacles[1].shapes.at(0));
     CHECK((box.pose.rotation - kPose.rotation).norm() < 1e-12);
     CHECK(box.pose.translation == kPose.translation);
     CHECK(box.half_extents == Vec3(0.1, 0.2, 0.3));
-    CHECK(std::get<Cylinder>(read->scene.obstacles[1].shapes.at(1)).length == 0.7);
-    CHECK(std::get<Capsule>(read->scene.obstacles[2].shapes.at(0)).b == Vec3(0, 1, 0));
+    CHECK(std::get<Cylinder>(read.scene.obstacles[1].shapes.at(1)).length == 0.7);
+    CHECK(std::get<Capsule>(read.scene.obstacles[2].shapes.at(0)).b == Vec3(0, 1, 0));
   }
 
   TEST_CASE("a problem that is written as compact JSON reads back, with all that it says") {
@@ -326,10 +320,9 @@ TEST_SUITE("unit") {
     ProblemOptions options;
     options.robot.joints = {"turn", "lift"};
     options.robot.fixed_values["grip"] = 0.02;
-    auto loaded = load_robot(urdf, options.robot);
-    REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
+    auto loaded = require(load_robot(urdf, options.robot));
     const auto robot =
-        attach(*loaded, {{"rod", "finger", {Box{kPose, {0.1, 0.2, 0.3}}}, {}, {"carriage"}}});
+        attach(loaded, {{"rod", "finger", {Box{kPose, {0.1, 0.2, 0.3}}}, {}, {"carriage"}}});
     REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
     const auto joints = static_cast<std::size_t>(robot->joint_count());
     Scene scene = strange_scene().scene;
@@ -339,21 +332,20 @@ TEST_SUITE("unit") {
         "p 1", *robot, urdf, scene, Configuration(joints, 0.1), {Configuration(joints, -0.2)},
         {},    {goal}};
     write_file(directory / "p.json", to_compact_json(problem, urdf));
-    const auto read = load_problem(directory / "p.json" + "#p 1");
-    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
-    CHECK(read->name == "p 1");
-    CHECK(read->start == problem.start);
-    CHECK(read->goals == problem.goals);
-    CHECK(read->robot.hash() == robot->hash());
-    CHECK(read->scene.obstacles.size() == 2);
-    CHECK(read->scene.obstacles[0].may_touch == scene.obstacles[0].may_touch);
-    REQUIRE(read->robot.attached().size() == 1);
-    const AttachedObject& rod = read->robot.attached()[0].object;
+    const auto read = require(load_problem(directory / "p.json" + "#p 1"));
+    CHECK(read.name == "p 1");
+    CHECK(read.start == problem.start);
+    CHECK(read.goals == problem.goals);
+    CHECK(read.robot.hash() == robot->hash());
+    CHECK(read.scene.obstacles.size() == 2);
+    CHECK(read.scene.obstacles[0].may_touch == scene.obstacles[0].may_touch);
+    REQUIRE(read.robot.attached().size() == 1);
+    const AttachedObject& rod = read.robot.attached()[0].object;
     CHECK(rod.link == "finger");
     CHECK(rod.may_touch == std::vector<std::string>{"carriage"});
     CHECK((std::get<Box>(rod.shapes.at(0)).pose.rotation - kPose.rotation).norm() < 1e-12);
-    REQUIRE(read->pose_goals.size() == 1);
-    const PoseGoal& same = read->pose_goals[0];
+    REQUIRE(read.pose_goals.size() == 1);
+    const PoseGoal& same = read.pose_goals[0];
     CHECK(same.link == goal.link);
     CHECK((same.pose.rotation - goal.pose.rotation).norm() < 1e-12);
     CHECK(same.pose.translation == goal.pose.translation);

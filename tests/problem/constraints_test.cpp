@@ -40,19 +40,17 @@ TEST_SUITE("unit") {
     write_file(directory / "again.yaml", to_yaml(*problem, "./lifter.urdf"));
     write_file(directory / "again.json", to_compact_json(*problem, "./lifter.urdf"));
     for (const std::string where : {"again.yaml", "again.json#p"}) {
-      const auto again = load_problem(directory / where);
-      REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
-      REQUIRE(again->constraints.size() == 1);
-      check_same(again->constraints[0], read);
+      const auto again = require(load_problem(directory / where));
+      REQUIRE(again.constraints.size() == 1);
+      check_same(again.constraints[0], read);
     }
   }
 
   TEST_CASE("constraints that are malformed are refused with line and key") {
     const TemporaryDirectory directory;
     const auto failure = [&](const std::string& constraints) {
-      const auto problem = load_lifter(directory, constraints);
-      REQUIRE_FALSE(problem.has_value());
-      const std::string& message = problem.error().message;
+      const Error error = require_error(load_lifter(directory, constraints));
+      const std::string& message = error.message;
       return message.substr(message.find("p.yaml") + 6);
     };
     CHECK(failure("[{link: nose, angle: 1}]") ==
@@ -61,22 +59,20 @@ TEST_SUITE("unit") {
           ":7: key constraints[0]: expected the key angle, which is missing");
     CHECK(failure("[{link: arm, angle: 0}]") ==
           ":7: key constraints[0]: expected an angle of 0.001 rad or more, got 0");
-    CHECK(failure("[{link: arm, angle: 1, up: [0, 0, 0]}]")
-              .find("expected a direction other than 0") != std::string::npos);
+    CHECK(contains(failure("[{link: arm, angle: 1, up: [0, 0, 0]}]"),
+                   "expected a direction other than 0"));
   }
 
   TEST_CASE("MoveIt's path constraints of orientation that leave a turn free are cones") {
     const MoveitFiles files(kMoveitScene,
                             kMoveitRequest + kMoveitPath + "absolute_z_axis_tolerance: 6.3}\n");
-    const auto problem = files.load();
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    REQUIRE(problem->constraints.size() == 1);
-    check_same(problem->constraints[0], {"arm", Vec3::UnitZ(), Vec3::UnitZ(), 0.2});
+    const auto problem = require(files.load());
+    REQUIRE(problem.constraints.size() == 1);
+    check_same(problem.constraints[0], {"arm", Vec3::UnitZ(), Vec3::UnitZ(), 0.2});
     const MoveitFiles narrow(kMoveitScene,
                              kMoveitRequest + kMoveitPath + "absolute_z_axis_tolerance: 0.1}\n");
-    CHECK(
-        narrow.failure().find("expected a path constraint with a tolerance of pi about one axis") !=
-        std::string::npos);
+    CHECK(contains(narrow.failure(),
+                   "expected a path constraint with a tolerance of pi about one axis"));
   }
 }
 

@@ -39,15 +39,12 @@ class StatedLifter {
     return load_problem(directory_ / "p.yaml", options);
   }
   [[nodiscard]] Problem problem(const std::string& ends, const ProblemOptions& options = {}) const {
-    auto loaded = load(ends, options);
-    REQUIRE_MESSAGE(loaded.has_value(), (loaded ? "" : loaded.error().message));
-    return *std::move(loaded);
+    return require(load(ends, options));
   }
   /// The message of the failure without the file's name.
   [[nodiscard]] std::string failure(const std::string& ends) const {
-    const auto loaded = load(ends);
-    REQUIRE_FALSE(loaded.has_value());
-    const std::string& message = loaded.error().message;
+    const Error error = require_error(load(ends));
+    const std::string& message = error.message;
     return message.substr(message.find("p.yaml") + 6);
   }
   [[nodiscard]] std::string path(const std::string& name) const { return directory_ / name; }
@@ -108,11 +105,10 @@ TEST_SUITE("unit") {
     CHECK(problem.pose_goals[2].position_tolerance == Vec3(0, 0.1, 0.2));
     // What is written reads back to the same.
     write_file(lifter.path("again.yaml"), to_yaml(problem, "lifter.urdf"));
-    const auto again = load_problem(lifter.path("again.yaml"));
-    REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
-    REQUIRE(again->pose_goals.size() == 3);
+    const auto again = require(load_problem(lifter.path("again.yaml")));
+    REQUIRE(again.pose_goals.size() == 3);
     for (std::size_t i = 0; i < 3; ++i) {
-      const PoseGoal &a = problem.pose_goals[i], &b = again->pose_goals[i];
+      const PoseGoal &a = problem.pose_goals[i], &b = again.pose_goals[i];
       CHECK((a.pose.translation - b.pose.translation).norm() < 1e-9);
       CHECK((a.pose.rotation - b.pose.rotation).norm() < 1e-9);
       CHECK(a.position_tolerance == b.position_tolerance);
@@ -147,11 +143,10 @@ TEST_SUITE("unit") {
     CHECK(problem.start == Configuration{0.9, 1, 0.01});
     CHECK(problem.goals == std::vector<Configuration>{{0.9, 1, 0.01}});
     options.goal = GivenConfiguration("down");
-    const auto refused = lifter.load(kStart + "goal: [0.1, 0, 0]\n", options);
-    REQUIRE_FALSE(refused.has_value());
-    const std::string& message = refused.error().message;
+    const Error refused = require_error(lifter.load(kStart + "goal: [0.1, 0, 0]\n", options));
+    const std::string& message = refused.message;
     CHECK_MESSAGE(message.starts_with("goal: expected a state that the SRDF"), message);
-    CHECK_MESSAGE(message.find("got \"down\"") != std::string::npos, message);
+    CHECK_MESSAGE(contains(message, "got \"down\""), message);
   }
 
   TEST_CASE("goals that are none are refused where they stand") {
@@ -200,8 +195,9 @@ TEST_SUITE("unit") {
     CHECK(failure("{link: base, position: [0, 0, 1]}") ==
           ":6: key goal: no joint of the planning group moves link \"base\"");
     CHECK(failure("{link: arm, position: [0, 0, .nan]}").starts_with(":6: key goal.position"));
-    CHECK(lifter.failure("start: [0, 0]\ngoal: {link: arm, frame: arm, position: [0, 0, 1]}\n")
-              .find("there are 2 values") != std::string::npos);
+    CHECK(contains(
+        lifter.failure("start: [0, 0]\ngoal: {link: arm, frame: arm, position: [0, 0, 1]}\n"),
+        "there are 2 values"));
   }
 
   TEST_CASE("a pose in the frame of a link is where that link is") {
@@ -215,15 +211,13 @@ TEST_SUITE("unit") {
     goal.frame = "arm";
     CHECK(describe_fault(robot, goal) ==
           "expected a pose in the root link's frame, got one in that of link \"arm\"");
-    CHECK(to_json(goal).find(R"("frame":"arm")") != std::string::npos);
-    const auto placed = in_root_frame(goal, robot, q);
-    REQUIRE(placed.has_value());
-    CHECK(placed->frame.empty());
+    CHECK(contains(to_json(goal), R"("frame":"arm")"));
+    const auto placed = require(in_root_frame(goal, robot, q));
+    CHECK(placed.frame.empty());
     const Transform X_RF = robot.link_poses(q)[static_cast<std::size_t>(*robot.find_link("arm"))];
-    CHECK(placed->pose.translation.isApprox(X_RF * goal.pose.translation));
-    CHECK(placed->pose.rotation.isApprox(X_RF.rotation));
-    CHECK(in_root_frame(goal, robot, Configuration{0}).error().message.find("is unknown") !=
-          std::string::npos);
+    CHECK(placed.pose.translation.isApprox(X_RF * goal.pose.translation));
+    CHECK(placed.pose.rotation.isApprox(X_RF.rotation));
+    CHECK(contains(in_root_frame(goal, robot, Configuration{0}).error().message, "is unknown"));
     goal.frame = "nose";
     CHECK(in_root_frame(goal, robot, q).error().message ==
           "expected a link of robot lifter, got \"nose\"");
@@ -286,9 +280,7 @@ PoseGoal oriented_goal(const Vec3& tolerance, bool is_vector) {
     text += fmt::format("        absolute_{}_axis_tolerance: {}\n", "xyz"[i], tolerance[i]);
   }
   if (is_vector) text += "        parameterization: 1\n";
-  const auto problem = MoveitFiles(kMoveitScene, text).load();
-  REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-  return problem->pose_goals.at(0);
+  return require(MoveitFiles(kMoveitScene, text).load()).pose_goals.at(0);
 }
 
 /// Off the pose of the goal, as its cone and its turn let it be.
@@ -316,11 +308,10 @@ Vec3 rotation_vector(const Eigen::Matrix3d& m) {
 TEST_SUITE("unit") {
   TEST_CASE("MoveIt's position and orientation constraints are a pose with tolerances") {
     const MoveitFiles files(kMoveitScene, kPoseRequest);
-    const auto problem = files.load();
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    CHECK(problem->goals.empty());
-    REQUIRE(problem->pose_goals.size() == 1);
-    const PoseGoal& goal = problem->pose_goals[0];
+    const auto problem = require(files.load());
+    CHECK(problem.goals.empty());
+    REQUIRE(problem.pose_goals.size() == 1);
+    const PoseGoal& goal = problem.pose_goals[0];
     CHECK(goal.link == "arm");
     CHECK((goal.pose.translation - Vec3(0, 0, 0.8)).norm() < 1e-9);
     CHECK((goal.position_tolerance - Vec3(0.1, 0.2, 0.3)).norm() < 1e-9);
@@ -330,11 +321,11 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("of MoveIt's regions the largest that fits within them is taken") {
-    const auto sphere = MoveitFiles(kMoveitScene, with("type: 1, dimensions: [0.2, 0.4, 0.6]",
-                                                       "type: sphere, dimensions: [0.3]"))
-                            .load();
-    REQUIRE_MESSAGE(sphere.has_value(), (sphere ? "" : sphere.error().message));
-    CHECK(sphere->pose_goals[0].position_tolerance.norm() == doctest::Approx(0.3));
+    const auto sphere =
+        require(MoveitFiles(kMoveitScene, with("type: 1, dimensions: [0.2, 0.4, 0.6]",
+                                               "type: sphere, dimensions: [0.3]"))
+                    .load());
+    CHECK(sphere.pose_goals[0].position_tolerance.norm() == doctest::Approx(0.3));
     const auto narrow =
         MoveitFiles(kMoveitScene, with("axis_tolerance: 3.2", "axis_tolerance: 0.5")).load();
     REQUIRE_MESSAGE(narrow.has_value(), (narrow ? "" : narrow.error().message));
@@ -371,12 +362,12 @@ TEST_SUITE("unit") {
     CHECK(failure("{x: 0, y: 0, z: 0}", "{x: 0, y: 0, z: 0.1}")
               .ends_with(
                   "expected no target_point_offset, because the region is for the link's origin"));
-    CHECK(failure("frame_id: base", "frame_id: moon").find("got \"moon\"") != std::string::npos);
+    CHECK(contains(failure("frame_id: base", "frame_id: moon"), "got \"moon\""));
     CHECK(failure("link_name: arm", "link_name: finger")
               .ends_with("expected the link of the orientation constraint, arm, got finger"));
-    CHECK(failure("z: 0, w: 1}", "z: 0, w: 0}").find("orientation") != std::string::npos);
-    CHECK(failure("axis_tolerance: 0.1", "axis_tolerance: -0.1")
-              .find("expected a tolerance of 0 or more") != std::string::npos);
+    CHECK(contains(failure("z: 0, w: 1}", "z: 0, w: 0}"), "orientation"));
+    CHECK(contains(failure("axis_tolerance: 0.1", "axis_tolerance: -0.1"),
+                   "expected a tolerance of 0 or more"));
     CHECK(failure("    orientation_constraints:",
                   "    joint_constraints: [{joint_name: turn, position: 1}]\n    "
                   "orientation_constraints:")

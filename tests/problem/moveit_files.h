@@ -47,9 +47,8 @@ class MoveitFiles {
   }
   /// The message of the failure without the directory.
   [[nodiscard]] std::string failure() const {
-    const auto problem = load();
-    REQUIRE_FALSE(problem.has_value());
-    std::string message = problem.error().message;
+    const Error error = require_error(load());
+    std::string message = error.message;
     const std::string prefix = directory_ / "";
     for (std::size_t at = message.find(prefix); at != std::string::npos;
          at = message.find(prefix)) {

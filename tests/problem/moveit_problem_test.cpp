@@ -23,7 +23,7 @@ const std::string kGoal =
 
 TEST_SUITE("unit") {
   TEST_CASE("a goal is what its tolerances allow") {
-    const auto request = read_yaml(
+    const auto request = require(read_yaml(
         "group_name: arm\nplanner_id: RRT\nworkspace_parameters: {min_corner: [0, 0, 0]}\n"
         "goal_constraints:\n"
         "  - joint_constraints: [{joint_name: a, position: 1, tolerance_above: 0.4, "
@@ -35,14 +35,13 @@ TEST_SUITE("unit") {
           auto read = read_moveit_request(input);
           read.goal_places.clear();
           return read;
-        });
-    REQUIRE_MESSAGE(request.has_value(), (request ? "" : request.error().message));
-    CHECK(request->group == "arm");
-    REQUIRE(request->goals.size() == 2);
-    CHECK(request->goals[0].at("a").least == doctest::Approx(0.8));
-    CHECK(request->goals[0].at("a").most == doctest::Approx(1.4));
-    CHECK(request->goals[1].at("a").least == 2);
-    CHECK(request->goals[1].at("a").most == 2);
+        }));
+    CHECK(request.group == "arm");
+    REQUIRE(request.goals.size() == 2);
+    CHECK(request.goals[0].at("a").least == doctest::Approx(0.8));
+    CHECK(request.goals[0].at("a").most == doctest::Approx(1.4));
+    CHECK(request.goals[1].at("a").least == 2);
+    CHECK(request.goals[1].at("a").most == 2);
   }
 
   TEST_CASE("goals and paths that are constrained otherwise are refused by name") {
@@ -111,53 +110,49 @@ Result<Allowed> read_matrix(const std::string& matrix) {
 
 TEST_SUITE("unit") {
   TEST_CASE("pairs of links that may touch are found, once each") {
-    const auto allowed = read_matrix(
-        "  entry_names: [arm, base, finger, cup]\n"
-        "  entry_values: [[false, true, false, false], [true, true, false, false],\n"
-        "    {enabled: [false, false, true, false]}, [false, false, false, true]]\n");
-    REQUIRE_MESSAGE(allowed.has_value(), (allowed ? "" : allowed.error().message));
-    CHECK(allowed->links == std::vector<std::pair<std::string, std::string>>{{"arm", "base"}});
-    CHECK(allowed->cup.empty());
-    CHECK(allowed->warnings.empty());
+    const auto allowed = require(
+        read_matrix("  entry_names: [arm, base, finger, cup]\n"
+                    "  entry_values: [[false, true, false, false], [true, true, false, false],\n"
+                    "    {enabled: [false, false, true, false]}, [false, false, false, true]]\n"));
+    CHECK(allowed.links == std::vector<std::pair<std::string, std::string>>{{"arm", "base"}});
+    CHECK(allowed.cup.empty());
+    CHECK(allowed.warnings.empty());
   }
 
   TEST_CASE("objects may touch each other, and names that nobody has are left aside") {
-    const auto allowed = read_matrix(
+    const auto allowed = require(read_matrix(
         "  entry_names: [cup, box, ghost, arm]\n"
         "  entry_values: [[false, true, true, false], [true, false, false, false],\n"
         "    [true, false, false, true], [false, false, true, false]]\n"
-        "  default_entry_names: [spirit, arm]\n  default_entry_values: [true, false]\n");
-    REQUIRE_MESSAGE(allowed.has_value(), (allowed ? "" : allowed.error().message));
-    CHECK(allowed->links.empty());
-    CHECK(allowed->cup.empty());
-    REQUIRE(allowed->warnings.size() == 1);
-    CHECK(allowed->warnings[0] ==
+        "  default_entry_names: [spirit, arm]\n  default_entry_values: [true, false]\n"));
+    CHECK(allowed.links.empty());
+    CHECK(allowed.cup.empty());
+    REQUIRE(allowed.warnings.size() == 1);
+    CHECK(allowed.warnings[0] ==
           "f:2: key allowed_collision_matrix: ignored, because there is no such link or object: "
           "ghost, spirit");
   }
 
   TEST_CASE("links and attached objects that may touch an object are found") {
-    const auto allowed = read_matrix(
-        "  entry_names: [cup, arm, lid, box]\n"
-        "  entry_values: [[false, true, true, true], [true, false, false, false],\n"
-        "    [true, false, false, false], [true, false, false, false]]\n");
-    REQUIRE_MESSAGE(allowed.has_value(), (allowed ? "" : allowed.error().message));
-    CHECK(allowed->cup == Names{"arm", "lid"});
-    CHECK(allowed->box.empty());
-    CHECK(allowed->lid.empty());
-    CHECK(allowed->links.empty());
+    const auto allowed = require(
+        read_matrix("  entry_names: [cup, arm, lid, box]\n"
+                    "  entry_values: [[false, true, true, true], [true, false, false, false],\n"
+                    "    [true, false, false, false], [true, false, false, false]]\n"));
+    CHECK(allowed.cup == Names{"arm", "lid"});
+    CHECK(allowed.box.empty());
+    CHECK(allowed.lid.empty());
+    CHECK(allowed.links.empty());
   }
 
   TEST_CASE("defaults count for what has no entry, those of both names if both have one") {
-    const auto allowed = read_matrix(
-        "  entry_names: [cup, arm]\n  entry_values: [[false, false], [false, false]]\n"
-        "  default_entry_names: [cup, finger, base]\n"
-        "  default_entry_values: [true, true, false]\n");
-    REQUIRE_MESSAGE(allowed.has_value(), (allowed ? "" : allowed.error().message));
-    CHECK(allowed->cup == Names{"lid", "world", "carriage", "finger"});
-    CHECK(allowed->box == Names{"finger"});
-    CHECK(allowed->lid == Names{"finger"});
-    CHECK(allowed->links.size() == 3);
+    const auto allowed = require(
+        read_matrix("  entry_names: [cup, arm]\n  entry_values: [[false, false], [false, false]]\n"
+                    "  default_entry_names: [cup, finger, base]\n"
+                    "  default_entry_values: [true, true, false]\n"));
+    CHECK(allowed.cup == Names{"lid", "world", "carriage", "finger"});
+    CHECK(allowed.box == Names{"finger"});
+    CHECK(allowed.lid == Names{"finger"});
+    CHECK(allowed.links.size() == 3);
   }
 
   TEST_CASE("matrices that are malformed are refused with line and key") {
@@ -204,23 +199,22 @@ TEST_SUITE("unit") {
 
   TEST_CASE("start, goal, fixed joints and obstacles come from both files") {
     const MoveitFiles files;
-    const auto problem = files.load();
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    CHECK(problem->name == "request0001");
-    CHECK(problem->start == Configuration{0.1, 0.5});
-    REQUIRE(problem->goals.size() == 1);
-    CHECK(problem->goals[0][0] == 0.75);
-    CHECK(problem->goals[0][1] == doctest::Approx(1.05));
-    for (const Joint& joint : problem->robot.joints()) {
+    const auto problem = require(files.load());
+    CHECK(problem.name == "request0001");
+    CHECK(problem.start == Configuration{0.1, 0.5});
+    REQUIRE(problem.goals.size() == 1);
+    CHECK(problem.goals[0][0] == 0.75);
+    CHECK(problem.goals[0][1] == doctest::Approx(1.05));
+    for (const Joint& joint : problem.robot.joints()) {
       if (joint.name == "grip") CHECK(joint.fixed_value == 0.03);
     }
-    const auto ball = std::get<Sphere>(problem->scene.obstacles.at(0).shapes.at(0));
+    const auto ball = std::get<Sphere>(problem.scene.obstacles.at(0).shapes.at(0));
     CHECK((ball.center - Vec3(-1, 0, 0.5)).norm() < 1e-12);
-    CHECK(problem->warnings.empty());
+    CHECK(problem.warnings.empty());
     const auto same =
         load_problem(files / "scene0001.yaml" + "," + files / "request0001.yaml", files.options);
     REQUIRE(same.has_value());
-    CHECK(same->start == problem->start);
+    CHECK(same->start == problem.start);
   }
 
   TEST_CASE("planar and floating joints of the robot stand where the state says") {
@@ -232,22 +226,20 @@ TEST_SUITE("unit") {
         "<link name=\"map\"/><joint name=\"drive\" type=\"planar\"><parent link=\"map\"/>"
         "<child link=\"world\"/></joint></robot>";
     write_file(files / "lifter.urdf", replaced(kLiftUrdf, "</robot>", drive));
-    const auto problem = files.load();
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    const Robot& robot = problem->robot;
+    const auto problem = require(files.load());
+    const Robot& robot = problem.robot;
     const auto link = static_cast<std::size_t>(*robot.find_link("world"));
-    CHECK((robot.link_poses(problem->start)[link].translation - Vec3(1, 2, 0)).norm() < 1e-12);
-    CHECK(robot.link_poses(problem->start)[link].rotation(0, 0) == doctest::Approx(-1));
+    CHECK((robot.link_poses(problem.start)[link].translation - Vec3(1, 2, 0)).norm() < 1e-12);
+    CHECK(robot.link_poses(problem.start)[link].rotation(0, 0) == doctest::Approx(-1));
     // The written problem has the joint's values, too.
-    const std::string yaml = to_yaml(*problem, files / "lifter.urdf");
-    CHECK(yaml.find("drive/x") != std::string::npos);
+    const std::string yaml = to_yaml(problem, files / "lifter.urdf");
+    CHECK(contains(yaml, "drive/x"));
   }
 
   TEST_CASE("a goal is the middle of what tolerances and limits allow") {
     const MoveitFiles files;
-    const auto problem = files.load();
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    const double upper = problem->robot.group_joint(1).upper;
+    const auto problem = require(files.load());
+    const double upper = problem.robot.group_joint(1).upper;
     const MoveitFiles wide(kMoveitScene,
                            replaced(kMoveitRequest, "tolerance_above: 0.2", "tolerance_above: 90"));
     REQUIRE_MESSAGE(wide.load().has_value(), wide.load().error().message);
@@ -258,10 +250,9 @@ TEST_SUITE("unit") {
     const MoveitFiles files(kMoveitScene, kMoveitRequest +
                                               "max_velocity_scaling_factor: 0.1\n"
                                               "max_acceleration_scaling_factor: 1\n");
-    const auto problem = files.load();
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    REQUIRE(problem->warnings.size() == 1);
-    CHECK(problem->warnings[0].find("max_velocity_scaling_factor is ignored") != std::string::npos);
+    const auto problem = require(files.load());
+    REQUIRE(problem.warnings.size() == 1);
+    CHECK(contains(problem.warnings[0], "max_velocity_scaling_factor is ignored"));
   }
 
   TEST_CASE("start and goal of the caller stand for those of the request") {
@@ -275,11 +266,9 @@ TEST_SUITE("unit") {
   TEST_CASE("joints that the robot lacks are left aside with a warning") {
     const MoveitFiles files(replaced(kMoveitScene, "grip], position: [0.1, 0.2, 0.03]",
                                      "wheel], position: [0.1, 0.2, 0]"));
-    const auto problem = files.load();
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    REQUIRE(problem->warnings.size() == 1);
-    CHECK(problem->warnings[0].find("ignored for robot lifter: wheel (no such joint)") !=
-          std::string::npos);
+    const auto problem = require(files.load());
+    REQUIRE(problem.warnings.size() == 1);
+    CHECK(contains(problem.warnings[0], "ignored for robot lifter: wheel (no such joint)"));
   }
 
   TEST_CASE("pairs of links that may touch are not checked") {
@@ -288,9 +277,7 @@ TEST_SUITE("unit") {
     const MoveitFiles files(kMoveitScene +
                             "allowed_collision_matrix: {entry_names: [arm, base], entry_values: "
                             "[[false, true], [true, false]]}\n");
-    const auto problem = files.load();
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    CHECK(problem->robot.self_pairs().empty());
+    CHECK(require(files.load()).robot.self_pairs().empty());
   }
 
   TEST_CASE("an attached object stays where it is at the start, seen from its link") {
@@ -303,24 +290,22 @@ TEST_SUITE("unit") {
     const MoveitFiles files(kMoveitScene + attached +
                             "allowed_collision_matrix: {entry_names: [ball, cup], entry_values: "
                             "[[false, true], [true, false]]}\n");
-    const auto problem = files.load();
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    const auto problem = require(files.load());
     // The world's ball is attached, too, and not in the world any more.
-    CHECK(problem->scene.obstacles.empty());
-    const auto carried = problem->robot.attached();
+    CHECK(problem.scene.obstacles.empty());
+    const auto carried = problem.robot.attached();
     REQUIRE(carried.size() == 2);
     CHECK(carried[0].object.name == "cup");
     CHECK(carried[0].object.link == "finger");
     CHECK(carried[0].object.may_touch == Names{"base"});
     CHECK(carried[1].object.may_touch == Names{"cup"});
-    const std::vector<Transform> poses = problem->robot.link_poses(problem->start);
+    const std::vector<Transform> poses = problem.robot.link_poses(problem.start);
     const std::size_t links = poses.size();
     // Where they are at the start, in the root's frame; "base" is turned by a quarter about z.
     CHECK((poses[links - 2] * carried[0].spheres.at(0).center).isApprox(Vec3(0, 1, 0.7), 1e-9));
     CHECK((poses[links - 1] * carried[1].spheres.at(0).center).isApprox(Vec3(-1, 0, 0.5), 1e-9));
-    REQUIRE(problem->warnings.size() == 1);
-    CHECK(problem->warnings[0].find("ignored, because there is no such touch link: ghost") !=
-          std::string::npos);
+    REQUIRE(problem.warnings.size() == 1);
+    CHECK(contains(problem.warnings[0], "ignored, because there is no such touch link: ghost"));
   }
 
   TEST_CASE("an object in the frame of its own link needs no start of the scene") {
@@ -334,10 +319,9 @@ TEST_SUITE("unit") {
     };
     MoveitFiles of_finger(scene_with_frame("finger")), of_base(scene_with_frame("base"));
     of_finger.options.start = of_base.options.start = Configuration{0.5, 0.5};
-    const auto problem = of_finger.load();
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    CHECK(problem->robot.attached()[0].spheres.at(0).center.isApprox(Vec3(0, 0, 0.2), 1e-9));
-    CHECK(of_base.failure().find("expected a start position of joint lift") != std::string::npos);
+    const auto problem = require(of_finger.load());
+    CHECK(problem.robot.attached()[0].spheres.at(0).center.isApprox(Vec3(0, 0, 0.2), 1e-9));
+    CHECK(contains(of_base.failure(), "expected a start position of joint lift"));
   }
 
   TEST_CASE("attached objects that nothing carries or that have no shape are refused") {
@@ -381,8 +365,7 @@ TEST_SUITE("unit") {
         with_scene("frame_id: base", "frame_id: arm") ==
         "scene0001.yaml:5: key world.collision_objects[0]: expected the root link of robot lifter "
         "or one fixed to it, got \"arm\", which joint turn moves");
-    CHECK(with_scene("type: sphere", "type: prism").find("object \"ball\" has a prism") !=
-          std::string::npos);
+    CHECK(contains(with_scene("type: sphere", "type: prism"), "object \"ball\" has a prism"));
     CHECK(
         with_scene("[lift, turn, grip], position: [0.1,", "[wheel, turn, grip], position: [0.1,") ==
         "request0001.yaml:1: expected a start position of joint lift of the planning group, got "
@@ -400,11 +383,10 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a robot that is not known, and a scene without request, are refused") {
     MoveitFiles files;
-    const auto scene = load_problem(files / "scene0001.yaml", files.options);
-    REQUIRE_FALSE(scene.has_value());
-    CHECK(scene.error().message.find("scene0001.yaml:1: this is a planning scene without start and "
-                                     "goal; expected its motion plan request") !=
-          std::string::npos);
+    const Error error = require_error(load_problem(files / "scene0001.yaml", files.options));
+    CHECK(contains(error.message,
+                   "scene0001.yaml:1: this is a planning scene without start and "
+                   "goal; expected its motion plan request"));
     files.options.robot_path.clear();
     CHECK(files.failure().find("scene0001.yaml:2: key robot_model_name: ") == 0);
     std::filesystem::remove(files / "scene0001.yaml");
@@ -456,16 +438,15 @@ TEST_SUITE("flow") {
         const auto moveit =
             load_problem(*root + "/" + set + "_fetch/request000" + number + ".yaml", options);
         REQUIRE_MESSAGE(moveit.has_value(), (moveit ? "" : moveit.error().message));
-        const auto compact = load_compact(set, number, options);
-        REQUIRE_MESSAGE(compact.has_value(), (compact ? "" : compact.error().message));
-        CHECK(moveit->robot.hash() == compact->robot.hash());
-        CHECK(distance(moveit->start, compact->start) < 1e-6);
-        CHECK(distance(moveit->goals.at(0), compact->goals.at(0)) < 1e-6);
-        REQUIRE(moveit->scene.obstacles.size() == compact->scene.obstacles.size());
+        const auto compact = require(load_compact(set, number, options));
+        CHECK(moveit->robot.hash() == compact.robot.hash());
+        CHECK(distance(moveit->start, compact.start) < 1e-6);
+        CHECK(distance(moveit->goals.at(0), compact.goals.at(0)) < 1e-6);
+        REQUIRE(moveit->scene.obstacles.size() == compact.scene.obstacles.size());
         for (std::size_t i = 0; i < moveit->scene.obstacles.size(); ++i) {
-          REQUIRE(moveit->scene.obstacles[i].name == compact->scene.obstacles[i].name);
+          REQUIRE(moveit->scene.obstacles[i].name == compact.scene.obstacles[i].name);
           check_same_shape(moveit->scene.obstacles[i].shapes.at(0),
-                           compact->scene.obstacles[i].shapes.at(0));
+                           compact.scene.obstacles[i].shapes.at(0));
         }
       }
     }

@@ -71,31 +71,26 @@ TEST_SUITE("unit") {
   TEST_CASE("a robot that is missing is refused where it is named") {
     const Lifter lifter;
     CHECK(lifter.read("{}").error().message == "f:1: expected the key robot, which is missing");
-    const auto unknown = lifter.read("robot: planar9");
-    REQUIRE_FALSE(unknown.has_value());
-    CHECK(unknown.error().message.find("f:1: key robot: ") == 0);
-    CHECK(unknown.error().message.find("planar9") != std::string::npos);
-    const auto lost = lifter.read("robot: ./lost.urdf");
-    REQUIRE_FALSE(lost.has_value());
-    CHECK(lost.error().code == ErrorCode::io);
-    CHECK(lost.error().message.find("f:1: key robot: ") == 0);
-    CHECK(lost.error().message.find("lost.urdf: cannot be read") != std::string::npos);
-    const auto groups = lifter.read("robot: lifter.urdf\nsrdf: lost.srdf");
-    REQUIRE_FALSE(groups.has_value());
-    CHECK(groups.error().message.find("f:2: key srdf: ") == 0);
-    CHECK(groups.error().message.find("lost.srdf: cannot be read") != std::string::npos);
+    const Error error = require_error(lifter.read("robot: planar9"));
+    CHECK(error.message.find("f:1: key robot: ") == 0);
+    CHECK(contains(error.message, "planar9"));
+    const Error lost = require_error(lifter.read("robot: ./lost.urdf"));
+    CHECK(lost.code == ErrorCode::io);
+    CHECK(lost.message.find("f:1: key robot: ") == 0);
+    CHECK(contains(lost.message, "lost.urdf: cannot be read"));
+    const Error groups = require_error(lifter.read("robot: lifter.urdf\nsrdf: lost.srdf"));
+    CHECK(groups.message.find("f:2: key srdf: ") == 0);
+    CHECK(contains(groups.message, "lost.srdf: cannot be read"));
   }
 
   TEST_CASE("a robot of the caller's that is missing is not looked for in the problem") {
     const Lifter lifter;
-    const auto lost = lifter.read("robot: lifter.urdf", "none.urdf");
-    REQUIRE_FALSE(lost.has_value());
-    CHECK(lost.error().message.find("none.urdf: cannot be read") == 0);
+    CHECK(require_error(lifter.read("robot: lifter.urdf", "none.urdf"))
+              .message.find("none.urdf: cannot be read") == 0);
     ProblemOptions options;
     options.robot.srdf_path = "none.srdf";
-    const auto groups = lifter.read("robot: lifter.urdf\nsrdf: lost.srdf", options);
-    REQUIRE_FALSE(groups.has_value());
-    CHECK(groups.error().message.find("none.srdf: cannot be read") == 0);
+    const Error error = require_error(lifter.read("robot: lifter.urdf\nsrdf: lost.srdf", options));
+    CHECK(error.message.find("none.srdf: cannot be read") == 0);
   }
 
   TEST_CASE("joints choose the group and its order, and fixed joints have their values") {
@@ -114,22 +109,20 @@ TEST_SUITE("unit") {
 
   TEST_CASE("values of joints that cannot be fixed are left aside with a warning") {
     const Lifter lifter;
-    const auto read = lifter.read(
-        "robot: lifter.urdf\njoints: [turn, lift]\nfixed_joints: {wheel: 0, mount: 1, lift: 0}");
-    REQUIRE(read.has_value());
-    REQUIRE(read->warnings.size() == 1);
-    CHECK(read->warnings[0] ==
+    const auto read = require(lifter.read(
+        "robot: lifter.urdf\njoints: [turn, lift]\nfixed_joints: {wheel: 0, mount: 1, lift: 0}"));
+    REQUIRE(read.warnings.size() == 1);
+    CHECK(read.warnings[0] ==
           "f:3: key fixed_joints: ignored for robot lifter: lift (planned for), mount (a "
           "fixed joint), wheel (no such joint)");
   }
 
   TEST_CASE("of many values that are left aside the first are named") {
     const Lifter lifter;
-    const auto read = lifter.read(
-        "robot: lifter.urdf\njoints: [turn, lift]\nfixed_joints: {a: 0, b: 0, c: 0, d: 0, e: 0}");
-    REQUIRE(read.has_value());
-    REQUIRE(read->warnings.size() == 1);
-    CHECK(read->warnings[0].ends_with("b (no such joint), c (no such joint), and 2 more"));
+    const auto read = require(lifter.read(
+        "robot: lifter.urdf\njoints: [turn, lift]\nfixed_joints: {a: 0, b: 0, c: 0, d: 0, e: 0}"));
+    REQUIRE(read.warnings.size() == 1);
+    CHECK(read.warnings[0].ends_with("b (no such joint), c (no such joint), and 2 more"));
   }
 
   TEST_CASE("joints and fixed values of the caller stand for those of the file") {
@@ -137,38 +130,35 @@ TEST_SUITE("unit") {
     ProblemOptions options;
     options.robot.joints = {"lift"};
     options.robot.fixed_values = {{"grip", 0.01}};
-    const auto read = lifter.read(
-        "robot: lifter.urdf\njoints: [turn, lift]\nfixed_joints: {grip: 0.03, turn: 1}", options);
-    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
-    CHECK(read->robot.joint_count() == 1);
-    for (const Joint& joint : read->robot.joints()) {
+    const auto read = require(lifter.read(
+        "robot: lifter.urdf\njoints: [turn, lift]\nfixed_joints: {grip: 0.03, turn: 1}", options));
+    CHECK(read.robot.joint_count() == 1);
+    for (const Joint& joint : read.robot.joints()) {
       if (joint.name == "grip") CHECK(joint.fixed_value == 0.01);
       if (joint.name == "turn") CHECK(joint.fixed_value == 1);
     }
-    CHECK(read->warnings.empty());
+    CHECK(read.warnings.empty());
   }
 
   TEST_CASE("a group of the caller gives way to the joints of the file with a warning") {
     const Lifter lifter;
     ProblemOptions options;
     options.robot.group = "arm";
-    const auto read = lifter.read("robot: lifter.urdf\njoints: [turn, lift]", options);
-    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
-    CHECK(read->robot.joint_count() == 2);
-    REQUIRE(read->warnings.size() == 1);
-    CHECK(read->warnings[0] ==
+    const auto read = require(lifter.read("robot: lifter.urdf\njoints: [turn, lift]", options));
+    CHECK(read.robot.joint_count() == 2);
+    REQUIRE(read.warnings.size() == 1);
+    CHECK(read.warnings[0] ==
           "f:2: key joints: planning is for these joints; group arm is ignored");
-    const auto both = lifter.read("robot: lifter.urdf\njoints: [turn, lift]\ngroup: arm");
-    REQUIRE_MESSAGE(both.has_value(), (both ? "" : both.error().message));
-    CHECK(both->warnings == read->warnings);
+    const auto both = require(lifter.read("robot: lifter.urdf\njoints: [turn, lift]\ngroup: arm"));
+    CHECK(both.warnings == read.warnings);
   }
 
   TEST_CASE("joints that are no texts and values that are no numbers are refused") {
     const Lifter lifter;
     CHECK(lifter.read("robot: lifter.urdf\njoints: [[turn]]").error().message ==
           "f:2: key joints[0]: expected a text, got a list of 1");
-    CHECK(lifter.read("robot: lifter.urdf\njoints: [turn, spin]").error().message.find("spin") !=
-          std::string::npos);
+    CHECK(
+        contains(lifter.read("robot: lifter.urdf\njoints: [turn, spin]").error().message, "spin"));
     CHECK(lifter.read("robot: lifter.urdf\nfixed_joints: {grip: wide}").error().message ==
           "f:2: key fixed_joints.grip: expected a number, got \"wide\"");
   }
@@ -204,15 +194,12 @@ TEST_SUITE("unit") {
     CHECK(frame("frame: world").value().rotation == Eigen::Matrix3d::Identity());
     const Transform X_WB = frame("frame: base").value();
     CHECK((X_WB * Vec3(1, 0, 0) - Vec3(0, 1, 0.5)).norm() < 1e-12);
-    const auto unknown = frame("frame: table");
-    REQUIRE_FALSE(unknown.has_value());
-    CHECK(unknown.error().code == ErrorCode::invalid);
-    CHECK(unknown.error().message ==
-          "f:1: key frame: expected a link of robot lifter, got \"table\"");
-    const auto moving = frame("frame: arm");
-    REQUIRE_FALSE(moving.has_value());
-    CHECK(moving.error().code == ErrorCode::unsupported);
-    CHECK(moving.error().message ==
+    const Error error = require_error(frame("frame: table"));
+    CHECK(error.code == ErrorCode::invalid);
+    CHECK(error.message == "f:1: key frame: expected a link of robot lifter, got \"table\"");
+    const Error moving = require_error(frame("frame: arm"));
+    CHECK(moving.code == ErrorCode::unsupported);
+    CHECK(moving.message ==
           "f:1: key frame: expected the root link of robot lifter or one fixed to it, got \"arm\", "
           "which joint turn moves");
   }
@@ -241,16 +228,13 @@ TEST_SUITE("unit") {
     ProblemOptions options;
     options.start = Configuration{5};
     options.goal = Configuration{6};
-    const auto problem = read_problem_text("goals: [[2], [3]]", options);
-    REQUIRE(problem.has_value());
-    CHECK(problem->start == Configuration{5});
-    CHECK(problem->goals == std::vector<Configuration>{{6}});
+    const auto problem = require(read_problem_text("goals: [[2], [3]]", options));
+    CHECK(problem.start == Configuration{5});
+    CHECK(problem.goals == std::vector<Configuration>{{6}});
   }
 
   TEST_CASE("counts, limits and NaN of start and goal are left to planning") {
-    const auto problem = read_problem_text("start: [1, .nan]\ngoal: [99]");
-    REQUIRE(problem.has_value());
-    CHECK(std::isnan(problem->start[1]));
+    CHECK(std::isnan(require(read_problem_text("start: [1, .nan]\ngoal: [99]")).start[1]));
   }
 
   TEST_CASE("starts and goals that are missing or no numbers are refused") {
@@ -291,17 +275,15 @@ TEST_SUITE("unit") {
     write_file(directory / "scene.json", "{circles: {a: [5, 5, 1]}}");
     const std::string ends = "start: [0, 0, 0]\ngoal: [0, 0, 0]\n", path = directory / "p.yaml";
     write_file(path, "robot: lifter.urdf\nsrdf: lifter.json\nscene: scene.json\n" + ends);
-    const auto problem = load_problem(path);
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    const auto problem = require(load_problem(path));
     const std::vector<std::string> files = {path, directory / "scene.json",
                                             directory / "lifter.urdf", directory / "lifter.json"};
-    CHECK(problem->files == files);
+    CHECK(problem.files == files);
     CHECK(extract_scene(path)->files == std::vector(files.begin(), files.begin() + 2));
     const std::string compact = directory / "many.json";
-    write_file(compact, to_compact_json(*problem, directory / "lifter.urdf"));
-    const auto again = load_problem(compact + "#p");
-    REQUIRE_MESSAGE(again.has_value(), (again ? "" : again.error().message));
-    CHECK(again->files == std::vector{compact, directory / "lifter.urdf"});
+    write_file(compact, to_compact_json(problem, directory / "lifter.urdf"));
+    const auto again = require(load_problem(compact + "#p"));
+    CHECK(again.files == std::vector{compact, directory / "lifter.urdf"});
   }
 
   TEST_CASE("a robot that is there already is taken instead of the one that the file names") {
@@ -313,13 +295,10 @@ TEST_SUITE("unit") {
     write_file(path, text);
     ProblemOptions options;
     options.made_robot = planar8();
-    const auto problem = load_problem(path, options);
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    CHECK(problem->robot.links().data() == options.made_robot->links().data());
+    const auto problem = require(load_problem(path, options));
+    CHECK(problem.robot.links().data() == options.made_robot->links().data());
     write_file(path, text + "allow: [[link_1, link_3]]\n");
-    const auto allowing = load_problem(path, options);
-    REQUIRE(!allowing.has_value());
-    CHECK(allowing.error().message.find("the robot is given") != std::string::npos);
+    CHECK(contains(require_error(load_problem(path, options)).message, "the robot is given"));
   }
 
   TEST_CASE("an obstacle far out of reach is a warning that names the unit") {
@@ -328,10 +307,9 @@ TEST_SUITE("unit") {
                "robot: planar8\nstart: [0, 0, 0, 0, 0, 0, 0, 0]\ngoal: [1, 0, 0, 0, 0, 0, 0, 0]\n"
                "scene: {obstacles: [{name: near, type: sphere, position: [20, 0, 0], radius: 1}, "
                "{name: far, type: sphere, position: [800, 0, 0], radius: 1}]}\n");
-    const auto problem = load_problem(directory / "p.yaml");
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    REQUIRE(problem->warnings.size() == 1);
-    CHECK(problem->warnings[0] ==
+    const auto problem = require(load_problem(directory / "p.yaml"));
+    REQUIRE(problem.warnings.size() == 1);
+    CHECK(problem.warnings[0] ==
           "obstacle far is 799 m away, and robot planar8 reaches 12 m: numbers in a scene are "
           "metres");
   }
@@ -343,10 +321,9 @@ TEST_SUITE("unit") {
                "scene: {obstacles: [{name: floor, type: box, position: [0, 0, -100], size: [900, "
                "900, 199]}, {name: table, type: box, position: [600, 0, 100], size: [600, 1200, "
                "200]}, {name: far, type: sphere, position: [800, 0, 0], radius: 1}]}\n");
-    const auto problem = load_problem(directory / "p.yaml");
-    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-    REQUIRE(problem->warnings.size() == 1);
-    CHECK(problem->warnings[0] ==
+    const auto problem = require(load_problem(directory / "p.yaml"));
+    REQUIRE(problem.warnings.size() == 1);
+    CHECK(problem.warnings[0] ==
           "obstacle table and 1 more are at least 300 m away, and robot planar8 reaches 12 m: "
           "numbers in a scene are metres");
   }
@@ -359,9 +336,7 @@ TEST_SUITE("unit") {
                      "</link><joint name='j' type='continuous'><parent link='base'/>"
                      "<child link='arm'/><axis xyz='0 0 1'/></joint></robot>");
       write_file(directory / "p.yaml", "robot: ./r.urdf\nstart: [0]\ngoal: [1]\nscene: {}\n");
-      const auto problem = load_problem(directory / "p.yaml");
-      REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-      return problem->warnings;
+      return require(load_problem(directory / "p.yaml")).warnings;
     };
     const std::string ball = "<geometry><sphere radius='0.1'/></geometry>";
     const std::string seen = "<visual>" + ball + "</visual>";
@@ -389,16 +364,14 @@ TEST_SUITE("unit") {
     write_file(directory / "scene.yaml", "circles: {a: [1, 2, 3]}\n");
     write_file(directory / "inside.yaml", rest + "scene: {circles: {a: [1, 2, 3]}}\n");
     write_file(directory / "beside.yaml", rest + "scene: scene.yaml\nname: other\n");
-    const auto inside = load_problem(directory / "inside.yaml");
-    REQUIRE_MESSAGE(inside.has_value(), (inside ? "" : inside.error().message));
-    CHECK(inside->name == "inside");
-    CHECK(inside->scene.name == "inside");
-    CHECK(inside->scene.obstacles.at(0).name == "a");
-    const auto beside = load_problem(directory / "beside.yaml");
-    REQUIRE_MESSAGE(beside.has_value(), (beside ? "" : beside.error().message));
-    CHECK(beside->name == "other");
-    CHECK(beside->scene.name == "scene");
-    CHECK(beside->scene.obstacles.at(0).name == "a");
+    const auto inside = require(load_problem(directory / "inside.yaml"));
+    CHECK(inside.name == "inside");
+    CHECK(inside.scene.name == "inside");
+    CHECK(inside.scene.obstacles.at(0).name == "a");
+    const auto beside = require(load_problem(directory / "beside.yaml"));
+    CHECK(beside.name == "other");
+    CHECK(beside.scene.name == "scene");
+    CHECK(beside.scene.obstacles.at(0).name == "a");
   }
 
   TEST_CASE("errors name the file that they are in") {
@@ -406,9 +379,8 @@ TEST_SUITE("unit") {
     const std::string rest = "robot: planar8\nstart: [0]\ngoal: [0]\n";
     const auto failure = [&](const std::string& text) {
       write_file(directory / "p.yaml", text);
-      const auto problem = load_problem(directory / "p.yaml");
-      REQUIRE_FALSE(problem.has_value());
-      return problem.error().message.substr((directory / "").size());
+      return require_error(load_problem(directory / "p.yaml"))
+          .message.substr((directory / "").size());
     };
     write_file(directory / "bad.yaml", "\ncircles: {a: [1, 2]}\n");
     CHECK(
@@ -447,12 +419,11 @@ TEST_SUITE("flow") {
     int count = 0;
     for (const auto& file : std::filesystem::directory_iterator(source_file("scenes/planar"))) {
       if (file.path().extension() != ".yaml" || file.path().stem() == "grid") continue;
-      const auto problem = load_problem(file.path().string());
-      REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-      CHECK(problem->name == file.path().stem());
-      CHECK_FALSE(problem->robot.describe_violation(problem->start, "start"));
-      CHECK_FALSE(problem->robot.describe_violation(problem->goals.at(0), "goal"));
-      CHECK(problem->scene.obstacles.size() >= 2);
+      const auto problem = require(load_problem(file.path().string()));
+      CHECK(problem.name == file.path().stem());
+      CHECK_FALSE(problem.robot.describe_violation(problem.start, "start"));
+      CHECK_FALSE(problem.robot.describe_violation(problem.goals.at(0), "goal"));
+      CHECK(problem.scene.obstacles.size() >= 2);
       ++count;
     }
     CHECK(count >= 6);
@@ -464,10 +435,9 @@ TEST_SUITE("unit") {
     const MoveitFiles files;
     const auto check = [](const std::string& where, const std::string& name,
                           const std::string& frame) {
-      const auto scene = extract_scene(where);
-      REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-      CHECK(scene->scene.obstacles.at(0).name == name);
-      CHECK(scene->frame == frame);
+      const auto scene = require(extract_scene(where));
+      CHECK(scene.scene.obstacles.at(0).name == name);
+      CHECK(scene.frame == frame);
     };
     check(files / "request0001.yaml", "ball", "base");
     check(files / "scene0001.yaml", "ball", "base");
@@ -497,9 +467,7 @@ TEST_SUITE("unit") {
 Problem read_back(const Problem& problem, const std::string& robot) {
   const TemporaryDirectory directory;
   write_file(directory / "p.yaml", to_yaml(problem, robot));
-  const auto read = load_problem(directory / "p.yaml");
-  REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
-  return *read;
+  return require(load_problem(directory / "p.yaml"));
 }
 
 TEST_SUITE("unit") {
@@ -536,9 +504,8 @@ TEST_SUITE("unit") {
     problem.end_velocity = Configuration(8, -0.5);
     const TemporaryDirectory directory;
     write_file(directory / "p.json", to_compact_json(problem, "planar8"));
-    const auto compact = load_problem(directory / "p.json#p");
-    REQUIRE_MESSAGE(compact.has_value(), (compact ? "" : compact.error().message));
-    for (const Problem& read : {read_back(problem, "planar8"), *compact}) {
+    const auto compact = require(load_problem(directory / "p.json#p"));
+    for (const Problem& read : {read_back(problem, "planar8"), compact}) {
       CHECK(read.start_velocity == problem.start_velocity);
       CHECK(read.end_velocity == problem.end_velocity);
     }
@@ -547,25 +514,20 @@ TEST_SUITE("unit") {
   TEST_CASE("the group and the fixed joints read back") {
     const TemporaryDirectory directory;
     write_file(directory / "lifter.urdf", kLiftUrdf);
-    RobotOptions options;
-    options.joints = {"turn", "lift"};
-    options.fixed_values = {{"grip", 0.03}};
-    const auto robot = load_robot(directory / "lifter.urdf", options);
-    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-    const Problem problem{"p", *robot, "", {"s", {}}, {0, 0}, {{1, 1}}, {}};
-    CHECK(read_back(problem, directory / "lifter.urdf").robot.hash() == robot->hash());
+    const auto robot = require(load_robot(
+        directory / "lifter.urdf", {.joints = {"turn", "lift"}, .fixed_values = {{"grip", 0.03}}}));
+    const Problem problem{"p", robot, "", {"s", {}}, {0, 0}, {{1, 1}}, {}};
+    CHECK(read_back(problem, directory / "lifter.urdf").robot.hash() == robot.hash());
   }
 
   TEST_CASE("a group reads back whatever groups the robot's SRDF has") {
     const TemporaryDirectory directory;
     write_file(directory / "lifter.urdf", kLiftUrdf);
-    RobotOptions options;
-    options.joints = {"lift", "turn", "grip"};
-    const auto robot = load_robot(directory / "lifter.urdf", options);
-    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
+    const auto robot =
+        require(load_robot(directory / "lifter.urdf", {.joints = {"lift", "turn", "grip"}}));
     write_file(directory / "lifter.srdf", R"(<robot name="lifter">
       <group name="arm"><joint name="turn"/></group></robot>)");
-    const Problem problem{"p", *robot, "", {"s", {}}, {0, 0, 0}, {{1, 1, 0}}, {}};
+    const Problem problem{"p", robot, "", {"s", {}}, {0, 0, 0}, {{1, 1, 0}}, {}};
     CHECK(read_back(problem, directory / "lifter.urdf").robot.joint_count() == 3);
   }
 }

@@ -24,9 +24,7 @@ Result<Problem> load(const std::string& text, const ProblemOptions& options = {}
 }
 
 Problem require_problem(const std::string& text, const ProblemOptions& options = {}) {
-  auto problem = load(text, options);
-  REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
-  return *problem;
+  return require(load(text, options));
 }
 
 std::size_t points_in(const Scene& scene) {
@@ -76,27 +74,20 @@ TEST_SUITE("unit") {
   TEST_CASE("points of a scene that others hold stay theirs") {
     Problem problem = require_problem(problem_with(""));
     const Scene before = problem.scene;
-    const auto notes = drop_own_points(problem.scene, problem.robot, problem.start, 0);
-    REQUIRE(notes.has_value());
-    CHECK(notes->size() == 1);
+    CHECK(require(drop_own_points(problem.scene, problem.robot, problem.start, 0)).size() == 1);
     CHECK(points_in(before) == 4);
     CHECK(points_in(problem.scene) == 2);
-    const auto again = drop_own_points(problem.scene, problem.robot, problem.start, 0);
-    REQUIRE(again.has_value());
-    CHECK(again->empty());
+    CHECK(require(drop_own_points(problem.scene, problem.robot, problem.start, 0)).empty());
   }
 
   TEST_CASE("a distance below 0 is refused with line and key, and as an option") {
-    const auto problem = load(problem_with("self_filter: -1\n"));
-    REQUIRE_FALSE(problem.has_value());
-    CHECK(problem.error().message.ends_with(
-        "p.yaml:9: key self_filter: expected 0 or more metres, got -1"));
+    CHECK(require_error(load(problem_with("self_filter: -1\n")))
+              .message.ends_with("p.yaml:9: key self_filter: expected 0 or more metres, got -1"));
     CHECK_FALSE(load(problem_with("self_filter: .nan\n")).has_value());
     ProblemOptions options;
     options.self_filter = -1;
-    const auto refused = load(problem_with(""), options);
-    REQUIRE_FALSE(refused.has_value());
-    CHECK(refused.error().message == "self_filter: expected 0 or more metres, got -1");
+    CHECK(require_error(load(problem_with(""), options)).message ==
+          "self_filter: expected 0 or more metres, got -1");
     Problem other = require_problem(problem_with(""));
     CHECK_FALSE(drop_own_points(other.scene, other.robot, Configuration{0}, 0).has_value());
   }

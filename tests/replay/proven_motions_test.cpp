@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "replay/proven_motions.h"
 #include "planning/small_worlds.h"
-#include "support/planar_memory.h"
+#include "support/path_cell.h"
 
 namespace mneme::test {
 namespace {
@@ -10,31 +10,20 @@ namespace {
 using internal::ProvenMotions;
 
 /// An arm that knows a way past a circle.
-struct StaticCell {
-  Problem problem{"cell", limited_arm({1, 1}, -0.5, 2.5), "", {}, {0, 0.5}, {{2, 0.5}}, {}};
-  TemporaryDirectory directory;
-  Database database = make_database(directory / "m.db", problem.robot);
-  SolveSettings settings;
-
+struct StaticCell : PathCell {
   StaticCell() {
-    settings.memory.kind = "paths";
-    settings.replay = 0.5;
     put(0);
-    const Path path = {problem.start, problem.goals.front()};
-    auto rows = learn_from_paths(memory_query(problem), std::vector<Path>{path}, {"paths", {}});
-    REQUIRE(rows.has_value());
-    REQUIRE(database.insert(*std::move(rows)).has_value());
+    remember({problem.start, problem.goals.front()});
   }
   void put(double offset) {
     problem.scene = make_circle_scene("cell", {{-1.5 + offset, -1.5, 0.1}});
   }
   /// Of a query that is replayed.
   std::uint64_t states() {
-    const auto result = solve(problem, &database, settings);
-    REQUIRE(result.has_value());
-    REQUIRE(result->replay.is_hit());
-    CHECK(is_path_free(problem.robot, problem.scene, result->plan.path, 0.002));
-    return result->plan.states_checked;
+    const auto result = require(solve(problem, &database, settings));
+    REQUIRE(result.replay.is_hit());
+    CHECK(is_path_free(problem.robot, problem.scene, result.plan.path, 0.002));
+    return result.plan.states_checked;
   }
   [[nodiscard]] std::shared_ptr<ProvenMotions> of_links(Verification verification) const {
     return ProvenMotions::of_links(make_checker(problem.robot, problem.scene), verification);
@@ -82,10 +71,9 @@ TEST_SUITE("flow") {
     REQUIRE(cell.states() == 0);
     cell.problem.scene =
         make_circle_scene("cell", {{1.95 * std::cos(1.25), 1.95 * std::sin(1.25), 0.05}});
-    const auto result = solve(cell.problem, &cell.database, cell.settings);
-    REQUIRE(result.has_value());
-    REQUIRE(result->replay.blocked.size() == 1);
-    CHECK(is_path_free(cell.problem.robot, cell.problem.scene, result->plan.path, 0.002));
+    const auto result = require(solve(cell.problem, &cell.database, cell.settings));
+    REQUIRE(result.replay.blocked.size() == 1);
+    CHECK(is_path_free(cell.problem.robot, cell.problem.scene, result.plan.path, 0.002));
   }
 
   TEST_CASE("another margin, resolution or verification has everything proven again") {
@@ -120,16 +108,15 @@ TEST_SUITE("flow") {
     auto rows =
         learn_from_paths(memory_query(cell.problem), std::vector<Path>{folded}, {"paths", {}});
     REQUIRE(rows.has_value());
-    REQUIRE(cell.database.insert(*std::move(rows)).has_value());
+    require(cell.database.insert(*std::move(rows)));
     const std::uint64_t first = cell.states();
     cell.put(0.01);
     CHECK(cell.states() < first);
     // What came into the way is found all the same.
     cell.problem.scene = make_circle_scene("cell", {{0.484, 0.264, 0.03}});
     REQUIRE(make_checker(cell.problem.robot, cell.problem.scene).contacts(folded[0]).empty());
-    const auto result = solve(cell.problem, &cell.database, cell.settings);
-    REQUIRE(result.has_value());
-    CHECK(result->replay.blocked.size() == 1);
+    const auto result = require(solve(cell.problem, &cell.database, cell.settings));
+    CHECK(result.replay.blocked.size() == 1);
   }
 }
 

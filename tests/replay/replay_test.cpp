@@ -3,7 +3,7 @@
 #include "replay/replay.h"
 #include "path/push_off.h"
 #include "support/deformation.h"
-#include "support/planar_memory.h"
+#include "support/path_cell.h"
 
 #include <atomic>
 
@@ -11,33 +11,15 @@ namespace mneme::test {
 namespace {
 
 /// An arm of two links that turns from `start` to `goal` past circles, and knows the straight way.
-struct Cell {
-  Problem problem{"cell", limited_arm({1, 1}, -0.5, 2.5), "", {}, {0, 0.5}, {{2, 0.5}}, {}};
-  TemporaryDirectory directory;
-  Database database = make_database(directory / "m.db", problem.robot);
-  SolveSettings settings;
-
-  Cell() {
-    settings.memory.kind = "paths";
-    settings.replay = 0.5;
-  }
-  void remember(const Path& path, std::optional<std::uint64_t> planning_states = {}) {
-    auto rows = learn_from_paths(memory_query(problem), std::vector<Path>{path}, {"paths", {}});
-    REQUIRE(rows.has_value());
-    rows->front().path().planning_states = planning_states;
-    REQUIRE(database.insert(*std::move(rows)).has_value());
-  }
+struct Cell : PathCell {
+  using PathCell::remember;
   void remember(std::optional<std::uint64_t> planning_states = {}) {
     remember({problem.start, problem.goals.front()}, planning_states);
   }
   void put(const std::vector<std::array<double, 3>>& circles) {
     problem.scene = make_circle_scene("cell", circles);
   }
-  SolveResult solve() {
-    auto result = mneme::solve(problem, &database, settings);
-    REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-    return *std::move(result);
-  }
+  SolveResult solve() { return require(mneme::solve(problem, &database, settings)); }
   [[nodiscard]] bool is_verified(const Path& path) const {
     const CollisionChecker checker = make_checker(problem.robot, problem.scene);
     CheckCounters counters;
@@ -234,9 +216,8 @@ TEST_SUITE("unit") {
     CHECK(cell.solve().replay.time_s == 0);
     cell.settings.replay = 0.5;
     cell.settings.memory.kind = "pairs";
-    const auto refused = solve(cell.problem, &cell.database, cell.settings);
-    REQUIRE_FALSE(refused.has_value());
-    CHECK(refused.error().message ==
+    const Error refused = require_error(solve(cell.problem, &cell.database, cell.settings));
+    CHECK(refused.message ==
           "setting 'replay': memory of the kind 'pairs' holds no whole paths, expected the kind "
           "paths");
   }
@@ -255,9 +236,8 @@ TEST_SUITE("unit") {
   TEST_CASE("a distance below 0 is refused by name") {
     Cell cell;
     cell.settings.replay = -1;
-    const auto refused = solve(cell.problem, &cell.database, cell.settings);
-    REQUIRE_FALSE(refused.has_value());
-    CHECK(refused.error().message.find("replay") != std::string::npos);
+    const Error refused = require_error(solve(cell.problem, &cell.database, cell.settings));
+    CHECK(contains(refused.message, "replay"));
   }
 }
 
@@ -287,7 +267,7 @@ TEST_SUITE("law") {
       paths.push_back({{rng.uniform(-0.5, 2.5), turn}, {rng.uniform(-0.5, 2.5), turn}});
     }
     auto rows = learn_from_paths(memory_query(cell.problem), paths, {"paths", {}});
-    REQUIRE(cell.database.insert(*std::move(rows)).has_value());
+    require(cell.database.insert(*std::move(rows)));
     const SolveResult missed = cell.solve();
     CHECK_FALSE(missed.replay.is_hit());
     REQUIRE(missed.replay.nearest.has_value());

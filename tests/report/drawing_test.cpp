@@ -10,6 +10,10 @@
 namespace mneme::internal {
 namespace {
 
+using test::contains;
+using test::require;
+using test::require_error;
+
 GaussianMixture mixture_of(const std::vector<SampleSource>& sources) {
   GaussianMixture mixture;
   mixture.joint_count = 1;
@@ -104,35 +108,32 @@ struct Scenario {
     picture.gl = &gl;
   }
   [[nodiscard]] std::string error() const {
-    const auto drawing = make_drawing(picture);
-    REQUIRE_FALSE(drawing.has_value());
-    CHECK(drawing.error().code == ErrorCode::invalid);
-    return drawing.error().message;
+    const Error error = require_error(make_drawing(picture));
+    CHECK(error.code == ErrorCode::invalid);
+    return error.message;
   }
 };
 
 TEST_SUITE("unit") {
   TEST_CASE("A drawing holds obstacles, the primitive and the remembered arms") {
     const Scenario scenario;
-    const auto drawing = make_drawing(scenario.picture);
-    REQUIRE(drawing.has_value());
-    CHECK(drawing->obstacles.size() == 2);
-    CHECK(drawing->memories.size() == 5);
-    CHECK(drawing->goals.size() == 1);
-    CHECK(drawing->fan.empty());
-    CHECK(drawing->reach == doctest::Approx(3.001));
-    REQUIRE(drawing->primitives.size() == 1);
-    CHECK(drawing->primitives[0].label == "2 matches, error 0.012");
+    const auto drawing = require(make_drawing(scenario.picture));
+    CHECK(drawing.obstacles.size() == 2);
+    CHECK(drawing.memories.size() == 5);
+    CHECK(drawing.goals.size() == 1);
+    CHECK(drawing.fan.empty());
+    CHECK(drawing.reach == doctest::Approx(3.001));
+    REQUIRE(drawing.primitives.size() == 1);
+    CHECK(drawing.primitives[0].label == "2 matches, error 0.012");
   }
 
   TEST_CASE(
       "The frame of a primitive is the rectangle around its circles, where the symmetry puts it") {
     Scenario scenario;
     scenario.gl.primitives[0].primitive.to_scene = {1.5707963267948966, false};
-    const auto drawing = make_drawing(scenario.picture);
-    REQUIRE(drawing.has_value());
+    const auto drawing = require(make_drawing(scenario.picture));
     Bounds bounds;
-    bounds.include(drawing->primitives[0].corners);
+    bounds.include(drawing.primitives[0].corners);
     // A quarter turn takes the centres (2, 1) and (2, -1) to (-1, 2) and (1, 2).
     CHECK(bounds.left == doctest::Approx(-1 - 0.7 - 0.12));
     CHECK(bounds.right == doctest::Approx(1 + 0.6 + 0.12));
@@ -160,14 +161,13 @@ TEST_SUITE("unit") {
   TEST_CASE("A path gives the ends, a fan between them and the trace of the tip") {
     Scenario scenario;
     scenario.picture.path = {{-0.6, 0, 0}, {0.6, 0, 0}};
-    const auto drawing = make_drawing(scenario.picture);
-    REQUIRE(drawing.has_value());
-    CHECK(drawing->fan.size() == 3);
-    CHECK(drawing->start[0].points.back().y < 0);
-    CHECK(drawing->goals[0][0].points.back().y > 0);
-    REQUIRE(drawing->tip_trace.size() > 100);
-    CHECK(drawing->tip_trace.front().y == doctest::Approx(-3 * std::sin(0.6)));
-    CHECK(drawing->tip_trace.back().y == doctest::Approx(3 * std::sin(0.6)));
+    const auto drawing = require(make_drawing(scenario.picture));
+    CHECK(drawing.fan.size() == 3);
+    CHECK(drawing.start[0].points.back().y < 0);
+    CHECK(drawing.goals[0][0].points.back().y > 0);
+    REQUIRE(drawing.tip_trace.size() > 100);
+    CHECK(drawing.tip_trace.front().y == doctest::Approx(-3 * std::sin(0.6)));
+    CHECK(drawing.tip_trace.back().y == doctest::Approx(3 * std::sin(0.6)));
   }
 
   TEST_CASE("Bounds hold all arms, and obstacles only as far as the arm reaches") {
@@ -187,28 +187,27 @@ TEST_SUITE("unit") {
     scenario.picture.problem = &scenario.problem;
     scenario.picture.gl = &scenario.gl;
     scenario.problem.goals[0][1] = std::numeric_limits<double>::quiet_NaN();
-    CHECK(scenario.error().find("a goal") != std::string::npos);
+    CHECK(contains(scenario.error(), "a goal"));
     scenario.problem = test::gap_problem();
     scenario.picture.path = {{0, 0, 0}, {0}};
-    CHECK(scenario.error().find("a waypoint has 1 values") != std::string::npos);
+    CHECK(contains(scenario.error(), "a waypoint has 1 values"));
     scenario.picture.path.clear();
     scenario.gl.primitives[0].primitive.key = {1, 2, 3};
-    CHECK(scenario.error().find("key has 3 numbers") != std::string::npos);
+    CHECK(contains(scenario.error(), "key has 3 numbers"));
     scenario.gl = test::gap_memory(1);
     auto mixture = std::make_shared<GaussianMixture>();
     mixture->joint_count = 2;
     mixture->means = {0, 0};
     scenario.gl.mixture = mixture;
-    CHECK(scenario.error().find("the mixture has 2 joints") != std::string::npos);
+    CHECK(contains(scenario.error(), "the mixture has 2 joints"));
   }
 
   TEST_CASE("A robot that is not planar is refused by name") {
     Scenario scenario;
     scenario.problem.robot = test::unit_arm(3, Vec3::UnitY());
-    const auto drawing = make_drawing(scenario.picture);
-    REQUIRE_FALSE(drawing.has_value());
-    CHECK(drawing.error().code == ErrorCode::unsupported);
-    CHECK(drawing.error().message.find("unit_arm is not planar") != std::string::npos);
+    const Error error = require_error(make_drawing(scenario.picture));
+    CHECK(error.code == ErrorCode::unsupported);
+    CHECK(contains(error.message, "unit_arm is not planar"));
   }
 }
 

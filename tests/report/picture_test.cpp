@@ -97,11 +97,10 @@ TEST_SUITE("unit") {
 namespace mneme {
 namespace {
 
-std::string svg_of(const PlanarPicture& picture) {
-  const auto svg = to_svg(picture);
-  REQUIRE_MESSAGE(svg.has_value(), (svg ? "" : svg.error().message));
-  return *svg;
-}
+using test::require;
+using test::require_error;
+
+std::string svg_of(const PlanarPicture& picture) { return require(to_svg(picture)); }
 
 /// True if a number in `text` has more than three digits after its point.
 bool has_long_number(const std::string& text) {
@@ -165,9 +164,7 @@ TEST_SUITE("unit") {
   TEST_CASE("A robot that is not planar is refused") {
     Problem problem = test::gap_problem();
     problem.robot = test::unit_arm(3, Vec3::UnitX());
-    const auto svg = to_svg(test::picture_of(problem));
-    REQUIRE_FALSE(svg.has_value());
-    CHECK(svg.error().code == ErrorCode::unsupported);
+    CHECK(require_error(to_svg(test::picture_of(problem))).code == ErrorCode::unsupported);
   }
 }
 

@@ -9,6 +9,8 @@
 namespace mneme::internal {
 namespace {
 
+using test::require;
+
 TEST_SUITE("unit") {
   TEST_CASE("The middle of the bounds is the middle of the panel, and y points upwards") {
     const PlanarView view({-1, 3, 2, 4}, {10, 20}, 400);
@@ -71,17 +73,15 @@ double area(const Polygon& polygon) {
 }
 
 Polygon polygon_of(const Shape& shape) {
-  const auto outline = planar_outline(shape);
-  REQUIRE(outline.has_value());
-  REQUIRE(std::holds_alternative<Polygon>(*outline));
-  return std::get<Polygon>(*outline);
+  const auto outline = require(planar_outline(shape));
+  REQUIRE(std::holds_alternative<Polygon>(outline));
+  return std::get<Polygon>(outline);
 }
 
 TEST_SUITE("unit") {
   TEST_CASE("A sphere is cut where the plane cuts it") {
-    const auto outline = planar_outline(Sphere{{1, 2, 3}, 5});
-    REQUIRE(outline.has_value());
-    const Disc disc = std::get<Disc>(*outline);
+    const auto outline = require(planar_outline(Sphere{{1, 2, 3}, 5}));
+    const Disc disc = std::get<Disc>(outline);
     CHECK(disc.center.x == 1);
     CHECK(disc.center.y == 2);
     CHECK(disc.radius == doctest::Approx(4));

@@ -37,9 +37,7 @@ inline Robot unit_arm(int joints, const Vec3& axis = Vec3::UnitZ()) {
     joint.lower = -3.14159;
     joint.upper = 3.14159;
   }
-  auto robot = make_robot(std::move(parts));
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(make_robot(std::move(parts)));
 }
 
 /// Three links between two circles.

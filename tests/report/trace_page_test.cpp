@@ -11,6 +11,10 @@
 namespace mneme {
 namespace {
 
+using test::contains;
+using test::require;
+using test::require_error;
+
 using Json = nlohmann::json;
 
 std::size_t count(const std::string& text, const std::string& part) {
@@ -20,11 +24,7 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
-std::string page_of(const std::string& json) {
-  const auto page = to_page(json, "t.json");
-  REQUIRE_MESSAGE(page.has_value(), (page ? "" : page.error().message));
-  return *page;
-}
+std::string page_of(const std::string& json) { return require(to_page(json, "t.json")); }
 
 /// The trace that stands in a page.
 Json trace_in(const std::string& page) {
@@ -51,9 +51,8 @@ TEST_SUITE("unit") {
     const std::string json = to_json(plan.trace());
     plan.result.sampler = "uniform";
     plan.problem.scene.obstacles[0].name = "other";
-    const auto page = to_page(json, "t.json", to_json(plan.trace()));
-    REQUIRE(page.has_value());
-    const Json trace = trace_in(*page);
+    const auto page = require(to_page(json, "t.json", to_json(plan.trace())));
+    const Json trace = trace_in(page);
     CHECK(trace["plan"]["sampler"] == "gl");
     CHECK(trace["beside"]["plan"]["sampler"] == "uniform");
     CHECK(trace["beside"]["links"].empty());
@@ -63,14 +62,13 @@ TEST_SUITE("unit") {
   TEST_CASE("A trace beside another that is none, or of another robot, is refused") {
     test::TracedPlan plan;
     const std::string json = to_json(plan.trace());
-    const auto none = to_page(json, "t.json", "{}");
-    REQUIRE_FALSE(none.has_value());
-    CHECK(none.error().message.find("t.json, beside: not a trace") == 0);
+    CHECK(
+        require_error(to_page(json, "t.json", "{}")).message.find("t.json, beside: not a trace") ==
+        0);
     Json other = Json::parse(json);
     other["robot"] = "another";
-    const auto wrong = to_page(json, "t.json", other.dump());
-    REQUIRE_FALSE(wrong.has_value());
-    CHECK(wrong.error().message == "t.json: the trace beside it is of another robot");
+    CHECK(require_error(to_page(json, "t.json", other.dump())).message ==
+          "t.json: the trace beside it is of another robot");
   }
 
   TEST_CASE("The viewer itself leaves most of a page's two megabytes to the trace") {
@@ -106,35 +104,33 @@ TEST_SUITE("unit") {
     const auto lists = [&](std::size_t depth) {
       return with(std::string(depth, '[') + std::string(depth, ']')).error().message;
     };
-    CHECK(lists(64).find("nested") != std::string::npos);
-    CHECK(lists(63).find("nested") == std::string::npos);
+    CHECK(contains(lists(64), "nested"));
+    CHECK(!contains(lists(63), "nested"));
   }
 
   TEST_CASE("A file that is too long is refused") {
-    const auto page = to_page(std::string(kMaxTraceBytes + 1, ' '), "t.json");
-    REQUIRE_FALSE(page.has_value());
-    CHECK(page.error().message == "t.json: expected a trace of at most 268435456 bytes");
+    const Error error = require_error(to_page(std::string(kMaxTraceBytes + 1, ' '), "t.json"));
+    CHECK(error.message == "t.json: expected a trace of at most 268435456 bytes");
   }
 
   TEST_CASE("What is no trace is refused with its name and what was expected") {
     const auto error = [](const std::string& text) {
-      const auto page = to_page(text, "t.json");
-      REQUIRE_FALSE(page.has_value());
-      CHECK(page.error().message.starts_with("t.json: "));
-      return page.error();
+      const Error refused = require_error(to_page(text, "t.json"));
+      CHECK(refused.message.starts_with("t.json: "));
+      return refused;
     };
     CHECK(error("").code == ErrorCode::parse);
     CHECK(error("{\"format\": \"mneme-trace\"").code == ErrorCode::parse);
-    CHECK(error("[1]").message.find("expected \"format\"") != std::string::npos);
+    CHECK(contains(error("[1]").message, "expected \"format\""));
     CHECK(error("{\"format\": 3}").code == ErrorCode::parse);
     CHECK(error("{\"format\": \"mneme-trace\", \"version\": 2}").code == ErrorCode::unsupported);
     const Json whole = Json::parse(to_json(test::TracedPlan().trace()));
     for (const char* member : {"waypoints", "links", "plan", "edges"}) {
       Json part = whole;
       part.erase(member);
-      CHECK(error(part.dump()).message.find(member) != std::string::npos);
+      CHECK(contains(error(part.dump()).message, member));
       part[member] = 1;
-      CHECK(error(part.dump()).message.find(member) != std::string::npos);
+      CHECK(contains(error(part.dump()).message, member));
     }
   }
 }

@@ -12,6 +12,8 @@
 namespace mneme::internal {
 namespace {
 
+using test::require;
+
 TEST_SUITE("unit") {
   TEST_CASE("The points of a planar arm are its joints and its end") {
     const Skeleton skeleton(test::unit_arm(3));
@@ -42,10 +44,9 @@ TEST_SUITE("unit") {
     parts.links[1].spheres = {{Vec3(0.05, 0, 0), 0.04}};
     parts.links[2].spheres = {{Vec3::Zero(), 0.01}};
     parts.links[3].spheres = {{Vec3::Zero(), 0.01}};
-    const auto robot = make_robot(std::move(parts));
-    REQUIRE(robot.has_value());
+    const auto robot = require(make_robot(std::move(parts)));
     const Configuration rest = {0};
-    const Vec3 tip = Skeleton(*robot).tip(robot->link_poses(rest));
+    const Vec3 tip = Skeleton(robot).tip(robot.link_poses(rest));
     CHECK((tip - Vec3(0.2, 0, 1)).norm() < 1e-12);
   }
 }
@@ -56,6 +57,10 @@ TEST_SUITE("unit") {
 
 namespace mneme {
 namespace {
+
+using test::contains;
+using test::require;
+using test::require_error;
 
 void draw(PlanRecorder& recorder, int count, SampleSource source) {
   for (int i = 0; i < count; ++i)
@@ -173,13 +178,12 @@ TEST_SUITE("unit") {
     test::TracedPlan plan;
     plan.result.plan.path.clear();
     plan.result.plan.status = PlanStatus::timeout;
-    const auto trace = make_trace(plan.problem, plan.result, nullptr, 0);
-    REQUIRE(trace.has_value());
-    CHECK(trace->waypoints.empty());
-    CHECK(trace->samples.empty());
-    CHECK(trace->edges.empty());
-    CHECK(trace->start.size() == 3);
-    CHECK(trace->scene.obstacles.size() == 2);
+    const auto trace = require(make_trace(plan.problem, plan.result, nullptr, 0));
+    CHECK(trace.waypoints.empty());
+    CHECK(trace.samples.empty());
+    CHECK(trace.edges.empty());
+    CHECK(trace.start.size() == 3);
+    CHECK(trace.scene.obstacles.size() == 2);
   }
 
   TEST_CASE("A path of one place has waypoints") {
@@ -193,10 +197,9 @@ TEST_SUITE("unit") {
     plan.result.plan.path.clear();
     plan.problem.start = {std::atan2(1, 2), 0, 0};  // through the middle of the first circle
     plan.result.plan.status = PlanStatus::invalid_start;
-    const auto trace = make_trace(plan.problem, plan.result, nullptr, 0);
-    REQUIRE(trace.has_value());
-    REQUIRE(trace->touches.size() >= 2);
-    for (const PlanTrace::Touch& touch : trace->touches) {
+    const auto trace = require(make_trace(plan.problem, plan.result, nullptr, 0));
+    REQUIRE(trace.touches.size() >= 2);
+    for (const PlanTrace::Touch& touch : trace.touches) {
       CHECK(touch.goal == -1);
       CHECK(touch.other == 0);
       CHECK_FALSE(touch.is_self);
@@ -205,10 +208,9 @@ TEST_SUITE("unit") {
     }
     plan.result.plan.status = PlanStatus::invalid_goal;
     plan.problem.goals = {{0, 0, 0}, plan.problem.start};
-    const auto of_goal = make_trace(plan.problem, plan.result, nullptr, 0);
-    REQUIRE(of_goal.has_value());
-    REQUIRE_FALSE(of_goal->touches.empty());
-    CHECK(of_goal->touches[0].goal == 1);
+    const auto of_goal = require(make_trace(plan.problem, plan.result, nullptr, 0));
+    REQUIRE_FALSE(of_goal.touches.empty());
+    CHECK(of_goal.touches[0].goal == 1);
     plan.result.plan.status = PlanStatus::timeout;
     CHECK(make_trace(plan.problem, plan.result, nullptr, 0)->touches.empty());
   }
@@ -216,30 +218,27 @@ TEST_SUITE("unit") {
   TEST_CASE("A plan in time has waypoints at equal times, with its limits") {
     const test::TracedPlan plan;
     const Path& path = plan.result.plan.path;
-    const auto limits = find_rate_limits(plan.problem.robot);
-    REQUIRE(limits.has_value());
-    const auto trajectory = parameterize(plan.problem.robot, path, *limits, {}, nullptr);
-    REQUIRE(trajectory.has_value());
-    const auto trace = make_trace(plan.problem, plan.result, nullptr, 0, {.waypoints = 40},
-                                  {&*trajectory, &*limits});
-    REQUIRE(trace.has_value());
-    CHECK(trace->duration_s == trajectory->duration_s());
-    REQUIRE(trace->waypoints.size() == 41);
+    const auto limits = require(find_rate_limits(plan.problem.robot));
+    const auto trajectory = require(parameterize(plan.problem.robot, path, limits, {}, nullptr));
+    const auto trace = require(make_trace(plan.problem, plan.result, nullptr, 0, {.waypoints = 40},
+                                          {&trajectory, &limits}));
+    CHECK(trace.duration_s == trajectory.duration_s());
+    REQUIRE(trace.waypoints.size() == 41);
     for (std::size_t i = 0; i < 41; ++i) {
-      const PlanTrace::Waypoint& waypoint = trace->waypoints[i];
-      CHECK(std::abs(waypoint.time_s - trajectory->duration_s() * static_cast<double>(i) / 40) <
+      const PlanTrace::Waypoint& waypoint = trace.waypoints[i];
+      CHECK(std::abs(waypoint.time_s - trajectory.duration_s() * static_cast<double>(i) / 40) <
             1e-12);
-      CHECK(waypoint.q == trajectory->at(waypoint.time_s).position);
-      CHECK(waypoint.velocity == trajectory->at(waypoint.time_s).velocity);
+      CHECK(waypoint.q == trajectory.at(waypoint.time_s).position);
+      CHECK(waypoint.velocity == trajectory.at(waypoint.time_s).velocity);
       CHECK(waypoint.acceleration.size() == 3);
     }
-    REQUIRE(trace->vertices.size() == path.size());
-    CHECK(trace->vertices.front() == 0);
-    CHECK(trace->vertices.back() == 40);
-    CHECK(trace->limits.velocity == limits->velocity);
-    CHECK(trace->limits.acceleration == limits->acceleration);
-    CHECK(std::isinf(trace->limits.upper[0]));  // a continuous joint
-    CHECK(trace->limits.upper[1] == 3.14159);
+    REQUIRE(trace.vertices.size() == path.size());
+    CHECK(trace.vertices.front() == 0);
+    CHECK(trace.vertices.back() == 40);
+    CHECK(trace.limits.velocity == limits.velocity);
+    CHECK(trace.limits.acceleration == limits.acceleration);
+    CHECK(std::isinf(trace.limits.upper[0]));  // a continuous joint
+    CHECK(trace.limits.upper[1] == 3.14159);
   }
 
   TEST_CASE("What a link carries is seen as what it is, under its own name") {
@@ -263,21 +262,18 @@ TEST_SUITE("unit") {
     const auto message = [](auto&& change) {
       test::TracedPlan plan;
       change(plan);
-      const auto trace = make_trace(plan.problem, plan.result, nullptr, 0);
-      REQUIRE_FALSE(trace.has_value());
-      CHECK(trace.error().code == ErrorCode::invalid);
-      return trace.error().message;
+      const Error error = require_error(make_trace(plan.problem, plan.result, nullptr, 0));
+      CHECK(error.code == ErrorCode::invalid);
+      return error.message;
     };
-    const auto has = [](const std::string& text, const char* part) {
-      return text.find(part) != std::string::npos;
-    };
-    CHECK(has(message([](auto& p) { p.problem.start = {1}; }), "the start has 1 values; robot"));
-    CHECK(has(message([](auto& p) { p.problem.goals[0][1] = NAN; }), "a goal has a value"));
-    CHECK(has(message([](auto& p) { p.result.plan.path[1].pop_back(); }), "a waypoint has 2"));
-    CHECK(has(message([](auto& p) {
-                p.result.gl.primitives[0].primitive.obstacles = {0, 9};
-              }),
-              "another scene"));
+    CHECK(
+        contains(message([](auto& p) { p.problem.start = {1}; }), "the start has 1 values; robot"));
+    CHECK(contains(message([](auto& p) { p.problem.goals[0][1] = NAN; }), "a goal has a value"));
+    CHECK(contains(message([](auto& p) { p.result.plan.path[1].pop_back(); }), "a waypoint has 2"));
+    CHECK(contains(message([](auto& p) {
+                     p.result.gl.primitives[0].primitive.obstacles = {0, 9};
+                   }),
+                   "another scene"));
   }
 }
 

@@ -36,9 +36,7 @@ struct TracedPlan {
   }
 
   [[nodiscard]] PlanTrace trace(const TraceSettings& settings = {}) const {
-    auto traced = make_trace(problem, result, &recorder, 0.25, settings);
-    REQUIRE_MESSAGE(traced.has_value(), (traced ? "" : traced.error().message));
-    return *traced;
+    return require(make_trace(problem, result, &recorder, 0.25, settings));
   }
 };
 

@@ -15,9 +15,7 @@ ApproximatedObject ball(const std::string& name, const std::string& link,
 }
 
 Robot carrying(const Robot& robot, std::vector<ApproximatedObject> objects) {
-  auto result = robot.with_attached(std::move(objects));
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return *result;
+  return require(robot.with_attached(std::move(objects)));
 }
 
 using Pairs = std::vector<std::pair<int, int>>;
@@ -32,10 +30,9 @@ Pairs pairs_from(const Robot& robot, int first) {
 }
 
 std::string refusal(const Robot& robot, const ApproximatedObject& object) {
-  const auto result = robot.with_attached({object});
-  REQUIRE_FALSE(result.has_value());
-  CHECK(result.error().code == ErrorCode::invalid);
-  return result.error().message;
+  const Error error = require_error(robot.with_attached({object}));
+  CHECK(error.code == ErrorCode::invalid);
+  return error.message;
 }
 
 TEST_SUITE("unit") {
@@ -87,12 +84,11 @@ TEST_SUITE("unit") {
   TEST_CASE("objects are let go one by one, or all") {
     const Robot bare = require_robot(make_chain(4));
     const Robot both = carrying(bare, {ball("cup", "l3", {"lid"}), ball("lid", "l1")});
-    const auto without_lid = both.without_attached("lid");
-    REQUIRE(without_lid.has_value());
-    REQUIRE(without_lid->attached().size() == 1);
-    CHECK(without_lid->attached()[0].object.name == "cup");
-    CHECK(without_lid->attached()[0].object.may_touch.empty());
-    CHECK(without_lid->without_attached("cup")->links().size() == bare.links().size());
+    const auto without_lid = require(both.without_attached("lid"));
+    REQUIRE(without_lid.attached().size() == 1);
+    CHECK(without_lid.attached()[0].object.name == "cup");
+    CHECK(without_lid.attached()[0].object.may_touch.empty());
+    CHECK(without_lid.without_attached("cup")->links().size() == bare.links().size());
     CHECK(both.without_attached().identity().lock() == bare.identity().lock());
     CHECK(both.without_attached("cap").error().message == "robot 'chain' carries no object 'cap'");
   }
@@ -117,10 +113,9 @@ TEST_SUITE("unit") {
     };
     const Robot robot = carrying(bare, balls(10000, 1));
     CHECK(robot.self_pairs().size() >= 20000);
-    const auto refused = bare.with_attached(balls(2000, 4));
-    REQUIRE_FALSE(refused.has_value());
-    CHECK(refused.error().code == ErrorCode::unsupported);
-    CHECK(refused.error().message.ends_with("an object may have many shapes"));
+    const Error refused = require_error(bare.with_attached(balls(2000, 4)));
+    CHECK(refused.code == ErrorCode::unsupported);
+    CHECK(refused.message.ends_with("an object may have many shapes"));
   }
 
   TEST_CASE("objects that nothing can carry are refused by name") {

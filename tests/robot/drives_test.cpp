@@ -27,10 +27,9 @@ TEST_SUITE("unit") {
     const std::vector<double> q = {0.7};
     const auto values = internal::joint_values(robot.joints(), robot.group(), q);
     for (const int joint : {1, 2}) {
-      const auto drive = find_drive(robot, joint);
-      REQUIRE(drive.has_value());
-      CHECK(drive->joint == 0);
-      CHECK(drive->rate * q[0] + drive->offset == values[static_cast<std::size_t>(joint)]);
+      const auto drive = require(find_drive(robot, joint));
+      CHECK(drive.joint == 0);
+      CHECK(drive.rate * q[0] + drive.offset == values[static_cast<std::size_t>(joint)]);
     }
     for (const int joint : {0, 3, 4, 5}) {
       CHECK_FALSE(find_drive(robot, joint).has_value());

@@ -35,18 +35,14 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a joint outside the group stands at its fixed value") {
-    RobotOptions options;
-    options.joints = {"j2"};
-    options.fixed_values = {{"j1", kPi / 2}};
-    const Robot robot = test::require_robot(test::make_chain(2), options);
+    const Robot robot = test::require_robot(test::make_chain(2),
+                                            {.joints = {"j2"}, .fixed_values = {{"j1", kPi / 2}}});
     const std::vector<double> q{0.0};
     CHECK((robot.link_poses(q)[2].translation - Vec3(1, 1, 0)).norm() < 1e-15);
   }
 
   TEST_CASE("values go to joints in the order of the group") {
-    RobotOptions options;
-    options.joints = {"j2", "j1"};
-    const Robot robot = test::require_robot(test::make_chain(2), options);
+    const Robot robot = test::require_robot(test::make_chain(2), {.joints = {"j2", "j1"}});
     const std::vector<double> q{0.0, kPi / 2};
     CHECK((robot.link_poses(q)[2].translation - Vec3(1, 1, 0)).norm() < 1e-15);
   }
@@ -439,13 +435,10 @@ TEST_SUITE("unit") {
     parts.joints[3].mimic = Mimic{1, 0.5, 0};
     add("hinge", JointType::revolute, 0, 5);
     parts.joints[4].mimic = Mimic{1, 0, 0.5};
-    RobotOptions options;
-    options.joints = {"grip"};
-    const auto robot = make_robot(parts, options);
-    REQUIRE(robot.has_value());
-    const std::vector<bool> is_moving = internal::find_moving_links(*robot);
-    for (std::size_t i = 0; i < robot->links().size(); ++i) {
-      const std::string& name = robot->links()[i].name;
+    const auto robot = require(make_robot(parts, {.joints = {"grip"}}));
+    const std::vector<bool> is_moving = internal::find_moving_links(robot);
+    for (std::size_t i = 0; i < robot.links().size(); ++i) {
+      const std::string& name = robot.links()[i].name;
       CHECK_MESSAGE(is_moving[i] == (name == "finger" || name == "thumb" || name == "lamp"), name);
     }
   }

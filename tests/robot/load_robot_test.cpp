@@ -22,6 +22,8 @@ namespace mneme {
 namespace {
 
 using test::contains;
+using test::require;
+using test::require_error;
 
 const std::string kUrdf = R"(<robot name="arm">
   <link name="base"/><link name="upper"/><link name="tool"/>
@@ -57,13 +59,12 @@ TEST_SUITE("unit") {
       const std::string place = "<child link=\"tool\"/>";
       return urdf.insert(urdf.find(place), "<origin quat_xyzw=\"" + quaternion + "\"/>");
     };
-    const auto twice = parse_robot(turned_by("0 0 1 1"), "text");
-    REQUIRE_MESSAGE(twice.has_value(), (twice ? "" : twice.error().message));
+    const auto twice = require(parse_robot(turned_by("0 0 1 1"), "text"));
     const Eigen::Matrix3d quarter =
         Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()).toRotationMatrix();
-    CHECK(twice->joints().back().origin.rotation.isApprox(quarter));
-    REQUIRE(twice->warnings().size() == 1);
-    CHECK(contains(twice->warnings()[0], "<origin>: the quaternion's length is not 1"));
+    CHECK(twice.joints().back().origin.rotation.isApprox(quarter));
+    REQUIRE(twice.warnings().size() == 1);
+    CHECK(contains(twice.warnings()[0], "<origin>: the quaternion's length is not 1"));
     for (const char* wrong : {"0 0 0 0", "0 0 0 20", "0 0 0 0.01"}) {
       CHECK(contains(parse_robot(turned_by(wrong), "text").error().message,
                      std::string("quat_xyzw is ") + wrong + ", expected a quaternion of length 1"));
@@ -87,10 +88,9 @@ TEST_SUITE("unit") {
     const test::TemporaryDirectory directory;
     test::write_file(directory / "arm.urdf", kUrdf);
     test::write_file(directory / "arm.srdf", srdf_for("turn"));
-    const auto parts = read_robot(directory / "arm.urdf");
-    REQUIRE(parts.has_value());
-    CHECK(parts->groups.size() == 1);
-    CHECK(make_robot(*parts).value().hash() == load_robot(directory / "arm.urdf").value().hash());
+    const auto parts = require(read_robot(directory / "arm.urdf"));
+    CHECK(parts.groups.size() == 1);
+    CHECK(make_robot(parts).value().hash() == load_robot(directory / "arm.urdf").value().hash());
   }
 
   TEST_CASE("files that cannot be read or are too long are errors that name the file") {
@@ -117,20 +117,17 @@ TEST_SUITE("unit") {
       <mesh filename="package://old_name/meshes/a.stl"/></geometry></collision></link>
       <link name="m"/><joint name="j" type="revolute"><parent link="l"/><child link="m"/>
       <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>)");
-    const auto parts = read_robot(urdf);
-    REQUIRE_MESSAGE(parts.has_value(), (parts ? "" : parts.error().message));
-    CHECK(std::filesystem::equivalent(std::get<MeshFile>(parts->links[0].solids[0]).path,
+    const auto parts = require(read_robot(urdf));
+    CHECK(std::filesystem::equivalent(std::get<MeshFile>(parts.links[0].solids[0]).path,
                                       files / "meshes/a.stl"));
-    RobotOptions strict;
-    strict.strict = true;
-    CHECK(contains(read_robot(urdf, strict).error().message, "there is no package 'old_name'"));
+    CHECK(contains(read_robot(urdf, {.strict = true}).error().message,
+                   "there is no package 'old_name'"));
   }
 
   TEST_CASE("options that do not fit the robot are errors that name the file") {
-    const auto robot = parse_robot(kUrdf, "arm.urdf", test::plan_for({"elbow"}));
-    REQUIRE_FALSE(robot.has_value());
-    CHECK(robot.error().code == ErrorCode::invalid);
-    CHECK(robot.error().message.starts_with("arm.urdf: robot 'arm': there is no joint 'elbow'"));
+    const Error error = require_error(parse_robot(kUrdf, "arm.urdf", test::plan_for({"elbow"})));
+    CHECK(error.code == ErrorCode::invalid);
+    CHECK(error.message.starts_with("arm.urdf: robot 'arm': there is no joint 'elbow'"));
   }
 }
 
@@ -147,9 +144,7 @@ TEST_SUITE("unit") {
   TEST_CASE("robots that came with mneme are found by name, with or without extension") {
     const RobotPath nothing("");
     for (const char* name : {"planar8", "planar8.urdf"}) {
-      const auto path = find_robot(name);
-      REQUIRE(path.has_value());
-      CHECK(load_robot(*path).has_value());
+      CHECK(load_robot(require(find_robot(name))).has_value());
     }
   }
 
@@ -164,12 +159,11 @@ TEST_SUITE("unit") {
 
   TEST_CASE("an unknown robot is an error that names the directories and what is there") {
     const RobotPath path("/nowhere");
-    const auto found = find_robot("no_such_robot");
-    REQUIRE_FALSE(found.has_value());
-    CHECK(found.error().code == ErrorCode::io);
-    CHECK(test::contains(found.error().message, "'no_such_robot'"));
-    CHECK(test::contains(found.error().message, "/nowhere, "));
-    CHECK(test::contains(found.error().message, "robots (which has fetch, panda, planar8, ur5)"));
+    const Error error = require_error(find_robot("no_such_robot"));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(test::contains(error.message, "'no_such_robot'"));
+    CHECK(test::contains(error.message, "/nowhere, "));
+    CHECK(test::contains(error.message, "robots (which has fetch, panda, planar8, ur5)"));
   }
 
   TEST_CASE("a file that is called as an unknown robot is said") {
@@ -179,8 +173,7 @@ TEST_SUITE("unit") {
     test::write_file(here / "arm.urdf", "");
     const auto found = find_robot("arm");
     std::filesystem::current_path(before);
-    REQUIRE_FALSE(found.has_value());
-    CHECK(found.error().message.ends_with("; the file here is ./arm.urdf"));
+    CHECK(require_error(found).message.ends_with("; the file here is ./arm.urdf"));
   }
 
   TEST_CASE("a path is no name") {
@@ -246,10 +239,9 @@ std::vector<Facts> all_facts() {
 }
 
 Robot::Parts require_parts(const std::string& file) {
-  auto parts = read_robot(test::source_file(file));
-  REQUIRE_MESSAGE(parts.has_value(), (parts ? "" : parts.error().message));
-  CHECK(parts->warnings.empty());
-  return *std::move(parts);
+  auto parts = require(read_robot(test::source_file(file)));
+  CHECK(parts.warnings.empty());
+  return parts;
 }
 
 /// Without shapes, whose meshes are not part of mneme.
@@ -258,9 +250,7 @@ Robot::Parts require_bare_source(const std::string& name) {
   std::ifstream file(path);
   std::string text{std::istreambuf_iterator<char>(file), {}};
   text = std::regex_replace(text, std::regex("<collision>.*</collision>"), "");
-  auto parts = parse_robot_parts(text, path);
-  REQUIRE_MESSAGE(parts.has_value(), (parts ? "" : parts.error().message));
-  return *std::move(parts);
+  return require(parse_robot_parts(text, path));
 }
 
 std::size_t index_of(const Robot& robot, const std::string& link) {
@@ -289,9 +279,8 @@ TEST_SUITE("unit") {
   TEST_CASE("the sources of the robots have the kinematics of the facts") {
     for (const Facts& facts : all_facts()) {
       CAPTURE(facts.file);
-      RobotOptions options;
-      options.joints = facts.joints;
-      check_poses(test::require_robot(require_bare_source(facts.file), options), facts);
+      check_poses(test::require_robot(require_bare_source(facts.file), {.joints = facts.joints}),
+                  facts);
     }
   }
 

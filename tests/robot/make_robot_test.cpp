@@ -17,6 +17,7 @@ using test::kPi;
 using test::make_chain;
 using test::plan_for;
 using test::refusal;
+using test::require_error;
 
 }  // namespace
 
@@ -78,12 +79,10 @@ TEST_SUITE("unit") {
   TEST_CASE("links that still have solids are refused by name") {
     Robot::Parts parts = make_chain(2);
     parts.links[1].solids.push_back(Box{});
-    const auto robot = make_robot(parts);
-    REQUIRE_FALSE(robot.has_value());
-    CHECK(robot.error().code == ErrorCode::unsupported);
-    CHECK(
-        contains(robot.error().message, "robot 'chain': link 'l1' has boxes, cylinders or meshes"));
-    CHECK(contains(robot.error().message, "`mneme robot spheres`"));
+    const Error error = require_error(make_robot(parts));
+    CHECK(error.code == ErrorCode::unsupported);
+    CHECK(contains(error.message, "robot 'chain': link 'l1' has boxes, cylinders or meshes"));
+    CHECK(contains(error.message, "`mneme robot spheres`"));
   }
 
   TEST_CASE("a robot that cannot move or is no tree is refused") {
@@ -173,9 +172,7 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a joint outside the group welds its links into one body") {
-    RobotOptions options;
-    options.joints = {"j1", "j3", "j4"};
-    const Robot robot = test::require_robot(test::make_chain(4), options);
+    const Robot robot = test::require_robot(test::make_chain(4), {.joints = {"j1", "j3", "j4"}});
     CHECK(pairs_of(robot) == Pairs{{0, 3}, {0, 4}, {1, 4}, {2, 4}});
   }
 
@@ -371,8 +368,8 @@ TEST_SUITE("law") {
     parts.joints[1].upper = 180;
     const Robot robot = test::require_robot(parts);
     REQUIRE(robot.warnings().size() == 1);
-    CHECK(robot.warnings()[0].find("joint 'j2': its limits [-2, 180]") != std::string::npos);
-    CHECK(robot.warnings()[0].find("radians") != std::string::npos);
+    CHECK(contains(robot.warnings()[0], "joint 'j2': its limits [-2, 180]"));
+    CHECK(contains(robot.warnings()[0], "radians"));
     parts.joints[1].type = JointType::prismatic;
     CHECK(test::require_robot(parts).warnings().empty());
   }
@@ -416,11 +413,10 @@ TEST_SUITE("law") {
     CHECK(robot.exact_pairs()[0] == plain.self_pairs().front());
     CHECK(robot.hash() != plain.hash());
     parts.exact_pairs = {{name(0), "hand"}};
-    const auto unknown = make_robot(parts);
-    REQUIRE(!unknown.has_value());
-    CHECK(unknown.error().message.ends_with("links '" + name(0) +
-                                            "' and 'hand' are checked by exact geometry, but there "
-                                            "is no link 'hand'"));
+    CHECK(require_error(make_robot(parts))
+              .message.ends_with("links '" + name(0) +
+                                 "' and 'hand' are checked by exact geometry, but there "
+                                 "is no link 'hand'"));
   }
 }
 

@@ -18,6 +18,8 @@ using test::contains;
 using test::kPi;
 using test::make_chain;
 using test::refusal;
+using test::require;
+using test::require_error;
 
 }  // namespace
 
@@ -29,39 +31,36 @@ TEST_SUITE("unit") {
                     test::make_joint("d", JointType::fixed, 1, 2),
                     test::make_joint("a", JointType::fixed, 0, 4),
                     test::make_joint("c", JointType::fixed, 0, 1)};
-    const auto sorted = sort_tree(parts);
-    REQUIRE(sorted.has_value());
+    const auto sorted = require(sort_tree(parts));
     std::string joints, links;
-    for (const Joint& joint : sorted->joints) joints += joint.name;
-    for (const Link& link : sorted->links) links += link.name;
+    for (const Joint& joint : sorted.joints) joints += joint.name;
+    for (const Link& link : sorted.links) links += link.name;
     CHECK(joints == "abcd");
     CHECK(links == "l0l4l3l1l2");
     for (int i = 0; i < 4; ++i) {
-      CHECK(sorted->joints.at(static_cast<std::size_t>(i)).child_link == i + 1);
-      CHECK(sorted->links.at(static_cast<std::size_t>(i + 1)).parent_joint == i);
+      CHECK(sorted.joints.at(static_cast<std::size_t>(i)).child_link == i + 1);
+      CHECK(sorted.links.at(static_cast<std::size_t>(i + 1)).parent_joint == i);
     }
-    CHECK(sorted->links[0].parent_joint == -1);
+    CHECK(sorted.links[0].parent_joint == -1);
   }
 
   TEST_CASE("axes become unit vectors and continuous joints get the limits -pi and pi") {
     Robot::Parts parts = make_chain(1, JointType::continuous);
     parts.joints[0].axis = Vec3(0, 3, 4);
-    const auto sorted = sort_tree(parts);
-    REQUIRE(sorted.has_value());
-    CHECK((sorted->joints[0].axis - Vec3(0, 0.6, 0.8)).norm() < 1e-15);
-    CHECK(sorted->joints[0].lower == -kPi);
-    CHECK(sorted->joints[0].upper == kPi);
+    const auto sorted = require(sort_tree(parts));
+    CHECK((sorted.joints[0].axis - Vec3(0, 0.6, 0.8)).norm() < 1e-15);
+    CHECK(sorted.joints[0].lower == -kPi);
+    CHECK(sorted.joints[0].upper == kPi);
   }
 
   TEST_CASE("what joints follow keeps its meaning when they are sorted") {
     Robot::Parts parts = make_chain(3);
     std::swap(parts.joints[0], parts.joints[2]);
     parts.joints[1].mimic = test::follow(0, 2);  // j2 follows j3
-    const auto sorted = sort_tree(parts);
-    REQUIRE(sorted.has_value());
-    REQUIRE(sorted->joints[1].name == "j2");
-    CHECK(sorted->joints[1].mimic->joint == 2);
-    CHECK(sort_tree(*sorted)->joints[1].mimic->joint == 2);
+    const auto sorted = require(sort_tree(parts));
+    REQUIRE(sorted.joints[1].name == "j2");
+    CHECK(sorted.joints[1].mimic->joint == 2);
+    CHECK(sort_tree(sorted)->joints[1].mimic->joint == 2);
   }
 
   TEST_CASE("a fixed joint needs neither axis nor limits") {
@@ -105,22 +104,20 @@ TEST_SUITE("unit") {
     for (std::size_t i = 0; i < cases.size(); ++i) {
       Robot::Parts parts = make_chain(3);
       cases[i].break_parts(parts);
-      const auto sorted = sort_tree(parts);
+      const auto error = require_error(sort_tree(parts));
       CAPTURE(i);
-      REQUIRE_FALSE(sorted.has_value());
-      CHECK_MESSAGE(contains(sorted.error().message, cases[i].message), sorted.error().message);
-      CHECK(sorted.error().link == cases[i].link);
-      CHECK(sorted.error().joint == cases[i].joint);
+      CHECK_MESSAGE(contains(error.message, cases[i].message), error.message);
+      CHECK(error.link == cases[i].link);
+      CHECK(error.joint == cases[i].joint);
     }
   }
 
   TEST_CASE("a loop of all links is a loop and not a missing root") {
     Robot::Parts parts = make_chain(20);
     parts.joints.push_back(test::make_joint("closing", JointType::fixed, 20, 0));
-    const auto sorted = sort_tree(parts);
-    REQUIRE_FALSE(sorted.has_value());
-    CHECK(contains(sorted.error().message, "21 joint(s) form a loop"));
-    CHECK(contains(sorted.error().message, "..."));
+    const auto error = require_error(sort_tree(parts));
+    CHECK(contains(error.message, "21 joint(s) form a loop"));
+    CHECK(contains(error.message, "..."));
   }
 }
 
@@ -136,17 +133,15 @@ TEST_SUITE("law") {
       for (std::size_t i = 29; i > 0; --i) {
         std::swap(parts.joints[i], parts.joints[rng.index(static_cast<std::uint32_t>(i + 1))]);
       }
-      const auto once = sort_tree(parts);
-      REQUIRE(once.has_value());
-      const auto twice = sort_tree(*once);
-      REQUIRE(twice.has_value());
+      const auto once = require(sort_tree(parts));
+      const auto twice = require(sort_tree(once));
       for (std::size_t i = 0; i < 30; ++i) {
-        const Joint& joint = once->joints[i];
+        const Joint& joint = once.joints[i];
         CHECK(joint.parent_link < joint.child_link);
-        CHECK(joint.name == twice->joints[i].name);
-        CHECK(once->links[i].name == twice->links[i].name);
+        CHECK(joint.name == twice.joints[i].name);
+        CHECK(once.links[i].name == twice.links[i].name);
         // In make_chain joint j<n> carries link l<n>.
-        CHECK(once->links.at(static_cast<std::size_t>(joint.child_link)).name.substr(1) ==
+        CHECK(once.links.at(static_cast<std::size_t>(joint.child_link)).name.substr(1) ==
               joint.name.substr(1));
       }
     }
@@ -225,9 +220,8 @@ TEST_SUITE("unit") {
       return make_robot(std::move(parts));
     };
     CHECK(follow_continuous(JointType::revolute, -2).has_value());
-    const auto half = follow_continuous(JointType::revolute, 0.5);
-    REQUIRE_FALSE(half.has_value());
-    CHECK(contains(half.error().message, "joint 'j2': it jumps where the continuous joint 'j1'"));
+    CHECK(contains(require_error(follow_continuous(JointType::revolute, 0.5)).message,
+                   "joint 'j2': it jumps where the continuous joint 'j1'"));
     CHECK_FALSE(follow_continuous(JointType::prismatic, 1).has_value());
   }
 
@@ -249,9 +243,7 @@ TEST_SUITE("unit") {
     CHECK(test::require_robot(parts).joint_count() == 2);
     for (const RobotOptions& options :
          {test::plan_for({"j2"}), test::plan_for({"j1"}, {{"j2", 0.5}})}) {
-      const auto robot = make_robot(parts, options);
-      REQUIRE_FALSE(robot.has_value());
-      CHECK(contains(robot.error().message,
+      CHECK(contains(require_error(make_robot(parts, options)).message,
                      "joint 'j2' follows joint 'j1'; the movable joints "
                      "are: j1, j3"));
     }

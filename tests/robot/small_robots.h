@@ -44,9 +44,7 @@ inline Robot::Parts make_chain(int joint_count, JointType type = JointType::revo
 }
 
 inline Robot require_robot(Robot::Parts parts, const RobotOptions& options = {}) {
-  auto robot = make_robot(std::move(parts), options);
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(make_robot(std::move(parts), options));
 }
 
 /// Options that name the joints of the group and the values of others.
@@ -62,17 +60,12 @@ inline Mimic follow(int joint, double multiplier = 1, double offset = 0) {
   return {joint, multiplier, offset};
 }
 
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 /// Why there is no robot of these parts.
 inline std::string refusal(const Robot::Parts& parts, const RobotOptions& options = {}) {
-  const auto robot = make_robot(parts, options);
-  REQUIRE_FALSE(robot.has_value());
-  CHECK(robot.error().code == ErrorCode::invalid);
-  CHECK(contains(robot.error().message, "robot '" + parts.name + "': "));
-  return robot.error().message;
+  const Error error = require_error(make_robot(parts, options));
+  CHECK(error.code == ErrorCode::invalid);
+  CHECK(contains(error.message, "robot '" + parts.name + "': "));
+  return error.message;
 }
 
 }  // namespace mneme::test

@@ -15,6 +15,8 @@ namespace {
 using internal::read_srdf;
 using internal::Srdf;
 using test::contains;
+using test::require;
+using test::require_error;
 
 const std::string kSrdf = R"(<?xml version="1.0"?>
 <robot name="arm">
@@ -47,11 +49,10 @@ struct Malformed {
 
 TEST_SUITE("unit") {
   TEST_CASE("every element that matters is read with its line") {
-    const auto srdf = read_srdf(kSrdf, "arm.srdf");
-    REQUIRE(srdf.has_value());
-    CHECK(srdf->robot.name == "arm");
-    REQUIRE(srdf->groups.size() == 2);
-    const internal::SrdfGroup& all = srdf->groups[0];
+    const auto srdf = require(read_srdf(kSrdf, "arm.srdf"));
+    CHECK(srdf.robot.name == "arm");
+    REQUIRE(srdf.groups.size() == 2);
+    const internal::SrdfGroup& all = srdf.groups[0];
     CHECK(all.name.name == "all");
     CHECK(all.joints.at(0).name == "j1");
     CHECK(all.joints.at(0).line == 5);
@@ -59,13 +60,13 @@ TEST_SUITE("unit") {
     CHECK(all.chains.at(0).first.name == "l0");
     CHECK(all.chains.at(0).second.name == "l3");
     CHECK(all.subgroups.at(0).name == "hand");
-    CHECK(srdf->end_effectors.at(0).name == "hand");
-    CHECK(srdf->virtual_joints.at(0).name.name == "world");
-    CHECK(srdf->passive_joints.at(0).name == "wheel");
-    CHECK(srdf->disabled.at(0).second.name == "l1");
-    CHECK(srdf->disabled.at(0).second.line == 16);
-    CHECK(srdf->disabled_links.at(0).name == "l2");
-    CHECK(srdf->enabled.at(0).first.name == "l2");
+    CHECK(srdf.end_effectors.at(0).name == "hand");
+    CHECK(srdf.virtual_joints.at(0).name.name == "world");
+    CHECK(srdf.passive_joints.at(0).name == "wheel");
+    CHECK(srdf.disabled.at(0).second.name == "l1");
+    CHECK(srdf.disabled.at(0).second.line == 16);
+    CHECK(srdf.disabled_links.at(0).name == "l2");
+    CHECK(srdf.enabled.at(0).first.name == "l2");
   }
 
   TEST_CASE("what is malformed is refused with file, line and element") {
@@ -93,12 +94,12 @@ TEST_SUITE("unit") {
       std::string text = kSrdf;
       const std::size_t at = text.find(c.from);
       REQUIRE_MESSAGE(at != std::string::npos, c.from);
-      const auto srdf = read_srdf(text.replace(at, c.from.size(), c.to), "arm.srdf", true);
-      REQUIRE_FALSE(srdf.has_value());
-      const std::string& message = srdf.error().message;
+      const Error error =
+          require_error(read_srdf(text.replace(at, c.from.size(), c.to), "arm.srdf", true));
+      const std::string& message = error.message;
       CHECK_MESSAGE(message.starts_with("arm.srdf:" + std::to_string(c.line) + ": "), message);
       CHECK_MESSAGE(contains(message, c.part), message);
-      CHECK(srdf.error().code == ErrorCode::parse);
+      CHECK(error.code == ErrorCode::parse);
     }
   }
 
@@ -110,16 +111,15 @@ TEST_SUITE("unit") {
     text.replace(text.find(kComment), kComment.size(), "\\");
     constexpr std::string_view kJoint = "<joint name=\"j1\"/>";
     text.insert(text.find(kJoint), "stray");
-    const auto srdf = read_srdf(text, "arm.srdf");
-    REQUIRE(srdf.has_value());
-    REQUIRE(srdf->warnings.size() == 1);
-    CHECK(srdf->warnings[0] ==
+    const auto srdf = require(read_srdf(text, "arm.srdf"));
+    REQUIRE(srdf.warnings.size() == 1);
+    CHECK(srdf.warnings[0] ==
           "arm.srdf: tolerated 4 faults (an error if strict): text '\\' in <robot> (line 3); text "
           "'stray' in <group> (line 5); <group_state>: no group (line 12); unknown element <claw> "
           "in <group_state> (line 12)");
-    CHECK(srdf->states.at(0).joints.size() == 1);
+    CHECK(srdf.states.at(0).joints.size() == 1);
     CHECK_FALSE(read_srdf(text, "arm.srdf", true).has_value());
-    CHECK(srdf->disabled.size() == read_srdf(kSrdf, "arm.srdf")->disabled.size());
+    CHECK(srdf.disabled.size() == read_srdf(kSrdf, "arm.srdf")->disabled.size());
   }
 
   TEST_CASE("a document that is no SRDF is refused") {
@@ -150,12 +150,11 @@ using LinkPairs = std::vector<std::pair<std::string, std::string>>;
 
 /// A chain of five joints to which an SRDF with these elements is applied.
 Robot::Parts applied(const std::string& elements, Robot::Parts parts = test::make_chain(5)) {
-  auto sorted = internal::sort_tree(std::move(parts));
-  REQUIRE(sorted.has_value());
+  auto sorted = require(internal::sort_tree(std::move(parts)));
   const auto fault =
-      apply_srdf("<robot name=\"chain\">\n" + elements + "</robot>", "a.srdf", *sorted);
+      apply_srdf("<robot name=\"chain\">\n" + elements + "</robot>", "a.srdf", sorted);
   REQUIRE_MESSAGE(fault.has_value(), (fault ? "" : fault.error().message));
-  return *std::move(sorted);
+  return sorted;
 }
 
 Names first_group(const std::string& content, Robot::Parts parts = test::make_chain(5)) {
@@ -184,9 +183,7 @@ TEST_SUITE("unit") {
              <group name="all"><group name="arm"/><joint name="odom"/></group>
              <group_state name="far" group="all"><joint name="odom" value="1 0 0"/>
              <joint name="j1" value=" 0.3 "/></group_state>)");
-      RobotOptions options;
-      options.group = group;
-      const Robot robot = test::require_robot(parts, options);
+      const Robot robot = test::require_robot(parts, {.group = group});
       CHECK(robot.named_states()[0].values == std::map<std::string, double>{{"j1", 0.3}});
       return Names(robot.warnings().begin(), robot.warnings().end());
     };
@@ -243,16 +240,14 @@ TEST_SUITE("unit") {
       <group_state name="h" group="c"><joint name="j1" value="0"/></group_state>
       <end_effector name="e" parent_link="d" group="f"/></robot>)";
     Robot::Parts parts = test::make_chain(2);
-    REQUIRE(apply_srdf(text, "a.srdf", parts).has_value());
+    require(apply_srdf(text, "a.srdf", parts));
     CHECK(parts.warnings == Names{"a.srdf:1: robot 'chain' has no joint 'a'",
                                   "a.srdf:4: robot 'chain' has no link 'd'",
                                   "a.srdf:4: robot 'chain' has no group 'f'",
                                   "a.srdf:2: robot 'chain' has no link 'b'",
                                   "a.srdf:3: robot 'chain' has no group 'c'"});
     Robot::Parts strict = test::make_chain(2);
-    const auto refused = apply_srdf(text, "a.srdf", strict, true);
-    REQUIRE_FALSE(refused.has_value());
-    CHECK(refused.error().message == parts.warnings[0]);
+    CHECK(require_error(apply_srdf(text, "a.srdf", strict, true)).message == parts.warnings[0]);
   }
 
   TEST_CASE("foreign attributes and children of allowed pairs are tolerated by name") {
@@ -312,9 +307,9 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a malformed SRDF is an error") {
     Robot::Parts parts = test::make_chain(1);
-    const auto fault = apply_srdf("<robot name=\"chain\"><group/></robot>", "a.srdf", parts);
-    REQUIRE(!fault.has_value());
-    CHECK(contains(fault.error().message, "a.srdf:1: <group>"));
+    const Error fault =
+        require_error(apply_srdf("<robot name=\"chain\"><group/></robot>", "a.srdf", parts));
+    CHECK(contains(fault.message, "a.srdf:1: <group>"));
   }
 }
 

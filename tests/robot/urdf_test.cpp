@@ -13,6 +13,8 @@ namespace {
 
 using test::contains;
 using test::kPi;
+using test::require;
+using test::require_error;
 
 /// A robot of two links; line numbers count from the line of <robot>.
 const std::string kArm = R"(<robot name="arm">
@@ -49,9 +51,7 @@ RobotOptions strictly() {
 }
 
 Robot require_parsed(const std::string& urdf, const RobotOptions& options = {}) {
-  const auto robot = parse_robot(urdf, "arm.urdf", options);
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(parse_robot(urdf, "arm.urdf", options));
 }
 
 /// One replacement that breaks kArm, and what the message must begin with and contain.
@@ -66,12 +66,11 @@ void check_refusals(const std::vector<MalformedUrdf>& cases) {
   for (const MalformedUrdf& c : cases) {
     CAPTURE(c.from);
     CAPTURE(c.to);
-    const auto robot = parse_robot(replaced(c.from, c.to), "arm.urdf", strictly());
-    REQUIRE_FALSE(robot.has_value());
-    const std::string& message = robot.error().message;
+    const Error error = require_error(parse_robot(replaced(c.from, c.to), "arm.urdf", strictly()));
+    const std::string& message = error.message;
     CHECK_MESSAGE(message.starts_with("arm.urdf:" + std::to_string(c.line) + ": "), message);
     CHECK_MESSAGE(contains(message, c.part), message);
-    CHECK(robot.error().code == c.code);
+    CHECK(error.code == c.code);
   }
 }
 
@@ -483,9 +482,7 @@ std::string with_geometry(const std::string& geometry) {
 }
 
 Link read_link(const std::string& geometry, const std::string& source = "r.urdf") {
-  const auto parts = parse_robot_parts(with_geometry(geometry), source);
-  REQUIRE_MESSAGE(parts.has_value(), (parts ? "" : parts.error().message));
-  return parts->links.at(0);
+  return require(parse_robot_parts(with_geometry(geometry), source)).links.at(0);
 }
 
 void check_pose(const Transform& pose) {
@@ -554,10 +551,10 @@ TEST_SUITE("unit") {
     std::string text = with_geometry(R"(<box size="1 1 1"/>)");
     const std::string more = R"(<collision><geometry><cylinder radius="1" length="1"/></geometry>
       </collision><collision><geometry><sphere radius="1"/></geometry></collision>)";
-    const auto parts = parse_robot_parts(text.replace(text.find("</link>"), 0, more), "r.urdf");
-    REQUIRE(parts.has_value());
-    CHECK(parts->links[0].solids.size() == 2);
-    CHECK(parts->links[0].spheres.size() == 1);
+    const auto parts =
+        require(parse_robot_parts(text.replace(text.find("</link>"), 0, more), "r.urdf"));
+    CHECK(parts.links[0].solids.size() == 2);
+    CHECK(parts.links[0].spheres.size() == 1);
   }
 
   TEST_CASE("geometry that is malformed is refused with file, line, link and element") {
@@ -587,12 +584,12 @@ TEST_SUITE("unit") {
     };
     for (const Case& c : cases) {
       CAPTURE(c.geometry);
-      const auto parts = parse_robot_parts(with_geometry(c.geometry), "r.urdf", strictly());
-      REQUIRE_FALSE(parts.has_value());
-      const std::string& message = parts.error().message;
+      const Error error =
+          require_error(parse_robot_parts(with_geometry(c.geometry), "r.urdf", strictly()));
+      const std::string& message = error.message;
       CHECK_MESSAGE(message.starts_with("r.urdf:3: link 'arm': "), message);
       CHECK_MESSAGE(contains(message, c.part), message);
-      CHECK(parts.error().code == c.code);
+      CHECK(error.code == c.code);
     }
   }
 }

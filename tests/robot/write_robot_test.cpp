@@ -17,16 +17,17 @@ using internal::xml_escaped;
 using internal::xml_origin;
 using internal::xml_vector;
 using test::kPi;
+using test::require;
+using test::require_error;
 
 /// The pose that an origin reads back to.
 Transform reread(const Transform& pose) {
-  const auto parts = parse_robot_parts(
+  const auto parts = require(parse_robot_parts(
       R"(<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="fixed">)"
       R"(<parent link="a"/><child link="b"/>)" +
           xml_origin(pose) + "</joint></robot>",
-      "r.urdf");
-  REQUIRE(parts.has_value());
-  return parts->joints[0].origin;
+      "r.urdf"));
+  return parts.joints[0].origin;
 }
 
 }  // namespace
@@ -107,11 +108,10 @@ TEST_SUITE("unit") {
     parts.joints[1].name = "<j>";
     const std::string text = to_urdf(parts, "made by a test");
     CHECK(test::contains(text, "<!-- made by a test -->"));
-    const auto read = parse_robot_parts(text, "text");
-    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
-    CHECK(read->name == parts.name);
-    CHECK(read->links[1].name == "l&1");
-    CHECK(read->joints[1].name == "<j>");
+    const auto read = require(parse_robot_parts(text, "text"));
+    CHECK(read.name == parts.name);
+    CHECK(read.links[1].name == "l&1");
+    CHECK(read.joints[1].name == "<j>");
   }
 
   TEST_CASE("capsules along or against z, and of no length, keep their ends") {
@@ -119,11 +119,10 @@ TEST_SUITE("unit") {
     for (const double z : {1.0, -1.0, 0.0}) {
       parts.links[0].capsules.push_back({Vec3(1, 2, 0), Vec3(1, 2, z), 0.1});
     }
-    const auto read = parse_robot_parts(to_urdf(parts), "text");
-    REQUIRE(read.has_value());
+    const auto read = require(parse_robot_parts(to_urdf(parts), "text"));
     for (std::size_t i = 0; i < 3; ++i) {
-      CHECK((read->links[0].capsules[i].a - parts.links[0].capsules[i].a).norm() < 1e-15);
-      CHECK((read->links[0].capsules[i].b - parts.links[0].capsules[i].b).norm() < 1e-15);
+      CHECK((read.links[0].capsules[i].a - parts.links[0].capsules[i].a).norm() < 1e-15);
+      CHECK((read.links[0].capsules[i].b - parts.links[0].capsules[i].b).norm() < 1e-15);
     }
   }
 
@@ -135,9 +134,8 @@ TEST_SUITE("unit") {
     const Transform pose = random_pose(rng);
     parts.links[0].solids = {Box{pose, Vec3(1, 2, 3)}, Cylinder{pose, 0.5, 2},
                              MeshFile{directory / "a&b.stl", Vec3(1, -1, 2), pose}};
-    const auto read = parse_robot_parts(to_urdf(parts), "text");
-    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
-    const std::vector<Solid>& solids = read->links[0].solids;
+    const auto read = require(parse_robot_parts(to_urdf(parts), "text"));
+    const std::vector<Solid>& solids = read.links[0].solids;
     REQUIRE(solids.size() == 3);
     CHECK(std::get<Box>(solids[0]).half_extents == Vec3(1, 2, 3));
     CHECK(std::get<Box>(solids[0]).pose.rotation.isApprox(pose.rotation));
@@ -153,19 +151,17 @@ TEST_SUITE("law") {
     for (int i = 0; i < 200; ++i) {
       CAPTURE(i);
       const Robot::Parts parts = random_parts(rng);
-      const auto read = parse_robot(to_urdf(parts), "text");
-      REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
+      const auto read = require(parse_robot(to_urdf(parts), "text"));
       const Robot robot = test::require_robot(parts);
-      CHECK(read->hash() == robot.hash());
+      CHECK(read.hash() == robot.hash());
       for (std::size_t j = 0; j < robot.joints().size(); ++j) {
         if (robot.joints()[j].type == JointType::fixed) continue;
-        CHECK(read->joints()[j].velocity == robot.joints()[j].velocity);
-        CHECK(read->joints()[j].acceleration == robot.joints()[j].acceleration);
+        CHECK(read.joints()[j].velocity == robot.joints()[j].velocity);
+        CHECK(read.joints()[j].acceleration == robot.joints()[j].acceleration);
       }
     }
-    const auto planar = read_robot(test::source_file("robots/planar8.urdf"));
-    REQUIRE(planar.has_value());
-    CHECK(parse_robot(to_urdf(*planar), "text").value().hash() == test::planar8().hash());
+    const auto planar = require(read_robot(test::source_file("robots/planar8.urdf")));
+    CHECK(parse_robot(to_urdf(planar), "text").value().hash() == test::planar8().hash());
   }
 }
 
@@ -191,8 +187,7 @@ TEST_SUITE("unit") {
     const Robot::Parts parts = parts_with_groups();
     Robot::Parts read = test::make_chain(3);
     read.name = parts.name;
-    const auto fault = internal::apply_srdf(to_srdf(parts), "text", read);
-    REQUIRE_MESSAGE(fault.has_value(), (fault ? "" : fault.error().message));
+    require(internal::apply_srdf(to_srdf(parts), "text", read));
     CHECK(read.warnings.empty());
     CHECK(read.allowed_pairs == parts.allowed_pairs);
     CHECK(test::require_robot(read).hash() == test::require_robot(parts).hash());
@@ -236,9 +231,8 @@ const std::vector<double> kPlanar8{1.6, 1.4, 1.8, 1.2, 1.5, 1.3, 1.1, 1.7};
 
 TEST_SUITE("unit") {
   TEST_CASE("planar8.urdf is what the generator writes") {
-    const auto urdf = planar_arm_urdf("planar8", kPlanar8);
-    REQUIRE(urdf.has_value());
-    CHECK(*urdf == test::read_file(test::source_file("robots/planar8.urdf")));
+    const auto urdf = require(planar_arm_urdf("planar8", kPlanar8));
+    CHECK(urdf == test::read_file(test::source_file("robots/planar8.urdf")));
   }
 
   TEST_CASE("the arm has the stated links, joints and limits") {
@@ -267,14 +261,13 @@ TEST_SUITE("unit") {
 
   TEST_CASE("an arm of any number of links and any name can be read back") {
     for (const std::size_t count : {std::size_t{1}, std::size_t{2}, std::size_t{50}}) {
-      const auto urdf = planar_arm_urdf("<\"a&b'>", std::vector<double>(count, 1.0 / 3), 0.2);
-      REQUIRE(urdf.has_value());
-      const auto robot = parse_robot(*urdf, "arm.urdf");
-      REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-      CHECK(robot->name() == "<\"a&b'>");
-      CHECK(robot->joint_count() == static_cast<int>(count));
-      CHECK(robot->links().back().capsules[0].radius == 0.1);
-      const auto poses = robot->link_poses(Configuration(count, 0.0));
+      const auto urdf =
+          require(planar_arm_urdf("<\"a&b'>", std::vector<double>(count, 1.0 / 3), 0.2));
+      const auto robot = require(parse_robot(urdf, "arm.urdf"));
+      CHECK(robot.name() == "<\"a&b'>");
+      CHECK(robot.joint_count() == static_cast<int>(count));
+      CHECK(robot.links().back().capsules[0].radius == 0.1);
+      const auto poses = robot.link_poses(Configuration(count, 0.0));
       CHECK(poses.back().translation.x() == doctest::Approx(static_cast<double>(count - 1) / 3));
     }
   }
@@ -284,10 +277,9 @@ TEST_SUITE("unit") {
     CHECK_FALSE(planar_arm_urdf("", kPlanar8).has_value());
     CHECK_FALSE(planar_arm_urdf("arm", kPlanar8, 0).has_value());
     for (const double bad : std::vector<double>{0, -1, NAN, INFINITY}) {
-      const auto urdf = planar_arm_urdf("arm", std::vector{1.0, bad});
-      REQUIRE_FALSE(urdf.has_value());
-      CHECK(urdf.error().code == ErrorCode::invalid);
-      CHECK(test::contains(urdf.error().message, "length of link 2"));
+      const Error error = require_error(planar_arm_urdf("arm", std::vector{1.0, bad}));
+      CHECK(error.code == ErrorCode::invalid);
+      CHECK(test::contains(error.message, "length of link 2"));
     }
   }
 }

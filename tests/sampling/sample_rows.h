@@ -32,9 +32,7 @@ inline Robot joints_of(const std::vector<JointType>& types) {
     joint.upper = types[i] == JointType::prismatic ? 2 : 1;
     parts.joints.push_back(joint);
   }
-  auto robot = make_robot(parts);
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(make_robot(parts));
 }
 
 /// A continuous, a revolute and a prismatic joint.

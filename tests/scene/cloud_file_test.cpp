@@ -55,10 +55,9 @@ std::string cloud_message(const std::string& bytes) {
 
 void require_points(const std::string& bytes, const std::vector<CloudPoint>& expected,
                     std::size_t skipped = 0) {
-  const auto cloud = parse_cloud(bytes, "f.ply");
-  REQUIRE_MESSAGE(cloud.has_value(), (cloud ? "" : cloud.error().message));
-  CHECK(cloud->points == expected);
-  CHECK(cloud->skipped == skipped);
+  const auto cloud = require(parse_cloud(bytes, "f.ply"));
+  CHECK(cloud.points == expected);
+  CHECK(cloud.skipped == skipped);
 }
 
 TEST_SUITE("unit") {
@@ -96,8 +95,8 @@ TEST_SUITE("unit") {
           "f.ply:10: expected a number, got \"x\"");
     CHECK(cloud_message(ply_header("ascii", 1) + "0 1 2 3\n4\n") ==
           "f.ply:11: expected nothing after 1 points");
-    CHECK(cloud_message(binary_ply(false).substr(0, 200)).find("points after the header, got") !=
-          std::string::npos);
+    CHECK(
+        contains(cloud_message(binary_ply(false).substr(0, 200)), "points after the header, got"));
     const std::string truncated = pcd_header("binary", 2, 1) + std::string(30, '\0');
     CHECK(cloud_message(truncated) ==
           "f.ply: expected 56 bytes of 2 points after the header, got 30");
@@ -133,11 +132,11 @@ TEST_SUITE("unit") {
 
   TEST_CASE("what PCL ignores in a PCD file is ignored and noted") {
     const std::string header = "FIELDS x y z\nFOO 1\nWIDTH 1\nDATA ascii\n";
-    const auto cloud = parse_cloud("\xef\xbb\xbf\n" + header + "1 2 3\n4 5 6\n\n7 8 9\n", "f.pcd");
-    REQUIRE_MESSAGE(cloud.has_value(), (cloud ? "" : cloud.error().message));
-    CHECK(cloud->points == std::vector<CloudPoint>{{1, 2, 3}});
-    CHECK(cloud->notes == std::vector<std::string>{"ignored the entry FOO",
-                                                   "ignored 2 rows after the 1 that it announces"});
+    const auto cloud =
+        require(parse_cloud("\xef\xbb\xbf\n" + header + "1 2 3\n4 5 6\n\n7 8 9\n", "f.pcd"));
+    CHECK(cloud.points == std::vector<CloudPoint>{{1, 2, 3}});
+    CHECK(cloud.notes == std::vector<std::string>{"ignored the entry FOO",
+                                                  "ignored 2 rows after the 1 that it announces"});
     require_points("WIDTH 1\nFIELDS x y z\nDATA ascii\n1 2 3\n", {{1, 2, 3}});
   }
 

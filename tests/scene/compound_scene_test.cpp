@@ -36,11 +36,6 @@ struct Files {
     write_file(directory / "scene.yaml", "obstacles:\n  - {" + obstacle + "}\n");
     return load_scene(directory / "scene.yaml");
   }
-  Scene require(const std::string& obstacle) const {
-    auto scene = load(obstacle);
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    return *scene;
-  }
   std::string message_of(const std::string& obstacle) const {
     const auto scene = load(obstacle);
     return scene ? "" : scene.error().message;
@@ -52,31 +47,29 @@ S shape_of(const Scene& scene) {
   return std::get<S>(scene.obstacles.at(0).shapes.at(0));
 }
 
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 TEST_SUITE("unit") {
   TEST_CASE("a scene reads points, a mesh and an octree from files beside it") {
     const Files files;
-    const Scene cloud = files.require("name: c, type: points, file: cloud.ply, radius: 0.005");
+    const Scene cloud =
+        require(files.load("name: c, type: points, file: cloud.ply, radius: 0.005"));
     CHECK(shape_of<PointCloud>(cloud).parts->list().size() == 2);
     CHECK(shape_of<PointCloud>(cloud).radius == 0.005);
     REQUIRE(cloud.warnings.size() == 1);
     CHECK(contains(cloud.warnings[0], "1 of 3 points are not finite and ignored"));
     const Scene mesh =
-        files.require("name: m, type: mesh, file: mesh.obj, scale: 2, position: [0, 0, 1]");
+        require(files.load("name: m, type: mesh, file: mesh.obj, scale: 2, position: [0, 0, 1]"));
     CHECK(shape_of<Mesh>(mesh).parts->list().at(0).area() == doctest::Approx(2));
     CHECK(distance(Vec3(0.5, 0.5, 3), mesh.obstacles[0].shapes[0]) == doctest::Approx(2));
   }
 
   TEST_CASE("a mesh in millimetres is read with a warning that names the unit") {
     const Files files;
-    const Scene scene = files.require("name: m, type: mesh, file: large.obj");
+    const Scene scene = require(files.load("name: m, type: mesh, file: large.obj"));
     REQUIRE(scene.warnings.size() == 1);
     CHECK(contains(scene.warnings[0], "is 1000 m long; one in millimetres needs scale: 0.001"));
-    CHECK(files.require("name: m, type: mesh, file: large.obj, scale: 0.001").warnings.empty());
-    CHECK(files.require("name: o, type: octree, file: map.bt").warnings.empty());
+    CHECK(
+        require(files.load("name: m, type: mesh, file: large.obj, scale: 0.001")).warnings.empty());
+    CHECK(require(files.load("name: o, type: octree, file: map.bt")).warnings.empty());
   }
 
   TEST_CASE("missing, empty and other files are refused by name") {
@@ -116,13 +109,11 @@ TEST_SUITE("unit") {
         "  - {name: a, type: points, radius: 0.01, points: [0, 0, 0, 0.5, 0.25, 1]}\n"
         "  - {name: b, type: mesh, position: [1, 2, 3], triangles: [0, 0, 0, 1, 0, 0, 0, 1, 0]}\n"
         "  - {name: c, type: octree, cubes: [0, 0, 0, 0.5, 1, 1, 1, 0.25]}\n";
-    const auto scene = parse_scene(text, "f");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    const auto again = parse_scene(to_yaml(*scene), "again");
-    REQUIRE(again.has_value());
-    CHECK(to_yaml(*again) == to_yaml(*scene));
-    CHECK(std::get<Octree>(again->obstacles[2].shapes[0]).parts->list()[1].half_extent == 0.125);
-    CHECK(std::get<Mesh>(again->obstacles[1].shapes[0]).pose.translation == Vec3(1, 2, 3));
+    const auto scene = require(parse_scene(text, "f"));
+    const auto again = require(parse_scene(to_yaml(scene), "again"));
+    CHECK(to_yaml(again) == to_yaml(scene));
+    CHECK(std::get<Octree>(again.obstacles[2].shapes[0]).parts->list()[1].half_extent == 0.125);
+    CHECK(std::get<Mesh>(again.obstacles[1].shapes[0]).pose.translation == Vec3(1, 2, 3));
   }
 
   TEST_CASE("lists of the wrong length and keys of other types are refused") {
@@ -146,7 +137,7 @@ Scene with_cloud() {
   const auto points =
       std::make_shared<Parts<CloudPoint>>(std::vector<CloudPoint>{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
   Scene scene{"s", {}};
-  REQUIRE(scene.add({"cloud", {PointCloud{{}, points, 0.1}}}).has_value());
+  require(scene.add({"cloud", {PointCloud{{}, points, 0.1}}}));
   return scene;
 }
 
@@ -157,24 +148,24 @@ std::string edit_message(const Result<void>& result) {
 TEST_SUITE("unit") {
   TEST_CASE("obstacles are added, moved and removed by name") {
     Scene scene{"s", {}};
-    REQUIRE(scene.add(ball("a")).has_value());
-    REQUIRE(scene.add(ball("b")).has_value());
-    REQUIRE(scene.move("b", {Eigen::Matrix3d::Identity(), Vec3(1, 2, 3)}).has_value());
+    require(scene.add(ball("a")));
+    require(scene.add(ball("b")));
+    require(scene.move("b", {Eigen::Matrix3d::Identity(), Vec3(1, 2, 3)}));
     CHECK(std::get<Sphere>(scene.find("b")->shapes[0]).center == Vec3(1, 2, 3));
-    REQUIRE(scene.remove("a").has_value());
+    require(scene.remove("a"));
     CHECK(scene.obstacles.size() == 1);
     CHECK(scene.find("a") == nullptr);
   }
 
   TEST_CASE("shapes of one name are one body, also after obstacles were changed by hand") {
     Scene scene{"s", {}};
-    REQUIRE(scene.add_shape("a", Sphere{Vec3::Zero(), 1}).has_value());
-    REQUIRE(scene.add_shape("a", Sphere{Vec3::UnitX(), 1}).has_value());
+    require(scene.add_shape("a", Sphere{Vec3::Zero(), 1}));
+    require(scene.add_shape("a", Sphere{Vec3::UnitX(), 1}));
     REQUIRE(scene.obstacles.size() == 1);
     CHECK(scene.obstacles[0].shapes.size() == 2);
     scene.obstacles.push_back(ball("b"));
     CHECK_FALSE(scene.add(ball("b")).has_value());
-    REQUIRE(scene.remove("a").has_value());
+    require(scene.remove("a"));
     CHECK(scene.add(ball("a")).has_value());
     Scene copy = scene;
     CHECK(copy == scene);
@@ -233,7 +224,7 @@ TEST_SUITE("unit") {
     Scene scene = with_cloud();
     const Scene before = scene;
     const std::vector<CloudPoint> fresh = {{5, 5, 5}};
-    REQUIRE(scene.replace_points("cloud", 1, fresh).has_value());
+    require(scene.replace_points("cloud", 1, fresh));
     const auto points_of = [](const Scene& s) {
       return std::get<PointCloud>(s.obstacles[0].shapes[0]).parts->list();
     };
@@ -245,7 +236,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("points that are not there or not finite are refused, and change nothing") {
     Scene scene = with_cloud();
-    REQUIRE(scene.add(ball("ball")).has_value());
+    require(scene.add(ball("ball")));
     const std::vector<CloudPoint> two = {{1, 1, 1}, {2, 2, 2}};
     const std::vector<CloudPoint> wrong = {{0, 0, std::numeric_limits<float>::quiet_NaN()}};
     CHECK(edit_message(scene.replace_points("cloud", 2, two)) ==

@@ -4,6 +4,7 @@
 
 #include "scene/moveit_scene.h"
 #include "scene/read_yaml.h"
+#include "support/support.h"
 
 #include <doctest/doctest.h>
 #include <fmt/format.h>
@@ -85,20 +86,19 @@ attached_collision_objects: []
   }
 
   TEST_CASE("attached objects have a link, shapes and links that may touch them") {
-    const auto state = read_yaml(
+    const auto state = require(read_yaml(
         "attached_collision_objects: [{link_name: hand, touch_links: [finger, thumb], object: {id: "
         "cup, header: {frame_id: palm}, primitives: [{type: sphere, dimensions: [0.1]}], pose: "
         "{position: [1, 2, 3]}}}, {link_name: hand, object: {id: lid, operation: add}}]",
-        read_moveit_state);
-    REQUIRE_MESSAGE(state.has_value(), (state ? "" : state.error().message));
-    REQUIRE(state->attached.size() == 2);
-    const internal::MoveitAttached& cup = state->attached[0];
+        read_moveit_state));
+    REQUIRE(state.attached.size() == 2);
+    const internal::MoveitAttached& cup = state.attached[0];
     CHECK(cup.link == "hand");
     CHECK(cup.touch_links == std::vector<std::string>{"finger", "thumb"});
     CHECK(cup.object.obstacle.name == "cup");
     CHECK(cup.object.frame == "palm");
     CHECK(std::get<Sphere>(cup.object.obstacle.shapes.at(0)).center == Vec3(1, 2, 3));
-    CHECK(state->attached[1].object.obstacle.shapes.empty());
+    CHECK(state.attached[1].object.obstacle.shapes.empty());
   }
 
   TEST_CASE("states that are malformed are refused") {
@@ -120,8 +120,8 @@ attached_collision_objects: []
                   "  - {link_name: b, object: {id: x}}") ==
           "f:3: key attached_collision_objects[1].object: expected a unique name, got \"x\" "
           "again");
-    CHECK(failure("attached_collision_objects: [{object: {id: x}}]")
-              .find("expected the key link_name") != std::string::npos);
+    CHECK(contains(failure("attached_collision_objects: [{object: {id: x}}]"),
+                   "expected the key link_name"));
     CHECK(failure("joints: [1]") ==
           "f:1: key joints: unknown key, expected one of joint_state, multi_dof_joint_state, "
           "attached_collision_objects, is_diff");
@@ -172,12 +172,11 @@ collision_objects:
   }
 
   TEST_CASE("an object with a pose of its own needs none for its primitives") {
-    const auto objects = read_yaml(
+    const auto objects = require(read_yaml(
         "collision_objects: [{id: x, pose: {position: [1, 2, 3]}, primitives: [{type: sphere, "
         "dimensions: [1]}], primitive_poses: []}]",
-        read_moveit_objects);
-    REQUIRE(objects.has_value());
-    CHECK(std::get<Sphere>(objects->at(0).obstacle.shapes.at(0)).center == Vec3(1, 2, 3));
+        read_moveit_objects));
+    CHECK(std::get<Sphere>(objects.at(0).obstacle.shapes.at(0)).center == Vec3(1, 2, 3));
   }
 
   TEST_CASE("objects that are not boxes, spheres and cylinders are refused by name") {
@@ -189,10 +188,9 @@ collision_objects:
           "f:2: key collision_objects[0].operation: object \"x\": expected the operation add, got "
           "\"remove\"");
     CHECK(object_failure("operation: \"\\x02\"").ends_with("the operation add, got \"append\""));
-    CHECK(object_failure("operation: 7").find("expected the operation add of object \"x\"") !=
-          std::string::npos);
-    CHECK(failure_of("collision_objects: [{id: \"\xff\"}]", read_moveit_objects).find("UTF-8") !=
-          std::string::npos);
+    CHECK(contains(object_failure("operation: 7"), "expected the operation add of object \"x\""));
+    CHECK(
+        contains(failure_of("collision_objects: [{id: \"\xff\"}]", read_moveit_objects), "UTF-8"));
   }
 
   TEST_CASE("each spelling of the byte ADD adds an object, also one without a scene around it") {
@@ -201,12 +199,9 @@ collision_objects:
       CAPTURE(operation);
       const std::string object =
           fmt::format("{{id: x, header: {{frame_id: base}}, operation: {}, {}}}", operation, kBall);
-      const auto framed = parse_scene(object, "f.yaml");
-      REQUIRE_MESSAGE(framed.has_value(), (framed ? "" : framed.error().message));
-      CHECK(framed->obstacles.at(0).name == "x");
-      const auto world = parse_scene("collision_objects: [" + object + "]", "f.yaml");
-      REQUIRE(world.has_value());
-      CHECK(world->obstacles.size() == 1);
+      CHECK(require(parse_scene(object, "f.yaml")).obstacles.at(0).name == "x");
+      const auto world = require(parse_scene("collision_objects: [" + object + "]", "f.yaml"));
+      CHECK(world.obstacles.size() == 1);
     }
   }
 
@@ -214,25 +209,24 @@ collision_objects:
     const std::string fault = object_failure(
         "meshes: [{triangles: [{vertex_indices: [0, 1, 2]}, '...'], vertices: [[0, 0, 0], [1, 0, "
         "0], [0, 1, 0]]}], mesh_poses: [{position: [0, 0, 5]}]");
-    CHECK_MESSAGE(fault.find("--full-length") != std::string::npos, fault);
+    CHECK_MESSAGE(contains(fault, "--full-length"), fault);
   }
 
   TEST_CASE("meshes, planes and an octomap of MoveIt are read") {
-    const auto objects = read_yaml(
+    const auto objects = require(read_yaml(
         "collision_objects: [{id: x, meshes: [{triangles: [{vertex_indices: [0, 1, 2]}], "
         "vertices: [{x: 0, y: 0, z: 0}, [1, 0, 0], [0, 1, 0]]}], mesh_poses: [{position: [0, 0, "
         "5]}], planes: [{coef: [0, 0, 2, -4]}], plane_poses: [{position: [0, 0, 1]}]}]\n"
         "octomap: {header: {frame_id: map}, origin: {position: [0, 0, 1]}, octomap: {binary: true, "
         "id: OcTree, resolution: 0.1, data: [2, 0]}}",
-        read_moveit_objects);
-    REQUIRE_MESSAGE(objects.has_value(), (objects ? "" : objects.error().message));
-    REQUIRE(objects->size() == 2);
-    CHECK(objects->at(0).obstacle.name == "octomap");
-    CHECK(objects->at(0).frame == "map");
-    const auto octree = std::get<Octree>(objects->at(0).obstacle.shapes.at(0));
+        read_moveit_objects));
+    REQUIRE(objects.size() == 2);
+    CHECK(objects.at(0).obstacle.name == "octomap");
+    CHECK(objects.at(0).frame == "map");
+    const auto octree = std::get<Octree>(objects.at(0).obstacle.shapes.at(0));
     CHECK(octree.parts->list().size() == 1);
     CHECK(octree.pose.translation == Vec3(0, 0, 1));
-    const auto& shapes = objects->at(1).obstacle.shapes;
+    const auto& shapes = objects.at(1).obstacle.shapes;
     REQUIRE(shapes.size() == 2);
     CHECK(distance(Vec3(0.2, 0.2, 7), shapes[0]) == doctest::Approx(2));
     CHECK(distance(Vec3(3, -4, 10), shapes[1]) == doctest::Approx(7).epsilon(1e-3));
@@ -243,19 +237,21 @@ collision_objects:
     CHECK(object_failure("meshes: [{vertices: []}], mesh_poses: [{position: [0, 0, 0]}]") ==
           "f:2: key collision_objects[0].meshes[0]: expected a mesh with a triangle that has an "
           "area");
-    CHECK(object_failure("meshes: [{" + triangle +
-                         "[[0, 0, 0]]}], mesh_poses: [{position: [0, 0, "
-                         "0]}]")
-              .find("expected the index of one of 1 vertices, got 1") != std::string::npos);
-    CHECK(object_failure("planes: [{coef: [0, 0, 1, 0]}]")
-              .find("expected one pose per shape, got 1 planes and 0 poses") != std::string::npos);
-    CHECK(object_failure("planes: [{coef: [0, 0, 0, 1]}], plane_poses: [{position: [0, 0, 0]}]")
-              .find("expected a normal that is not zero") != std::string::npos);
-    CHECK(failure_of("octomap: {octomap: {binary: true, id: OcTree, resolution: 0.1, data: [2]}}",
-                     read_moveit_objects)
-              .find("ends within its tree") != std::string::npos);
-    CHECK(failure_of("octomap: {octomap: {id: X, data: [2]}}", read_moveit_objects)
-              .find("expected OcTree or ColorOcTree") != std::string::npos);
+    CHECK(contains(object_failure("meshes: [{" + triangle +
+                                  "[[0, 0, 0]]}], mesh_poses: [{position: [0, 0, "
+                                  "0]}]"),
+                   "expected the index of one of 1 vertices, got 1"));
+    CHECK(contains(object_failure("planes: [{coef: [0, 0, 1, 0]}]"),
+                   "expected one pose per shape, got 1 planes and 0 poses"));
+    CHECK(contains(
+        object_failure("planes: [{coef: [0, 0, 0, 1]}], plane_poses: [{position: [0, 0, 0]}]"),
+        "expected a normal that is not zero"));
+    CHECK(contains(
+        failure_of("octomap: {octomap: {binary: true, id: OcTree, resolution: 0.1, data: [2]}}",
+                   read_moveit_objects),
+        "ends within its tree"));
+    CHECK(contains(failure_of("octomap: {octomap: {id: X, data: [2]}}", read_moveit_objects),
+                   "expected OcTree or ColorOcTree"));
   }
 
   TEST_CASE("objects that are malformed are refused with line and key") {
@@ -402,55 +398,52 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("what does not change the obstacles is read over") {
-    const auto scene = read_yaml(
+    const auto scene = require(read_yaml(
         "name: \"\"\nrobot_model_name: fetch\nobject_colors: [{id: a}]\nlink_padding: [{link_name: "
         "hand, padding: 0}]\nlink_scale: [{link_name: hand, scale: 1.0}]\nis_diff: true\n" +
             world(ball("a", "base")),
-        read_planning_scene);
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    CHECK(scene->name == "f");
-    CHECK(scene->robot_name == "fetch");
-    CHECK(scene->objects.size() == 1);
+        read_planning_scene));
+    CHECK(scene.name == "f");
+    CHECK(scene.robot_name == "fetch");
+    CHECK(scene.objects.size() == 1);
   }
 
   TEST_CASE("a box and a cylinder of MoveIt without thickness are 0.1 mm thick, with a warning") {
-    const auto scene = parse_scene(
+    const auto scene = require(parse_scene(
         world("{id: a, primitives: [{type: 1, dimensions: [1, 0, 2]}, {type: 3, dimensions: [0, "
               "0.5]}], primitive_poses: [{position: [1, 0, 0]}, {position: [1, 0, 0], orientation: "
               "[0, 0, 0, 0.5]}]}"),
-        "f");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    CHECK(std::get<Box>(scene->obstacles.at(0).shapes.at(0)).half_extents == Vec3(0.5, 0.5e-4, 1));
-    const auto& plate = std::get<Cylinder>(scene->obstacles[0].shapes.at(1));
+        "f"));
+    CHECK(std::get<Box>(scene.obstacles.at(0).shapes.at(0)).half_extents == Vec3(0.5, 0.5e-4, 1));
+    const auto& plate = std::get<Cylinder>(scene.obstacles[0].shapes.at(1));
     CHECK(plate.length == 1e-4);
     CHECK(plate.radius == 0.5);
-    REQUIRE(scene->warnings.size() == 2);
-    CHECK(scene->warnings[0] ==
+    REQUIRE(scene.warnings.size() == 2);
+    CHECK(scene.warnings[0] ==
           "f:1: key world.collision_objects[0].primitives[0].dimensions[1]: a size of 0 is taken "
           "for 0.1 mm (and 1 more)");
-    CHECK(scene->warnings[1].find("primitive_poses[1].orientation: the quaternion's length is not "
-                                  "1") != std::string::npos);
+    CHECK(contains(scene.warnings[1],
+                   "primitive_poses[1].orientation: the quaternion's length is not "
+                   "1"));
   }
 
   TEST_CASE("a cone is taken for the cylinder around it, and types may be in capitals") {
-    const auto scene = parse_scene(
+    const auto scene = require(parse_scene(
         world("{id: a, primitives: [{type: CONE, dimensions: [0.4, 0.1]}], primitive_poses: "
               "[{position: [1, 0, 0]}]}"),
-        "f");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    const auto& around = std::get<Cylinder>(scene->obstacles.at(0).shapes.at(0));
+        "f"));
+    const auto& around = std::get<Cylinder>(scene.obstacles.at(0).shapes.at(0));
     CHECK(around.length == 0.4);
     CHECK(around.radius == 0.1);
-    REQUIRE(scene->warnings.size() == 1);
-    CHECK(scene->warnings[0].ends_with("type: a cone is taken for the cylinder around it"));
+    REQUIRE(scene.warnings.size() == 1);
+    CHECK(scene.warnings[0].ends_with("type: a cone is taken for the cylinder around it"));
   }
 
   TEST_CASE("what was read over is told with a scene that has no robot") {
-    const auto scene = parse_scene("is_diff: true\n" + world(ball("a", "base")), "f");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    REQUIRE(scene->warnings.size() == 1);
+    const auto scene = require(parse_scene("is_diff: true\n" + world(ball("a", "base")), "f"));
+    REQUIRE(scene.warnings.size() == 1);
     CHECK(
-        scene->warnings[0] ==
+        scene.warnings[0] ==
         "f:1: key is_diff: only the difference to another scene is given; it is read as the whole "
         "scene");
   }
@@ -474,10 +467,8 @@ TEST_SUITE("unit") {
     const FramedScene scene = place(world(ball("a", "base") + ", " + ball("b", "base"))).value();
     CHECK(scene.frame == "base");
     CHECK(scene.scene.obstacles.size() == 2);
-    CHECK(place(world(ball("a", "base") + ", " + ball("b", "tool")))
-              .error()
-              .message.find("object \"b\" is given in frame \"tool\", others in \"base\"") !=
-          std::string::npos);
+    CHECK(contains(place(world(ball("a", "base") + ", " + ball("b", "tool"))).error().message,
+                   "object \"b\" is given in frame \"tool\", others in \"base\""));
   }
 
   TEST_CASE("without a robot the virtual joint still says where the root link is") {
@@ -508,18 +499,16 @@ TEST_SUITE("unit") {
     const std::string robot_away =
         "robot_state: {multi_dof_joint_state: {header: {frame_id: world}, joint_names: [v], "
         "transforms: [{translation: [-900, 40, 2]}]}}\n";
-    const auto away = place(robot_away + planes);
-    REQUIRE(away.has_value());
-    CHECK(away->frame.empty());
-    check(away->scene.obstacles.at(0).shapes, Vec3(-900, 40, 2));
-    const auto with_robot = read_yaml(robot_away + planes, [](const Input& input) {
+    const auto away = require(place(robot_away + planes));
+    CHECK(away.frame.empty());
+    check(away.scene.obstacles.at(0).shapes, Vec3(-900, 40, 2));
+    const auto with_robot = require(read_yaml(robot_away + planes, [](const Input& input) {
       const internal::MoveitScene scene = read_planning_scene(input);
       return internal::place_objects(
           scene, MoveitFrames(input, scene.state),
           [](const std::string&, const Input&) { return std::optional<Transform>(); });
-    });
-    REQUIRE(with_robot.has_value());
-    check(with_robot->obstacles.at(0).shapes, Vec3(-900, 40, 2));
+    }));
+    check(with_robot.obstacles.at(0).shapes, Vec3(-900, 40, 2));
   }
 }
 

@@ -36,9 +36,7 @@ std::string full_node(float log_odds, unsigned children, const std::string& colo
 }
 
 std::vector<Cube> cubes_of(const std::string& bytes, bool is_unknown_occupied = false) {
-  const auto cubes = parse_octree(bytes, {is_unknown_occupied}, "m.bt");
-  REQUIRE_MESSAGE(cubes.has_value(), (cubes ? "" : cubes.error().message));
-  return *cubes;
+  return require(parse_octree(bytes, {is_unknown_occupied}, "m.bt"));
 }
 
 std::string octree_message(const std::string& bytes) {

@@ -54,10 +54,9 @@ std::vector<Leaf> occupied_leaves(const octomap::OcTree& tree) {
 }
 
 std::vector<Leaf> read_leaves(const std::string& bytes) {
-  const auto cubes = internal::parse_octree(bytes, {}, "m");
-  REQUIRE_MESSAGE(cubes.has_value(), (cubes ? "" : cubes.error().message));
+  const auto cubes = require(internal::parse_octree(bytes, {}, "m"));
   std::vector<Leaf> leaves;
-  for (const Cube& cube : *cubes) {
+  for (const Cube& cube : cubes) {
     const Eigen::Vector3f center = cube.center.cast<float>();
     leaves.push_back({center.x(), center.y(), center.z(), static_cast<float>(cube.half_extent)});
   }

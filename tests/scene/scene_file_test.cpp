@@ -86,9 +86,7 @@ Result<Scene> read_obstacle_list(const std::string& yaml,
 }
 
 Shape read_shape(const std::string& yaml) {
-  const auto scene = read_obstacle_list("- {name: x, " + yaml + "}");
-  REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-  return scene->obstacles.at(0).shapes.at(0);
+  return require(read_obstacle_list("- {name: x, " + yaml + "}")).obstacles.at(0).shapes.at(0);
 }
 
 TEST_SUITE("unit") {
@@ -227,9 +225,9 @@ TEST_SUITE("unit") {
           "f:2: key allow[0].at_ends: expected a number above 0, got 0");
     CHECK(read_scene_text(circle + "allow: [{pair: [cup, a], at_ends: 2}]").error().message ==
           "f:2: key allow[0].at_ends: expected metres, at most 1, got 2");
-    CHECK(read_scene_text(circle + "allow: [{pair: [cup, b], at_ends: 0.1}]")
-              .error()
-              .message.find("the scene has no obstacle \"b\"") != std::string::npos);
+    CHECK(contains(
+        read_scene_text(circle + "allow: [{pair: [cup, b], at_ends: 0.1}]").error().message,
+        "the scene has no obstacle \"b\""));
     CHECK_FALSE(read_scene_text(circle + "allow: [{pair: [cup, a]}]").has_value());
   }
 
@@ -253,35 +251,33 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("sizes of 0 and quaternions of other lengths are taken, each with one warning") {
-    const auto scene = read_scene_text(
+    const auto scene = require(read_scene_text(
         "obstacles:\n"
         "- {name: a, type: box, position: [0, 0, 0], size: [1, 0, 2], quat_xyzw: [0, 0, 0, 2]}\n"
         "- {name: b, type: sphere, position: [0, 0, 0], radius: 0}\n"
-        "circles: {c: [0, 0, 0]}\n");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    const auto& box = std::get<Box>(scene->find("a")->shapes[0]);
+        "circles: {c: [0, 0, 0]}\n"));
+    const auto& box = std::get<Box>(scene.find("a")->shapes[0]);
     CHECK(box.half_extents == Vec3(0.5, 0.5e-4, 1));
     CHECK(box.pose.rotation.isIdentity(1e-12));
-    CHECK(std::get<Sphere>(scene->find("b")->shapes[0]).radius == 1e-4);
-    CHECK(std::get<Sphere>(scene->find("c")->shapes[0]).radius == 1e-4);
-    REQUIRE(scene->warnings.size() == 2);
-    CHECK(scene->warnings[0] ==
+    CHECK(std::get<Sphere>(scene.find("b")->shapes[0]).radius == 1e-4);
+    CHECK(std::get<Sphere>(scene.find("c")->shapes[0]).radius == 1e-4);
+    REQUIRE(scene.warnings.size() == 2);
+    CHECK(scene.warnings[0] ==
           "f:4: key circles.c[2]: a size of 0 is taken for 0.1 mm (and 2 more)");
-    CHECK(scene->warnings[1] ==
+    CHECK(scene.warnings[1] ==
           "f:2: key obstacles[0].quat_xyzw: the quaternion's length is not 1, and the quaternion "
           "is scaled");
     CHECK(read_scene_text("circles: {c: [0, 0, 1]}").value().warnings.empty());
   }
 
   TEST_CASE("a cloud without points is left out with a warning") {
-    const auto scene = read_scene_text(
-        "obstacles: [{name: a, type: points, radius: 0.01, points: []},"
-        " {name: b, type: points, radius: 0.01, points: [1, 2, 3]}]");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    REQUIRE(scene->obstacles.size() == 1);
-    CHECK(scene->obstacles[0].name == "b");
-    REQUIRE(scene->warnings.size() == 1);
-    CHECK(scene->warnings[0] ==
+    const auto scene =
+        require(read_scene_text("obstacles: [{name: a, type: points, radius: 0.01, points: []},"
+                                " {name: b, type: points, radius: 0.01, points: [1, 2, 3]}]"));
+    REQUIRE(scene.obstacles.size() == 1);
+    CHECK(scene.obstacles[0].name == "b");
+    REQUIRE(scene.warnings.size() == 1);
+    CHECK(scene.warnings[0] ==
           "f:1: key obstacles[0].points: there are no points, and the cloud is left out");
   }
 }
@@ -290,23 +286,20 @@ TEST_SUITE("unit") {
   TEST_CASE("a scene file is read, and named after the file if it gives no name") {
     const TemporaryDirectory directory;
     write_file(directory / "room.yaml", "circles: {a: [1, 2, 3]}\n");
-    const auto scene = load_scene(directory / "room.yaml");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    CHECK(scene->name == "room");
-    CHECK(scene->obstacles.size() == 1);
+    const auto scene = require(load_scene(directory / "room.yaml"));
+    CHECK(scene.name == "room");
+    CHECK(scene.obstacles.size() == 1);
   }
 
   TEST_CASE("a file that is missing is an io error") {
-    const auto scene = load_scene("/nonexistent.yaml");
-    REQUIRE_FALSE(scene.has_value());
-    CHECK(scene.error().code == ErrorCode::io);
+    CHECK(require_error(load_scene("/nonexistent.yaml")).code == ErrorCode::io);
   }
 
   TEST_CASE("malformed text is a parse error that names file and line") {
-    const auto scene = parse_scene("name: x\ncircles: {a: [1, 2, x]}\n", "dir/s.yaml");
-    REQUIRE_FALSE(scene.has_value());
-    CHECK(scene.error().code == ErrorCode::parse);
-    CHECK(scene.error().message == "dir/s.yaml:2: key circles.a[2]: expected a number, got \"x\"");
+    const Error error =
+        require_error(parse_scene("name: x\ncircles: {a: [1, 2, x]}\n", "dir/s.yaml"));
+    CHECK(error.code == ErrorCode::parse);
+    CHECK(error.message == "dir/s.yaml:2: key circles.a[2]: expected a number, got \"x\"");
   }
 
   TEST_CASE("bytes that are no text are refused without harm") {

@@ -10,6 +10,9 @@
 namespace mneme {
 namespace {
 
+using test::contains;
+using test::require;
+
 const std::string kText = R"((shop floor)+
 * bench top
 0.5 0 0.25
@@ -58,64 +61,57 @@ std::string replaced_text(const std::string& from, const std::string& to) {
 
 TEST_SUITE("unit") {
   TEST_CASE("a quaternion of zeros is the identity, as in messages of MoveIt") {
-    const auto scene = parse_scene(
-        replaced_text("0 0 0.7071067811865476 0.7071067811865476", "0 0 0 0"), "f.scene");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    CHECK(std::get<Box>(scene->obstacles[0].shapes[0]).pose.rotation ==
-          Eigen::Matrix3d::Identity());
-    CHECK(
-        scene_text_failure(replaced_text("0 0 0.7071067811865476 0.7071067811865476", "0 0 0 1e-9"))
-            .find("expected a quaternion of length 1, got 0 0 0 1e-09") != std::string::npos);
+    const auto scene = require(parse_scene(
+        replaced_text("0 0 0.7071067811865476 0.7071067811865476", "0 0 0 0"), "f.scene"));
+    CHECK(std::get<Box>(scene.obstacles[0].shapes[0]).pose.rotation == Eigen::Matrix3d::Identity());
+    CHECK(contains(scene_text_failure(
+                       replaced_text("0 0 0.7071067811865476 0.7071067811865476", "0 0 0 1e-9")),
+                   "expected a quaternion of length 1, got 0 0 0 1e-09"));
   }
 
   TEST_CASE("sizes of 0 and quaternions of other lengths in scene text are taken with a warning") {
-    const auto scene = parse_scene(replaced_text("0.125\n0.5", "0\n0.5"), "f.scene");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    REQUIRE(scene->warnings.size() == 1);
-    CHECK(scene->warnings[0] == "f.scene:25: a size of 0 is taken for 0.1 mm");
-    const auto scaled = parse_scene(
-        replaced_text("0 0 0.7071067811865476 0.7071067811865476", "0 0 1 1"), "f.scene");
-    REQUIRE_MESSAGE(scaled.has_value(), (scaled ? "" : scaled.error().message));
-    CHECK(scaled->warnings.size() == 1);
-    CHECK(scaled->obstacles == parse_scene(kText, "f.scene").value().obstacles);
+    const auto scene = require(parse_scene(replaced_text("0.125\n0.5", "0\n0.5"), "f.scene"));
+    REQUIRE(scene.warnings.size() == 1);
+    CHECK(scene.warnings[0] == "f.scene:25: a size of 0 is taken for 0.1 mm");
+    const auto scaled = require(parse_scene(
+        replaced_text("0 0 0.7071067811865476 0.7071067811865476", "0 0 1 1"), "f.scene"));
+    CHECK(scaled.warnings.size() == 1);
+    CHECK(scaled.obstacles == parse_scene(kText, "f.scene").value().obstacles);
   }
 
   TEST_CASE("scene text has bodies with poses, whose shapes have poses in them") {
-    const auto scene = parse_scene(kText, "f.scene");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    CHECK(scene->name == "(shop floor)+");
-    REQUIRE(scene->obstacles.size() == 2);
-    CHECK(scene->obstacles[0].name == "bench top");
-    REQUIRE(scene->obstacles[0].shapes.size() == 2);
-    const Box& box = std::get<Box>(scene->obstacles[0].shapes[0]);
+    const auto scene = require(parse_scene(kText, "f.scene"));
+    CHECK(scene.name == "(shop floor)+");
+    REQUIRE(scene.obstacles.size() == 2);
+    CHECK(scene.obstacles[0].name == "bench top");
+    REQUIRE(scene.obstacles[0].shapes.size() == 2);
+    const Box& box = std::get<Box>(scene.obstacles[0].shapes[0]);
     CHECK(box.half_extents == Vec3(0.25, 0.75, 0.0625));
     CHECK(box.pose.translation == Vec3(0.5, 0, 0.25));
-    const Cylinder& leg = std::get<Cylinder>(scene->obstacles[0].shapes[1]);
+    const Cylinder& leg = std::get<Cylinder>(scene.obstacles[0].shapes[1]);
     CHECK(leg.radius == 0.0625);
     CHECK(leg.length == 0.25);
     CHECK(leg.pose.translation.isApprox(Vec3(0.5, 1, 0.75)));
-    CHECK(std::get<Sphere>(scene->obstacles[1].shapes[0]).center == Vec3(0.5, -0.25, 0.75));
+    CHECK(std::get<Sphere>(scene.obstacles[1].shapes[0]).center == Vec3(0.5, -0.25, 0.75));
   }
 
   TEST_CASE("a cone of scene text is taken for the cylinder around it, with a warning") {
-    const auto scene = parse_scene(replaced_text("cylinder", "cone"), "f.scene");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    CHECK(scene->obstacles == parse_scene(kText, "f.scene").value().obstacles);
-    REQUIRE(scene->warnings.size() == 1);
-    CHECK(scene->warnings[0].ends_with("a cone is taken for the cylinder around it"));
+    const auto scene = require(parse_scene(replaced_text("cylinder", "cone"), "f.scene"));
+    CHECK(scene.obstacles == parse_scene(kText, "f.scene").value().obstacles);
+    REQUIRE(scene.warnings.size() == 1);
+    CHECK(scene.warnings[0].ends_with("a cone is taken for the cylinder around it"));
   }
 
   TEST_CASE("scene text of old versions has no poses of bodies and no subframes") {
-    const auto scene = parse_scene(
+    const auto scene = require(parse_scene(
         "old\n* part\n2\nmesh\n3 1\n0 0 0\n1 0 0\n0 1 0\n0 1 2\n0 0 1\n0 0 0 1\n0 0 0 0\nplane\n"
         "0 0 2 -1\n5 0 0\n0 0 0 1\n0 0 0 0\n.\n",
-        "f.scene");
-    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-    REQUIRE(scene->obstacles.at(0).shapes.size() == 2);
-    const Mesh& mesh = std::get<Mesh>(scene->obstacles[0].shapes[0]);
+        "f.scene"));
+    REQUIRE(scene.obstacles.at(0).shapes.size() == 2);
+    const Mesh& mesh = std::get<Mesh>(scene.obstacles[0].shapes[0]);
     CHECK(mesh.parts->list().size() == 1);
     CHECK(mesh.pose.translation == Vec3(0, 0, 1));
-    CHECK(std::get<Box>(scene->obstacles[0].shapes[1]).pose.translation.isApprox(Vec3(0, 0, 0.5)));
+    CHECK(std::get<Box>(scene.obstacles[0].shapes[1]).pose.translation.isApprox(Vec3(0, 0, 0.5)));
     CHECK(parse_scene("nothing\n.\n", "f.scene").value().obstacles.empty());
   }
 

@@ -24,10 +24,9 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a scene without obstacles reads back") {
-    const auto scene = parse_scene(to_yaml(Scene{"", {}}), "f");
-    REQUIRE(scene.has_value());
-    CHECK(scene->name.empty());
-    CHECK(scene->obstacles.empty());
+    const auto scene = require(parse_scene(to_yaml(Scene{"", {}}), "f"));
+    CHECK(scene.name.empty());
+    CHECK(scene.obstacles.empty());
   }
 }
 
@@ -67,15 +66,14 @@ TEST_SUITE("law") {
         scene.obstacles.push_back(obstacle);
       }
       INFO("seed 81, case " << i);
-      const auto read = parse_scene(to_yaml(scene), "f");
-      REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
-      REQUIRE(read->name == scene.name);
-      REQUIRE(read->obstacles.size() == scene.obstacles.size());
+      const auto read = require(parse_scene(to_yaml(scene), "f"));
+      REQUIRE(read.name == scene.name);
+      REQUIRE(read.obstacles.size() == scene.obstacles.size());
       for (std::size_t j = 0; j < obstacles; ++j) {
-        REQUIRE(read->obstacles[j].name == scene.obstacles[j].name);
-        REQUIRE(read->obstacles[j].shapes.size() == scene.obstacles[j].shapes.size());
+        REQUIRE(read.obstacles[j].name == scene.obstacles[j].name);
+        REQUIRE(read.obstacles[j].shapes.size() == scene.obstacles[j].shapes.size());
         for (std::size_t k = 0; k < scene.obstacles[j].shapes.size(); ++k) {
-          check_same(read->obstacles[j].shapes[k], scene.obstacles[j].shapes[k]);
+          check_same(read.obstacles[j].shapes[k], scene.obstacles[j].shapes[k]);
         }
       }
     }
@@ -95,12 +93,11 @@ TEST_SUITE("unit") {
   TEST_CASE("a scene that is written for MoveIt reads back") {
     const TemporaryDirectory directory;
     write_file(directory / "s.yaml", to_moveit_yaml(strange_scene()).value());
-    const auto read = load_framed_scene(directory / "s.yaml");
-    REQUIRE_MESSAGE(read.has_value(), (read ? "" : read.error().message));
-    CHECK(read->frame == "base_link");
-    CHECK(read->scene.name == "a: scene");
-    REQUIRE(read->scene.obstacles.size() == 2);
-    const auto& table = read->scene.obstacles[1];
+    const auto read = require(load_framed_scene(directory / "s.yaml"));
+    CHECK(read.frame == "base_link");
+    CHECK(read.scene.name == "a: scene");
+    REQUIRE(read.scene.obstacles.size() == 2);
+    const auto& table = read.scene.obstacles[1];
     CHECK(table.name == "table");
     const auto& box = std::get<Box>(table.shapes.at(0));
     CHECK((box.pose.rotation - kTurnedPose.rotation).norm() < 1e-12);
@@ -109,7 +106,7 @@ TEST_SUITE("unit") {
     const auto& can = std::get<Cylinder>(table.shapes.at(1));
     CHECK(can.radius == 0.05);
     CHECK(can.length == 0.7);
-    CHECK(std::get<Sphere>(read->scene.obstacles[0].shapes.at(0)).center == Vec3(1, 2, 3));
+    CHECK(std::get<Sphere>(read.scene.obstacles[0].shapes.at(0)).center == Vec3(1, 2, 3));
   }
 
   TEST_CASE("an empty scene is written, capsules and nameless frames are refused") {

@@ -36,11 +36,8 @@ TEST_SUITE("flow") {
     goal.link = "link_8";
     goal.pose.translation = problem->robot.link_poses(problem->goals.front()).back().translation;
     goal.cone = goal.turn = kPi;
-    IkSettings settings;
-    settings.seed = 3;
-    settings.solutions = 5;
-    auto source =
-        PoseGoalSource::make(*checker, {{goal}}, problem->start, settings, kVerificationMargin);
+    auto source = PoseGoalSource::make(*checker, {{goal}}, problem->start,
+                                       {.solutions = 5, .seed = 3}, kVerificationMargin);
     const auto expected = source->more();
     REQUIRE(!expected.empty());
     REQUIRE(reply.body["solutions"].size() == expected.size());

@@ -15,11 +15,10 @@ namespace {
 using Reasons = std::map<std::string, AllowedReason>;
 
 Reasons reasons_of(const Robot::Parts& parts, const PairSettings& settings = {}) {
-  const auto pairs = derive_allowed_pairs(parts, settings);
-  REQUIRE_MESSAGE(pairs.has_value(), (pairs ? "" : pairs.error().message));
+  const auto pairs = require(derive_allowed_pairs(parts, settings));
   Reasons reasons;
-  for (const AllowedPair& pair : *pairs) reasons[pair.first + " " + pair.second] = pair.reason;
-  CHECK(reasons.size() == pairs->size());
+  for (const AllowedPair& pair : pairs) reasons[pair.first + " " + pair.second] = pair.reason;
+  CHECK(reasons.size() == pairs.size());
   return reasons;
 }
 
@@ -80,10 +79,9 @@ TEST_SUITE("unit") {
       parts.links[link].solids = {make_box({0.5, 0.5, 0.02})};
     }
     parts.links[1].spheres = {{{0, 0, 3}, 0.1}};
-    const auto made = approximate_robot(parts, {0.3, 1, 0.3});
-    REQUIRE(made.has_value());
-    CHECK(reasons_of(made->parts).at("l0 l2") != AllowedReason::never);
-    CHECK(reasons_of(made->parts, {.samples = 200, .is_exact = true}).at("l0 l2") ==
+    const auto made = require(approximate_robot(parts, {0.3, 1, 0.3}));
+    CHECK(reasons_of(made.parts).at("l0 l2") != AllowedReason::never);
+    CHECK(reasons_of(made.parts, {.samples = 200, .is_exact = true}).at("l0 l2") ==
           AllowedReason::never);
   }
 
@@ -159,9 +157,7 @@ Robot arm_with_ring(double radius) {
     joint.upper = 2;
     parts.joints.push_back(joint);
   }
-  const auto robot = make_robot(std::move(parts));
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(make_robot(std::move(parts)));
 }
 
 }  // namespace

@@ -21,9 +21,7 @@ constexpr const char* kArm = R"(<robot name="arm">
 
 ApproximatedObject require_spheres(AttachedObject object,
                                    const SphereSettings& settings = kObjectSpheres) {
-  auto made = approximate_object(std::move(object), settings);
-  REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
-  return *made;
+  return require(approximate_object(std::move(object), settings));
 }
 
 bool holds(const ApproximatedObject& object, const Vec3& point) {
@@ -125,7 +123,7 @@ TEST_SUITE("unit") {
         approximate_object({"cube", "hand", {}, {{directory / "none.stl", Vec3::Ones(), {}}}, {}});
     REQUIRE(!missing.has_value());
     CHECK(missing.error().message.starts_with("attached object 'cube': "));
-    CHECK(missing.error().message.find("none.stl") != std::string::npos);
+    CHECK(contains(missing.error().message, "none.stl"));
   }
 
   TEST_CASE("triangles are approximated as a mesh file of them") {
@@ -144,16 +142,13 @@ TEST_SUITE("unit") {
     }
     CHECK(made.approximation->surface.parts->list().size() == 12);
     mesh.radius = 0.01;
-    const auto inflated = approximate_object({"cube", "hand", {mesh}, {}, {}});
-    REQUIRE(!inflated.has_value());
-    CHECK(inflated.error().message.find("mesh without a radius") != std::string::npos);
+    const Error error = require_error(approximate_object({"cube", "hand", {mesh}, {}, {}}));
+    CHECK(contains(error.message, "mesh without a radius"));
   }
 
   TEST_CASE("objects without shape or size are refused by name") {
     const auto refusal = [](const AttachedObject& object) {
-      const auto made = approximate_object(object);
-      REQUIRE(!made.has_value());
-      return made.error().message;
+      return require_error(approximate_object(object)).message;
     };
     CHECK(refusal({"cup", "hand", {}}) == "attached object 'cup': it has no shapes");
     const std::string no_size = " has a size that is not positive";
@@ -176,23 +171,21 @@ TEST_SUITE("unit") {
   TEST_CASE("settings that no spheres can obey are refused") {
     for (const SphereSettings& settings :
          {SphereSettings{0, 64}, SphereSettings{0.02, 0}, SphereSettings{0.02, 64, 0}}) {
-      const auto made = approximate_object({"box", "hand", {Box{{}, {0.1, 0.1, 0.1}}}}, settings);
-      REQUIRE(!made.has_value());
-      CHECK(made.error().code == ErrorCode::invalid);
+      const Error error =
+          require_error(approximate_object({"box", "hand", {Box{{}, {0.1, 0.1, 0.1}}}}, settings));
+      CHECK(error.code == ErrorCode::invalid);
     }
   }
 
   TEST_CASE("attach approximates and attaches") {
     const Robot bare = parse_robot(kArm, "arm.urdf").value();
-    const auto robot = attach(bare, {{"cup", "tool", {Cylinder{{}, 0.03, 0.12}}}});
-    REQUIRE(robot.has_value());
-    CHECK(robot->links().back().spheres.size() == robot->attached()[0].spheres.size());
-    REQUIRE(robot->links().back().approximation.has_value());
-    CHECK(robot->links().back().approximation->surface ==
-          robot->attached()[0].approximation->surface);
-    CHECK(
-        attach(bare, {{"cup", "hand", {Sphere{Vec3::Zero(), 1}}}}).error().message.find("'hand'") !=
-        std::string::npos);
+    const auto robot = require(attach(bare, {{"cup", "tool", {Cylinder{{}, 0.03, 0.12}}}}));
+    CHECK(robot.links().back().spheres.size() == robot.attached()[0].spheres.size());
+    REQUIRE(robot.links().back().approximation.has_value());
+    CHECK(robot.links().back().approximation->surface ==
+          robot.attached()[0].approximation->surface);
+    CHECK(contains(attach(bare, {{"cup", "hand", {Sphere{Vec3::Zero(), 1}}}}).error().message,
+                   "'hand'"));
     CHECK(attach(bare, {{"cup", "tool", {}}}).error().message ==
           "attached object 'cup': it has no shapes");
   }

@@ -42,14 +42,13 @@ TEST_SUITE("unit") {
     const SphereCache cache(files / "a/b");
     CHECK_FALSE(cache.find(kKey).has_value());
     REQUIRE(cache.store(kKey, make_spheres()));
-    const auto found = cache.find(kKey);
-    REQUIRE(found.has_value());
-    REQUIRE(found->spheres.size() == 2);
-    CHECK(found->spheres[0].center == Vec3(0.1, -0.2, 1e-5));
-    CHECK(found->spheres[1].radius == 1.0 / 3);
-    CHECK(found->capsules == make_spheres().capsules);
-    CHECK(found->mean_excess == 0.01);
-    CHECK(found->max_excess == 0.02);
+    const auto found = require(cache.find(kKey));
+    REQUIRE(found.spheres.size() == 2);
+    CHECK(found.spheres[0].center == Vec3(0.1, -0.2, 1e-5));
+    CHECK(found.spheres[1].radius == 1.0 / 3);
+    CHECK(found.capsules == make_spheres().capsules);
+    CHECK(found.mean_excess == 0.01);
+    CHECK(found.max_excess == 0.02);
     CHECK(files_in(files / "a/b").size() == 1);
   }
 
@@ -122,23 +121,22 @@ Robot::Parts make_parts() {
 
 TEST_SUITE("unit") {
   TEST_CASE("solids become spheres; what was sphere or capsule stays") {
-    const auto made = approximate_robot(make_parts());
-    REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
-    REQUIRE(made->links.size() == 2);
-    CHECK(made->links[0].link == "l0");
-    CHECK(made->links[1].link == "l2");
-    const auto& links = made->parts.links;
+    const auto made = require(approximate_robot(make_parts()));
+    REQUIRE(made.links.size() == 2);
+    CHECK(made.links[0].link == "l0");
+    CHECK(made.links[1].link == "l2");
+    const auto& links = made.parts.links;
     for (const Link& link : links) CHECK(link.solids.empty());
     CHECK(links[0].spheres[0].center == Vec3(0.5, 0, 0));
-    CHECK(links[0].spheres.size() == 1 + made->links[0].spheres.size());
+    CHECK(links[0].spheres.size() == 1 + made.links[0].spheres.size());
     CHECK(links[0].capsules.size() == 1);
     CHECK(links[1].spheres.size() == 1);
-    CHECK(links[2].spheres.size() == made->links[1].spheres.size());
+    CHECK(links[2].spheres.size() == made.links[1].spheres.size());
     CHECK_FALSE(links[1].approximation.has_value());
     for (const std::size_t i : {0, 1}) {
       const SphereApproximation& approximation = links[2 * i].approximation.value();
-      CHECK(approximation.sphere_count == std::ssize(made->links[i].spheres));
-      CHECK(approximation.excess == made->links[i].max_excess);
+      CHECK(approximation.sphere_count == std::ssize(made.links[i].spheres));
+      CHECK(approximation.excess == made.links[i].max_excess);
     }
     CHECK(links[0].approximation->surface.parts->list().size() == 12);
   }
@@ -147,25 +145,22 @@ TEST_SUITE("unit") {
     Robot::Parts parts = make_parts();
     parts.links[1].solids = parts.links[0].solids;
     int calls = 0;
-    const auto made = internal::approximate_robot(parts, {}, SphereCache(""),
-                                                  [&](int done, int total, const std::string&) {
-                                                    CHECK(done == ++calls);
-                                                    CHECK(total == 2);
-                                                  });
-    REQUIRE(made.has_value());
+    const auto made = require(internal::approximate_robot(
+        parts, {}, SphereCache(""), [&](int done, int total, const std::string&) {
+          CHECK(done == ++calls);
+          CHECK(total == 2);
+        }));
     CHECK(calls == 2);
-    REQUIRE(made->robot.links.size() == 3);
-    CHECK(made->robot.links[1].link == "l1");
-    const auto& links = made->robot.parts.links;
+    REQUIRE(made.robot.links.size() == 3);
+    CHECK(made.robot.links[1].link == "l1");
+    const auto& links = made.robot.parts.links;
     CHECK(links[1].spheres.size() == links[0].spheres.size());
     CHECK(links[1].approximation->surface == links[0].approximation->surface);
   }
 
   TEST_CASE("links are approximated by one thread where others are refused") {
     const NoThreads none;
-    const auto made = approximate_robot(make_parts());
-    REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
-    CHECK(made->links.size() == 2);
+    CHECK(require(approximate_robot(make_parts())).links.size() == 2);
   }
 
   TEST_CASE("spheres are made once for each settings, and made again if they were damaged") {
@@ -178,37 +173,33 @@ TEST_SUITE("unit") {
     };
     REQUIRE(cache.store(key_of(0, coarse), make_spheres()));
     REQUIRE(cache.store(key_of(2, {}), make_spheres()));
-    const auto first = internal::approximate_robot(parts, coarse, cache);
-    REQUIRE(first.has_value());
-    CHECK(first->found == 1);
-    CHECK(first->stored == 1);
-    CHECK(first->robot.links[0].link == "l0");
-    CHECK(first->robot.links[0].spheres[1].radius == make_spheres().spheres[1].radius);
-    const auto second = internal::approximate_robot(parts, coarse, cache);
-    REQUIRE(second.has_value());
-    CHECK(second->found == 2);
-    CHECK(second->stored == 0);
-    CHECK(second->robot.links[1].link == "l2");
-    REQUIRE(first->robot.links[1].capsules.size() == 1);
-    CHECK(second->robot.links[1].capsules == first->robot.links[1].capsules);
+    const auto first = require(internal::approximate_robot(parts, coarse, cache));
+    CHECK(first.found == 1);
+    CHECK(first.stored == 1);
+    CHECK(first.robot.links[0].link == "l0");
+    CHECK(first.robot.links[0].spheres[1].radius == make_spheres().spheres[1].radius);
+    const auto second = require(internal::approximate_robot(parts, coarse, cache));
+    CHECK(second.found == 2);
+    CHECK(second.stored == 0);
+    CHECK(second.robot.links[1].link == "l2");
+    REQUIRE(first.robot.links[1].capsules.size() == 1);
+    CHECK(second.robot.links[1].capsules == first.robot.links[1].capsules);
     write_file(files / ("cache/spheres-" + key_of(2, coarse) + ".json"), "rubbish");
-    const auto third = internal::approximate_robot(parts, coarse, cache);
-    REQUIRE(third.has_value());
-    CHECK(third->found == 1);
-    CHECK(third->stored == 1);
+    const auto third = require(internal::approximate_robot(parts, coarse, cache));
+    CHECK(third.found == 1);
+    CHECK(third.stored == 1);
     CHECK(cache.find(key_of(2, coarse)).has_value());
   }
 
   TEST_CASE("settings that no spheres can obey are refused") {
     for (const SphereSettings& settings :
          {SphereSettings{0, 64}, SphereSettings{0.02, 0}, SphereSettings{0.02, 64, -1}}) {
-      const auto made = approximate_robot(make_parts(), settings);
-      REQUIRE_FALSE(made.has_value());
-      CHECK(made.error().code == ErrorCode::invalid);
-      CHECK(made.error().message.starts_with("setting '"));
-      const auto robot = load_approximated_robot(source_file("robots/planar8.urdf"), {}, settings);
-      REQUIRE_FALSE(robot.has_value());
-      CHECK(robot.error().message == made.error().message);
+      const Error error = require_error(approximate_robot(make_parts(), settings));
+      CHECK(error.code == ErrorCode::invalid);
+      CHECK(error.message.starts_with("setting '"));
+      const Error robot =
+          require_error(load_approximated_robot(source_file("robots/planar8.urdf"), {}, settings));
+      CHECK(robot.message == error.message);
     }
   }
 
@@ -216,9 +207,8 @@ TEST_SUITE("unit") {
     Robot::Parts parts = make_parts();
     parts.links[1].solids = {MeshFile{"/no/first.stl", Vec3::Ones(), {}}};
     parts.links[2].solids = {MeshFile{"/no/second.stl", Vec3::Ones(), {}}};
-    const auto made = approximate_robot(parts);
-    REQUIRE_FALSE(made.has_value());
-    CHECK(contains(made.error().message, "link 'l1': mesh /no/first.stl"));
+    CHECK(
+        contains(require_error(approximate_robot(parts)).message, "link 'l1': mesh /no/first.stl"));
   }
 
   TEST_CASE("an arm's last three links and fingers are tips, and approximated more closely") {
@@ -234,11 +224,11 @@ TEST_SUITE("unit") {
           std::vector<bool>{false, false, false, false, true, true, true});
     parts = make_bare_chain(5);
     for (const std::size_t link : {1, 4}) parts.links[link].solids = {make_box({0.1, 0.1, 0.1})};
-    const auto made = internal::approximate_robot(parts, {0.02, 200, 0.008}, SphereCache(""));
-    REQUIRE(made.has_value());
-    CHECK(made->robot.links[0].max_excess > 0.01);
-    CHECK(made->robot.links[1].max_excess <= 0.008);
-    CHECK(made->robot.links[1].spheres.size() > made->robot.links[0].spheres.size());
+    const auto made =
+        require(internal::approximate_robot(parts, {0.02, 200, 0.008}, SphereCache("")));
+    CHECK(made.robot.links[0].max_excess > 0.01);
+    CHECK(made.robot.links[1].max_excess <= 0.008);
+    CHECK(made.robot.links[1].spheres.size() > made.robot.links[0].spheres.size());
   }
 
   TEST_CASE("short chains, such as a neck, and chains of a loop have no tips") {
@@ -256,8 +246,7 @@ TEST_SUITE("unit") {
       counts.push_back(done);
       CHECK(total == 2);
     };
-    REQUIRE(internal::approximate_robot(make_parts(), {}, SphereCache(""), on_approximated)
-                .has_value());
+    require(internal::approximate_robot(make_parts(), {}, SphereCache(""), on_approximated));
     CHECK(links == std::multiset<std::string>{"l0", "l2"});
     CHECK(counts == std::vector<int>{1, 2});
   }
@@ -265,21 +254,18 @@ TEST_SUITE("unit") {
   TEST_CASE("spheres of robots are kept in the user's cache, which its notes tell") {
     const TemporaryDirectory files;
     const EnvironmentVariable home{"XDG_CACHE_HOME", files / "cache"};
-    const auto first = approximate_robot(make_parts());
-    REQUIRE(first.has_value());
-    REQUIRE(first->notes.size() == 1);
-    CHECK_FALSE(contains(first->notes[0], "from the cache"));
-    const auto second = approximate_robot(make_parts());
-    REQUIRE(second.has_value());
-    REQUIRE(second->notes.size() == 1);
-    CHECK(contains(second->notes[0], "; 2 from the cache " + files / "cache/mneme"));
+    const auto first = require(approximate_robot(make_parts()));
+    REQUIRE(first.notes.size() == 1);
+    CHECK_FALSE(contains(first.notes[0], "from the cache"));
+    const auto second = require(approximate_robot(make_parts()));
+    REQUIRE(second.notes.size() == 1);
+    CHECK(contains(second.notes[0], "; 2 from the cache " + files / "cache/mneme"));
   }
 
   TEST_CASE("a robot without solids stays as it is") {
-    const auto made = approximate_robot(make_bare_chain(1));
-    REQUIRE(made.has_value());
-    CHECK(made->links.empty());
-    CHECK(made->notes.empty());
+    const auto made = require(approximate_robot(make_bare_chain(1)));
+    CHECK(made.links.empty());
+    CHECK(made.notes.empty());
   }
 }
 
@@ -309,9 +295,7 @@ struct RobotFiles {
                to_binary_stl(internal::triangulate(make_box({0.3, 0.08, 0.08}))));
   }
   [[nodiscard]] ApproximatedRobot load(const RobotOptions& options = {}) const {
-    auto robot = load_approximated_robot(files / "r.urdf", options);
-    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-    return *robot;
+    return require(load_approximated_robot(files / "r.urdf", options));
   }
   TemporaryDirectory files;
   EnvironmentVariable home{"XDG_CACHE_HOME", files / "cache"};
@@ -368,13 +352,12 @@ TEST_SUITE("unit") {
                    "<joint name=\"j\" type=\"revolute\"><parent link=\"a\"/><child link=\"b\"/>"
                    "<limit lower=\"-1\" upper=\"1\" velocity=\"1\"/></joint></robot>");
     write_file(files / "r.srdf", "<robot name=\"r\"/>");
-    const auto robot = load_approximated_robot(files / "r.urdf");
-    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-    CHECK(robot->robot.self_pairs().empty());
-    REQUIRE(robot->robot.warnings().size() == 1);
-    CHECK(robot->robot.warnings()[0] ==
+    const auto robot = require(load_approximated_robot(files / "r.urdf"));
+    CHECK(robot.robot.self_pairs().empty());
+    REQUIRE(robot.robot.warnings().size() == 1);
+    CHECK(robot.robot.warnings()[0] ==
           "links 'a' and 'b' touch in every configuration; this pair is not checked");
-    CHECK(robot->notes.empty());
+    CHECK(robot.notes.empty());
   }
 
   TEST_CASE("a robot that nothing can touch is a warning") {
@@ -384,35 +367,30 @@ TEST_SUITE("unit") {
         "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/>"
         "<joint name=\"j\" type=\"continuous\"><parent link=\"a\"/><child link=\"b\"/></joint>"
         "</robot>");
-    const auto robot = load_approximated_robot(files / "r.urdf");
-    REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-    REQUIRE(robot->robot.warnings().size() == 1);
-    CHECK(robot->robot.warnings()[0].starts_with(
+    const auto robot = require(load_approximated_robot(files / "r.urdf"));
+    REQUIRE(robot.robot.warnings().size() == 1);
+    CHECK(robot.robot.warnings()[0].starts_with(
         "no link that the group of robot r moves has collision geometry"));
   }
 
   TEST_CASE("a robot without solids is loaded as ever") {
-    const auto robot = load_approximated_robot(source_file("robots/planar8.urdf"));
-    REQUIRE(robot.has_value());
-    CHECK(robot->notes.empty());
-    CHECK(robot->robot.hash() == planar8().hash());
+    const auto robot = require(load_approximated_robot(source_file("robots/planar8.urdf")));
+    CHECK(robot.notes.empty());
+    CHECK(robot.robot.hash() == planar8().hash());
   }
 
   TEST_CASE("errors name the robot's file") {
     const RobotFiles files;
     write_file(files.files / "part.stl", "rubbish");
-    const auto robot = load_approximated_robot(files.files / "r.urdf");
-    REQUIRE_FALSE(robot.has_value());
-    CHECK(contains(robot.error().message, files.files / "r.urdf"));
-    CHECK(contains(robot.error().message, "link 'b'"));
-    CHECK(contains(robot.error().message, files.files / "part.stl"));
-    RobotOptions options;
-    options.joints = {"nobody"};
+    const Error error = require_error(load_approximated_robot(files.files / "r.urdf"));
+    CHECK(contains(error.message, files.files / "r.urdf"));
+    CHECK(contains(error.message, "link 'b'"));
+    CHECK(contains(error.message, files.files / "part.stl"));
     write_file(files.files / "part.stl",
                to_binary_stl(internal::triangulate(make_box({0.3, 0.08, 0.08}))));
-    const auto wrong = load_approximated_robot(files.files / "r.urdf", options);
-    REQUIRE_FALSE(wrong.has_value());
-    CHECK(contains(wrong.error().message, "nobody"));
+    const Error wrong =
+        require_error(load_approximated_robot(files.files / "r.urdf", {.joints = {"nobody"}}));
+    CHECK(contains(wrong.message, "nobody"));
     CHECK_FALSE(load_approximated_robot(files.files / "missing.urdf").has_value());
   }
 }

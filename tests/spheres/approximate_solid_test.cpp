@@ -184,16 +184,15 @@ TEST_SUITE("unit") {
     const TemporaryDirectory files;
     write_file(files / "part.stl", to_binary_stl(internal::triangulate(make_box({0.1, 0.1, 0.1}))));
     const Transform up{Eigen::Matrix3d::Identity(), {0, 0, 0.3}};
-    const auto made = approximate_link(link_of(
+    const auto made = require(approximate_link(link_of(
         {make_box({0.1, 0.1, 0.1}), Cylinder{{Eigen::Matrix3d::Identity(), {0.3, 0, 0}}, 0.05, 0.1},
-         MeshFile{files / "part.stl", Vec3::Ones(), up}}));
-    REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
-    CHECK(made->link == "arm");
-    CHECK(made->uncovered == 0);
+         MeshFile{files / "part.stl", Vec3::Ones(), up}})));
+    CHECK(made.link == "arm");
+    CHECK(made.uncovered == 0);
     for (const Vec3& p : {Vec3(0.05, 0.05, 0.05), Vec3(0.35, 0, 0.05), Vec3(-0.05, 0.05, 0.35)}) {
-      CHECK(is_held(p, made->spheres));
+      CHECK(is_held(p, made.spheres));
     }
-    CHECK_FALSE(is_held({0.15, 0.1, 0.15}, made->spheres));
+    CHECK_FALSE(is_held({0.15, 0.1, 0.15}, made.spheres));
   }
 
   TEST_CASE("settings that no spheres can obey are refused") {
@@ -202,16 +201,14 @@ TEST_SUITE("unit") {
          {SphereSettings{0, 5}, SphereSettings{-1, 5}, SphereSettings{0.02, 0},
           SphereSettings{std::numeric_limits<double>::quiet_NaN(), 5},
           SphereSettings{std::numeric_limits<double>::infinity(), 5}}) {
-      const auto made = approximate_link(link, settings);
-      REQUIRE_FALSE(made.has_value());
-      CHECK(made.error().code == ErrorCode::invalid);
+      CHECK(require_error(approximate_link(link, settings)).code == ErrorCode::invalid);
     }
   }
 
   TEST_CASE("errors of solids are passed on") {
-    const auto made = approximate_link(link_of({MeshFile{"/no/such.stl", Vec3::Ones(), {}}}));
-    REQUIRE_FALSE(made.has_value());
-    CHECK(contains(made.error().message, "link 'arm': mesh /no/such.stl"));
+    const Error error =
+        require_error(approximate_link(link_of({MeshFile{"/no/such.stl", Vec3::Ones(), {}}})));
+    CHECK(contains(error.message, "link 'arm': mesh /no/such.stl"));
   }
 }
 

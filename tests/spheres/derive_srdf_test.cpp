@@ -37,19 +37,16 @@ TEST_SUITE("unit") {
     const EnvironmentVariable home{"XDG_CACHE_HOME", files / "cache"};
     const std::string urdf = files / "folded.urdf";
     write_file(urdf, folded_arm());
-    const auto checked = load_approximated_robot(urdf);
-    REQUIRE(checked.has_value());
-    CHECK(checked->robot.self_pairs().size() == 1);
+    CHECK(require(load_approximated_robot(urdf)).robot.self_pairs().size() == 1);
     const auto made =
         derive_srdf(urdf, {}, {.samples = 500, .allow_at_rest = true, .is_exact = true});
     REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
     CHECK(made->reasons == std::vector<std::string>{"Adjacent", "Default", "Adjacent"});
     CHECK(contains(made->text, "link1=\"stand\" link2=\"arm\" reason=\"Default\""));
     write_file(files / "folded.srdf", made->text);
-    const auto mended = load_approximated_robot(urdf);
-    REQUIRE_MESSAGE(mended.has_value(), (mended ? "" : mended.error().message));
-    CHECK(mended->robot.self_pairs().empty());
-    CHECK(mended->robot.joint_count() == 2);
+    const auto mended = require(load_approximated_robot(urdf));
+    CHECK(mended.robot.self_pairs().empty());
+    CHECK(mended.robot.joint_count() == 2);
   }
 
   TEST_CASE("pairs, groups and states of the SRDF in use are kept") {
@@ -74,9 +71,7 @@ TEST_SUITE("unit") {
     const TemporaryDirectory files;
     const std::string urdf = files / "r.urdf";
     write_file(urdf, "<robot name='r'><link name='a'/></robot>");
-    const auto made = derive_srdf(urdf);
-    REQUIRE_FALSE(made.has_value());
-    CHECK(made.error().message.starts_with(urdf + ": "));
+    CHECK(require_error(derive_srdf(urdf)).message.starts_with(urdf + ": "));
     CHECK(derive_srdf(files / "none.urdf").error().code == ErrorCode::io);
   }
 }

@@ -110,10 +110,9 @@ TEST_SUITE("unit") {
     const auto fit = [](const TriangleMesh& mesh) {
       return fit_capsule(mesh, SolidModel(mesh), 0.015);
     };
-    const auto slender = fit(internal::triangulate(Cylinder{{}, 0.01, 0.4}));
-    REQUIRE(slender.has_value());
-    CHECK(slender->excess.max <= 0.015);
-    CHECK(slender->excess.mean <= 0.0075);
+    const auto slender = require(fit(internal::triangulate(Cylinder{{}, 0.01, 0.4})));
+    CHECK(slender.excess.max <= 0.015);
+    CHECK(slender.excess.mean <= 0.0075);
     CHECK_FALSE(fit(internal::triangulate(Cylinder{{}, 0.06, 0.3})).has_value());
     CHECK_FALSE(fit(internal::triangulate(make_box({0.2, 0.1, 0.1}))).has_value());
   }

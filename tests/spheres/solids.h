@@ -71,8 +71,4 @@ inline std::string to_binary_stl(const internal::TriangleMesh& mesh) {
   return bytes;
 }
 
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 }  // namespace mneme::test

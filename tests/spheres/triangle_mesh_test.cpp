@@ -108,11 +108,10 @@ TEST_SUITE("unit") {
     write_file(files / "text.stl", to_text_stl(box_mesh()));
     write_file(files / "binary.STL", to_binary_stl(box_mesh()));
     for (const char* name : {"text.stl", "binary.STL"}) {
-      const auto mesh = read_mesh({files / name, Vec3::Ones(), {}});
-      REQUIRE_MESSAGE(mesh.has_value(), (mesh ? "" : mesh.error().message));
-      CHECK(mesh->size() == 12);
-      CHECK(internal::is_closed(*mesh));
-      CHECK(internal::surface_area(*mesh) == doctest::Approx(internal::surface_area(box_mesh())));
+      const auto mesh = require(read_mesh({files / name, Vec3::Ones(), {}}));
+      CHECK(mesh.size() == 12);
+      CHECK(internal::is_closed(mesh));
+      CHECK(internal::surface_area(mesh) == doctest::Approx(internal::surface_area(box_mesh())));
     }
   }
 
@@ -132,12 +131,11 @@ TEST_SUITE("unit") {
     const std::string shifted = "1 0 0 10 0 1 0 20 0 0 1 30 0 0 0 1";
     for (const std::string up : {"Z_UP", "Y_UP", "X_UP"}) {
       write_file(files / "t.dae", make_dae("0.01", up, shifted));
-      const auto mesh = read_mesh({files / "t.dae", Vec3::Ones(), {}});
-      REQUIRE_MESSAGE(mesh.has_value(), (mesh ? "" : mesh.error().message));
-      REQUIRE(mesh->size() == 1);
+      const auto mesh = require(read_mesh({files / "t.dae", Vec3::Ones(), {}}));
+      REQUIRE(mesh.size() == 1);
       INFO(up);
-      CHECK(internal::box_around(*mesh).low.isApprox(Vec3(0.1, 0.2, 0.3), 1e-6));
-      CHECK(internal::box_around(*mesh).high.isApprox(Vec3(0.11, 0.21, 0.31), 1e-6));
+      CHECK(internal::box_around(mesh).low.isApprox(Vec3(0.1, 0.2, 0.3), 1e-6));
+      CHECK(internal::box_around(mesh).high.isApprox(Vec3(0.11, 0.21, 0.31), 1e-6));
     }
   }
 
@@ -145,9 +143,7 @@ TEST_SUITE("unit") {
     const TemporaryDirectory files;
     write_file(files / "m.obj",
                "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\nl 1 2\np 3\n");
-    const auto mesh = read_mesh({files / "m.obj", Vec3::Ones(), {}});
-    REQUIRE(mesh.has_value());
-    CHECK(mesh->size() == 1);
+    CHECK(require(read_mesh({files / "m.obj", Vec3::Ones(), {}})).size() == 1);
   }
 
   TEST_CASE("meshes that cannot be used are refused with the file's name and the reason") {
@@ -188,13 +184,12 @@ TEST_SUITE("unit") {
     };
     for (const Case& c : cases) {
       if (c.text) write_file(files / c.name, *c.text);
-      const auto mesh = read_mesh({files / c.name, Vec3::Ones(), {}});
+      const Error error = require_error(read_mesh({files / c.name, Vec3::Ones(), {}}));
       INFO(c.name);
-      REQUIRE_FALSE(mesh.has_value());
-      INFO(mesh.error().message);
-      CHECK(mesh.error().code == c.code);
-      CHECK(contains(mesh.error().message, files / c.name));
-      CHECK(contains(mesh.error().message, c.reason));
+      INFO(error.message);
+      CHECK(error.code == c.code);
+      CHECK(contains(error.message, files / c.name));
+      CHECK(contains(error.message, c.reason));
     }
     const auto directory = read_mesh({files / ".", Vec3::Ones(), {}});
     CHECK_FALSE(directory.has_value());
@@ -205,9 +200,8 @@ TEST_SUITE("unit") {
   TEST_CASE("the surface of a link is that of all its solids") {
     Link link;
     link.solids = {make_box({1, 1, 1}), make_box({2, 2, 2}, {5, 0, 0})};
-    const auto surface = internal::link_surface(link);
-    REQUIRE(surface.has_value());
-    CHECK(internal::surface_area(*surface) == doctest::Approx(6 + 24));
+    const auto surface = require(internal::link_surface(link));
+    CHECK(internal::surface_area(surface) == doctest::Approx(6 + 24));
   }
 
   TEST_CASE("a link without a surface, or one that is not finite, is refused by name") {
@@ -221,10 +215,9 @@ TEST_SUITE("unit") {
       Link link;
       link.name = "wrist";
       link.solids = solids;
-      const auto surface = internal::link_surface(link);
-      REQUIRE_FALSE(surface.has_value());
-      CHECK(surface.error().code == ErrorCode::invalid);
-      CHECK(contains(surface.error().message, "link 'wrist'"));
+      const Error error = require_error(internal::link_surface(link));
+      CHECK(error.code == ErrorCode::invalid);
+      CHECK(contains(error.message, "link 'wrist'"));
     }
   }
 
@@ -232,11 +225,10 @@ TEST_SUITE("unit") {
     Link link;
     link.name = "wrist";
     link.solids = {make_box({10, 400, 10})};
-    const auto surface = internal::link_surface(link);
-    REQUIRE_FALSE(surface.has_value());
-    CHECK(surface.error().code == ErrorCode::invalid);
-    CHECK(contains(surface.error().message, "link 'wrist': its collision geometry is 400 m long"));
-    CHECK(contains(surface.error().message, "scale of 0.001"));
+    const Error error = require_error(internal::link_surface(link));
+    CHECK(error.code == ErrorCode::invalid);
+    CHECK(contains(error.message, "link 'wrist': its collision geometry is 400 m long"));
+    CHECK(contains(error.message, "scale of 0.001"));
   }
 }
 

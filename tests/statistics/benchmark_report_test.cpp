@@ -11,6 +11,8 @@
 namespace mneme {
 namespace {
 
+using test::contains;
+
 /// Texts between `begin` and `end`, in order.
 std::vector<std::string> pieces(const std::string& text, const std::string& begin,
                                 const std::string& end) {
@@ -94,7 +96,7 @@ TEST_SUITE("oracle") {
       const auto times = times_of(csv, planner, sampler);
       REQUIRE(times.size() == 20);
       const auto solved = std::ranges::count_if(times, [](double t) { return std::isfinite(t); });
-      CHECK(line.find(">" + std::to_string(solved) + "/20/20<") != std::string::npos);
+      CHECK(contains(line, ">" + std::to_string(solved) + "/20/20<"));
       const auto cells = pieces(line, "data-value=\"", "\"");
       REQUIRE(cells.size() == 4);
       const std::size_t ranks[] = {9, 18, 19, 19};
@@ -128,12 +130,10 @@ TEST_SUITE("oracle") {
 TEST_SUITE("unit") {
   TEST_CASE("The page says how many paths failed the check, and on which machine it ran") {
     const std::string html = make_benchmark_report(test::suite_rows(), {}, {}).html;
-    CHECK(
-        html.find("180 runs: 173 solved, 6 without a path, 1 with a path that failed the check") !=
-        std::string::npos);
-    CHECK(html.find("Machine: a machine. Kernels: avx2. Built: mneme 1 with g++ 12.") !=
-          std::string::npos);
-    CHECK(html.find("timed cold, started 2026-01-31T12:00:00Z") != std::string::npos);
+    CHECK(contains(html,
+                   "180 runs: 173 solved, 6 without a path, 1 with a path that failed the check"));
+    CHECK(contains(html, "Machine: a machine. Kernels: avx2. Built: mneme 1 with g++ 12."));
+    CHECK(contains(html, "timed cold, started 2026-01-31T12:00:00Z"));
   }
 
   TEST_CASE("The page needs nothing from elsewhere and its body is well-formed") {
@@ -142,7 +142,7 @@ TEST_SUITE("unit") {
     const std::string& html = report.html;
     for (const std::string reference : {" src=\"", "url(", "@import", "<link", "<script", "<img"}) {
       CAPTURE(reference);
-      CHECK(html.find(reference) == std::string::npos);
+      CHECK(!contains(html, reference));
     }
     const auto begin = html.find("<body>");
     const test::SvgReader body(html.substr(begin, html.find("</body>") + 7 - begin));
@@ -156,12 +156,12 @@ TEST_SUITE("unit") {
 
   TEST_CASE("Where paths were improved there is a figure of their lengths, and a sentence on it") {
     auto rows = test::suite_rows();
-    CHECK(make_benchmark_report(rows, {}, {}).html.find("Lengths are") == std::string::npos);
+    CHECK(!contains(make_benchmark_report(rows, {}, {}).html, "Lengths are"));
     rows[0].improvements = {{0, 10}, {0.001, 5}};
     const BenchmarkReport report = make_benchmark_report(rows, {}, {});
     REQUIRE(report.figures.size() == 2);
     CHECK(report.figures[1].name == "1_scenario_lengths");
-    CHECK(report.html.find("Lengths are") != std::string::npos);
+    CHECK(contains(report.html, "Lengths are"));
   }
 
   TEST_CASE("A page has figures and rows for every problem, and the pictures with captions") {
@@ -198,7 +198,7 @@ TEST_SUITE("unit") {
     }
     CHECK(occurrences(html, " href=") == occurrences(html, " href=\"#"));
     CHECK(occurrences(html, "http") == occurrences(html, "xmlns=\"http://www.w3.org/2000/svg\""));
-    CHECK(html.find("@media (prefers-color-scheme: dark)") != std::string::npos);
+    CHECK(contains(html, "@media (prefers-color-scheme: dark)"));
     CHECK(html.ends_with("</body>\n</html>\n"));
   }
 
@@ -219,7 +219,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("Rows of older files, which name no machine, have a report too") {
     const std::vector<BenchmarkRow> rows = {test::run(1)};
-    CHECK(make_benchmark_report(rows, {}, {}).html.find("not recorded") != std::string::npos);
+    CHECK(contains(make_benchmark_report(rows, {}, {}).html, "not recorded"));
     CHECK(make_benchmark_report({}, {}, {}).figures.empty());
   }
 }

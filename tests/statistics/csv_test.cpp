@@ -11,17 +11,17 @@
 namespace mneme::internal {
 namespace {
 
+using test::require;
+
 TEST_SUITE("unit") {
   TEST_CASE("Fields end at commas, lines at line feeds, unless they are quoted") {
     const std::string text = "a,\"b,\"\"c\"\"\nd\",\ne,f\n";
-    const auto first = read_csv_record(text, 0);
-    REQUIRE(first.has_value());
-    CHECK(first->fields == std::vector<std::string>{"a", "b,\"c\"\nd", ""});
-    const auto second = read_csv_record(text, first->end);
-    REQUIRE(second.has_value());
-    CHECK(second->fields == std::vector<std::string>{"e", "f"});
-    CHECK(second->end == text.size());
-    CHECK_FALSE(read_csv_record(text, second->end).has_value());
+    const auto first = require(read_csv_record(text, 0));
+    CHECK(first.fields == std::vector<std::string>{"a", "b,\"c\"\nd", ""});
+    const auto second = require(read_csv_record(text, first.end));
+    CHECK(second.fields == std::vector<std::string>{"e", "f"});
+    CHECK(second.end == text.size());
+    CHECK_FALSE(read_csv_record(text, second.end).has_value());
   }
 
   TEST_CASE("A line without an end is none") {
@@ -51,6 +51,8 @@ TEST_SUITE("unit") {
 namespace mneme {
 namespace {
 
+using test::contains;
+using test::require;
 using test::run;
 
 BenchmarkRow strange_row() {
@@ -172,50 +174,42 @@ TEST_SUITE("unit") {
         "retrieval_time_s,simplification_time_s,verification_time_s,iterations,states_checked,"
         "motions_checked,nodes,path_length,components,timeout_s\n"
         "a,s,rrt,gl,3,solved,1,0.25,0.5,0.125,1e-05,0.0625,10,20,30,40,1.5,4,2\n";
-    const auto runs = parse_csv(old, "f.csv");
-    REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
-    REQUIRE(runs->rows.size() == 1);
-    CHECK(runs->rows[0].timeout_s == 2);
-    CHECK(runs->rows[0].setting.empty());
-    CHECK(runs->complete_bytes == old.size());
+    const auto runs = require(parse_csv(old, "f.csv"));
+    REQUIRE(runs.rows.size() == 1);
+    CHECK(runs.rows[0].timeout_s == 2);
+    CHECK(runs.rows[0].setting.empty());
+    CHECK(runs.complete_bytes == old.size());
   }
 
   TEST_CASE("So do those that end before the column improvements") {
     std::string old = to_csv(std::vector{run(1)});
     const std::string columns = ",improvements,replayed,duration_s,is_warm";
     old.erase(old.find(columns), columns.size()).erase(old.rfind(",,0,0,0"), 7);
-    const auto runs = parse_csv(old, "f.csv");
-    REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
-    REQUIRE(runs->rows.size() == 1);
-    CHECK(runs->rows[0].planning_time_s == 1);
-    CHECK(runs->rows[0].improvements.empty());
+    const auto runs = require(parse_csv(old, "f.csv"));
+    REQUIRE(runs.rows.size() == 1);
+    CHECK(runs.rows[0].planning_time_s == 1);
+    CHECK(runs.rows[0].improvements.empty());
   }
 
   TEST_CASE("So do those that end before the column replayed") {
     std::string old = to_csv(std::vector{run(1)});
     const std::string columns = ",replayed,duration_s,is_warm";
     old.erase(old.find(columns), columns.size()).erase(old.rfind(",0,0,0"), 6);
-    const auto runs = parse_csv(old, "f.csv");
-    REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
-    CHECK(runs->rows.at(0).replayed == 0);
+    CHECK(require(parse_csv(old, "f.csv")).rows.at(0).replayed == 0);
   }
 
   TEST_CASE("So do those that end before the column duration_s") {
     std::string old = to_csv(std::vector{run(1)});
     const std::string columns = ",duration_s,is_warm";
     old.erase(old.find(columns), columns.size()).erase(old.rfind(",0,0"), 4);
-    const auto runs = parse_csv(old, "f.csv");
-    REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
-    CHECK(runs->rows.at(0).duration_s == 0);
+    CHECK(require(parse_csv(old, "f.csv")).rows.at(0).duration_s == 0);
   }
 
   TEST_CASE("So do those that end before the column is_warm, whose runs were cold") {
     std::string old = to_csv(std::vector{run(1)});
     const std::string column = ",is_warm";
     old.erase(old.find(column), column.size()).erase(old.rfind(",0"), 2);
-    const auto runs = parse_csv(old, "f.csv");
-    REQUIRE_MESSAGE(runs.has_value(), (runs ? "" : runs.error().message));
-    CHECK(describe_timing(runs->rows) == "cold");
+    CHECK(describe_timing(require(parse_csv(old, "f.csv")).rows) == "cold");
   }
 }
 
@@ -224,11 +218,10 @@ TEST_SUITE("unit") {
     const std::vector<MemoryRow> rows = {{"a, \"b\"", 800, 105838, 5200000, 13.25},
                                          {"c", 0, 0, 1, 0}};
     const std::string text = to_csv(rows);
-    const auto read = parse_memory_csv(text, "m.csv");
-    REQUIRE(read.has_value());
-    CHECK(to_csv(*read) == text);
-    CHECK((*read)[0].components == 105838);
-    CHECK((*read)[0].learning_time_s == 13.25);
+    const auto read = require(parse_memory_csv(text, "m.csv"));
+    CHECK(to_csv(read) == text);
+    CHECK(read[0].components == 105838);
+    CHECK(read[0].learning_time_s == 13.25);
   }
 
   TEST_CASE("Files of other columns and broken lines are refused") {
@@ -240,8 +233,7 @@ TEST_SUITE("unit") {
     for (const char* time : {"nan", "inf", "-1"}) {
       CHECK_FALSE(parse_memory_csv(text + "b,1,2,3," + time + "\n", "m.csv").has_value());
     }
-    CHECK(parse_memory_csv(text + "b,1\n", "m.csv").error().message.find("line 3") !=
-          std::string::npos);
+    CHECK(contains(parse_memory_csv(text + "b,1\n", "m.csv").error().message, "line 3"));
   }
 }
 

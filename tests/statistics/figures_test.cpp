@@ -10,6 +10,8 @@
 namespace mneme::internal {
 namespace {
 
+using test::contains;
+
 TEST_SUITE("unit") {
   TEST_CASE("The same factor is the same distance, and times beyond the ends stay on them") {
     const TimeAxis axis{0.001, 10, 400, 0};
@@ -44,7 +46,7 @@ TEST_SUITE("unit") {
         to_document("<svg xmlns=\"http://www.w3.org/2000/svg\">\n<g/>\n</svg>\n");
     const test::SvgReader svg(text);
     CHECK(svg.count("", "style") == 1);
-    CHECK(text.find("prefers-color-scheme: dark") != std::string::npos);
+    CHECK(contains(text, "prefers-color-scheme: dark"));
   }
 
   TEST_CASE("Samplers have colours by their order, settings dashes") {

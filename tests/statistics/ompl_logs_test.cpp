@@ -11,6 +11,8 @@
 namespace mneme {
 namespace {
 
+using test::contains;
+
 /// All rows of a query as text.
 std::string ask(const std::string& path, const std::string& sql) {
   sqlite3* handle = nullptr;
@@ -42,7 +44,7 @@ TEST_SUITE("unit") {
           "\n20 runs per planner\n",
           "\n9 planners\nrrt_connect_gl_tuned\n4 common properties\n"
           "sampler = gl\ntimeout = 20\nrange = 0.5\nmemory = grid\n16 properties for each run\n"}) {
-      CHECK_MESSAGE(text.find(part) != std::string::npos, part);
+      CHECK_MESSAGE(contains(text, part), part);
     }
     std::istringstream lines(text);
     int planners = 0, runs = 0;
@@ -77,7 +79,7 @@ TEST_SUITE("unit") {
     rows[0].setting = "x\ny";
     const auto logs = to_ompl_logs(rows);
     CHECK(logs[0].experiment == "a_b_c_S1");
-    CHECK(logs[0].text.find("\nrrt_connect_gl_x_y\n") != std::string::npos);
+    CHECK(contains(logs[0].text, "\nrrt_connect_gl_x_y\n"));
   }
 }
 

@@ -107,6 +107,8 @@ TEST_SUITE("unit") {
 namespace mneme {
 namespace {
 
+using test::contains;
+
 /// One planner, two samplers, two sets of one problem: memory is 2 and 8 times faster.
 std::vector<BenchmarkRow> two_sets() {
   std::vector<BenchmarkRow> rows;
@@ -127,10 +129,10 @@ TEST_SUITE("unit") {
     const auto lines = test::lines_of(to_table(compare_series(two_sets(), "uniform")));
     REQUIRE(lines.size() == 4);
     CHECK(lines[1].starts_with("cage"));
-    CHECK(lines[1].find("2.00 (2.00 to 2.00)") != std::string::npos);
-    CHECK(lines[2].find("8.00 (8.00 to 8.00)") != std::string::npos);
+    CHECK(contains(lines[1], "2.00 (2.00 to 2.00)"));
+    CHECK(contains(lines[2], "8.00 (8.00 to 8.00)"));
     CHECK(lines[3].starts_with("all"));
-    CHECK(lines[3].find("5.00 (5.00 to 5.00)") != std::string::npos);
+    CHECK(contains(lines[3], "5.00 (5.00 to 5.00)"));
     CHECK(lines[3].ends_with("4.00 (4.00 to 4.00)"));
   }
 

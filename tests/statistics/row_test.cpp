@@ -68,12 +68,14 @@ TEST_SUITE("unit") {
 namespace mneme {
 namespace {
 
+using test::contains;
+
 TEST_SUITE("unit") {
   TEST_CASE("The machine is told by its processor, threads and system, on one line") {
     const std::string text = describe_machine();
-    CHECK(text.find(" hardware threads, ") != std::string::npos);
-    CHECK(text.find("Linux ") != std::string::npos);
-    CHECK(text.find('\n') == std::string::npos);
+    CHECK(contains(text, " hardware threads, "));
+    CHECK(contains(text, "Linux "));
+    CHECK(!contains(text, "\n"));
     CHECK(describe_build().find("mneme " + std::string(version())) == 0);
   }
 }

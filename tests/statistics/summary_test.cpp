@@ -12,6 +12,7 @@
 namespace mneme {
 namespace {
 
+using test::contains;
 using test::run;
 
 TEST_SUITE("unit") {
@@ -170,9 +171,9 @@ TEST_SUITE("unit") {
     std::getline(lines, header);
     std::getline(lines, line);
     CHECK(header.starts_with("set "));
-    CHECK(line.find(" 1/2/3 ") != std::string::npos);
-    CHECK(line.find(" 1.00 ") != std::string::npos);
-    CHECK(line.find(" >4000 ") != std::string::npos);
+    CHECK(contains(line, " 1/2/3 "));
+    CHECK(contains(line, " 1.00 "));
+    CHECK(contains(line, " >4000 "));
   }
 }
 

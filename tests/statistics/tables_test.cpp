@@ -8,9 +8,7 @@
 namespace mneme::internal {
 namespace {
 
-bool has(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
+using test::contains;
 
 std::string ratios_of(const Panel& panel, const std::string& baseline) {
   return to_html(ratio_table(compare_series(panel, baseline)), "ratios");
@@ -54,9 +52,9 @@ TEST_SUITE("unit") {
         to_html(summary_table(summaries, {"planner", "solved/valid/total", "max ms"}), "times");
     const test::SvgReader table(html);
     CHECK(table.count("", "tr") == 10);
-    CHECK(has(html, "<td class=\"number bad\">18/20/20</td>"));
-    CHECK(has(html, "&gt;20000"));
-    CHECK(has(html, "data-value=\"20\""));
+    CHECK(contains(html, "<td class=\"number bad\">18/20/20</td>"));
+    CHECK(contains(html, "&gt;20000"));
+    CHECK(contains(html, "data-value=\"20\""));
   }
 
   TEST_CASE("Ratios are marked as bounds, or open where both medians failed") {
@@ -64,22 +62,23 @@ TEST_SUITE("unit") {
     rows[1].sampler = "uniform";
     rows[0].timeout_s = rows[1].timeout_s = 9;
     const auto bound = make_panels(rows, false);
-    CHECK(has(ratios_of(bound[0], "uniform"), "≥ 9.00"));
-    CHECK(has(ratios_of(bound[0], "gl"), "≤ 0.11"));
+    CHECK(contains(ratios_of(bound[0], "uniform"), "≥ 9.00"));
+    CHECK(contains(ratios_of(bound[0], "gl"), "≤ 0.11"));
     rows[0].planning_time_s = 0.009;
     const auto far = make_panels(rows, false);
-    CHECK(has(ratios_of(far[0], "gl"), "≤ 0.001 ("));
+    CHECK(contains(ratios_of(far[0], "gl"), "≤ 0.001 ("));
     rows[0].is_solved = rows[0].is_path_valid = false;
     const auto open = make_panels(rows, false);
-    CHECK(has(ratios_of(open[0], "uniform"), ">open<"));
+    CHECK(contains(ratios_of(open[0], "uniform"), ">open<"));
     CHECK(to_html(ratio_table({}), "ratios").empty());
   }
 
   TEST_CASE("Settings and memories have tables") {
-    CHECK(has(to_html(settings_table(test::suite_rows()), "settings"), "range=0.5 memory=grid"));
+    CHECK(
+        contains(to_html(settings_table(test::suite_rows()), "settings"), "range=0.5 memory=grid"));
     const std::vector<MemoryRow> memories = {{"grid<", 800, 5, 2500, 1.25}};
     const std::string html = to_html(memory_table(memories), "memories");
-    CHECK(has(html, "grid&lt;"));
+    CHECK(contains(html, "grid&lt;"));
     CHECK(test::SvgReader(html).count("", "tr") == 2);
   }
 }

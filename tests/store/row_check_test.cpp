@@ -114,11 +114,10 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("text that not every store can hold is a flaw") {
-    CHECK(flaw_after([](Experience& e) { e.provenance.tool = "caf\xe9"; }).find("tool") !=
-          std::string::npos);
-    CHECK(flaw_after([](Experience& e) {
-            e.provenance.settings = std::string("a\0b", 3);
-          }).find("settings") != std::string::npos);
+    CHECK(contains(flaw_after([](Experience& e) { e.provenance.tool = "caf\xe9"; }), "tool"));
+    CHECK(
+        contains(flaw_after([](Experience& e) { e.provenance.settings = std::string("a\0b", 3); }),
+                 "settings"));
     CHECK(flaw_after([](Experience& e) {
             e.provenance.settings = "'; DROP TABLE x; -- \u00e9";
           }).empty());
@@ -158,8 +157,7 @@ TEST_SUITE("unit") {
     CHECK(changed("", model) == RobotDifference::none);
     CHECK(changed("", other_model) == RobotDifference::frames);
     const RobotSignature limited{"arm", "11111111bbbbbbbb", model, 3};
-    CHECK(internal::refuse_robot("a.db", known, limited).value().message.find("db adopt") !=
-          std::string::npos);
+    CHECK(contains(internal::refuse_robot("a.db", known, limited).value().message, "db adopt"));
   }
 
   TEST_CASE("paths of schema 3 are under one of 900 numbers that derive from their constraints") {

@@ -61,6 +61,13 @@ std::optional<std::string> data_file(const std::string& name) {
 
 Robot planar8() { return require(load_robot(source_file("robots/planar8.urdf"))); }
 
+SolveResult require_solved(const Problem& problem, Database* database,
+                           const SolveSettings& settings, const char* file, int line) {
+  SolveResult result = require(solve(problem, database, settings), file, line);
+  if (!result.plan.is_solved()) ADD_FAIL_AT(file, line, result.plan.message);
+  return result;
+}
+
 Configuration random_configuration(const Robot& robot, Rng& rng) {
   return internal::random_configuration(robot, rng);
 }

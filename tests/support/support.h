@@ -60,6 +60,11 @@ int rounds(int usual);
 /// The planar arm that the paper's scenarios use.
 Robot planar8();
 
+/// Plans a problem, which must have a path. `file` and `line`: the caller's.
+SolveResult require_solved(const Problem& problem, Database* database,
+                           const SolveSettings& settings, const char* file = __builtin_FILE(),
+                           int line = __builtin_LINE());
+
 /// A uniform random configuration.
 Configuration random_configuration(const Robot& robot, Rng& rng);
 

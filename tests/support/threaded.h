@@ -9,22 +9,16 @@
 
 namespace mneme::test {
 
-inline internal::PlanarChain require_chain(const Robot& robot) {
-  auto chain = internal::PlanarChain::make(robot);
-  REQUIRE(chain.has_value());
-  return *std::move(chain);
-}
-
 inline int first_crossing_link(const Robot& robot, const PrimitiveKey& key,
                                std::span<const double> q) {
-  return internal::first_crossing_link(require_chain(robot), key, q);
+  return internal::first_crossing_link(require(internal::PlanarChain::make(robot)), key, q);
 }
 
 inline std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
                                                     const PrimitiveKey& key, int first_link,
                                                     int attempts, Rng& rng) {
-  return internal::sample_threaded(checker, require_chain(checker.robot()), key, first_link,
-                                   attempts, rng);
+  return internal::sample_threaded(checker, require(internal::PlanarChain::make(checker.robot())),
+                                   key, first_link, attempts, rng);
 }
 
 }  // namespace mneme::test

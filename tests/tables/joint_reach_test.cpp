@@ -32,9 +32,7 @@ Robot row_of_links(const std::vector<JointType>& types, double limit) {
     joint.upper = limit;
     parts.joints.push_back(joint);
   }
-  auto robot = make_robot(parts);
-  REQUIRE(robot.has_value());
-  return *robot;
+  return require(make_robot(parts));
 }
 
 struct Carried {
@@ -43,10 +41,9 @@ struct Carried {
 };
 
 bool meet(const Robot& robot, const Carried& a, const Carried& b) {
-  const auto tables = internal::make_robot_tables(robot);
-  REQUIRE(tables.has_value());
-  const internal::Linkage there(robot, *tables, a.frame, b.frame);
-  const internal::Linkage back(robot, *tables, b.frame, a.frame);
+  const auto tables = require(internal::make_robot_tables(robot));
+  const internal::Linkage there(robot, tables, a.frame, b.frame);
+  const internal::Linkage back(robot, tables, b.frame, a.frame);
   const bool result = there.can_meet(a.spheres, b.spheres);
   CHECK(result == back.can_meet(b.spheres, a.spheres));
   return result;

@@ -18,11 +18,7 @@ namespace {
 using internal::RobotTables;
 using internal::SeparationTable;
 
-RobotTables full_tables(const Robot& robot) {
-  auto tables = internal::make_robot_tables(robot);
-  REQUIRE(tables.has_value());
-  return *std::move(tables);
-}
+RobotTables full_tables(const Robot& robot) { return require(internal::make_robot_tables(robot)); }
 
 /// The value of the cell of a configuration, looked up in double precision.
 int rings_at(const SeparationTable& table, const Configuration& q) {

@@ -17,9 +17,7 @@ namespace {
 using internal::RobotTables;
 
 RobotTables require_tables(const Robot& robot) {
-  auto tables = internal::make_robot_tables(robot);
-  REQUIRE_MESSAGE(tables.has_value(), (tables ? "" : tables.error().message));
-  return *tables;
+  return require(internal::make_robot_tables(robot));
 }
 
 /// `count` links about z, each with a sphere, after `fixed` links with a sphere that stand still.
@@ -53,9 +51,8 @@ internal::FrameRow frame_about(const Vec3& axis) {
   joint.child_link = 1;
   joint.axis = axis;
   parts.joints.push_back(joint);
-  const auto robot = make_robot(parts);
-  REQUIRE(robot.has_value());
-  const RobotTables tables = require_tables(*robot);
+  const auto robot = require(make_robot(parts));
+  const RobotTables tables = require_tables(robot);
   REQUIRE(tables.frames.size() == 1);
   return tables.frames[0];
 }
@@ -79,9 +76,7 @@ Robot comb(int count) {
     joint.parent_link = i == 0 ? 0 : 1;
     joint.child_link = static_cast<int>(i) + 1;
   }
-  auto robot = make_robot(parts);
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+  return require(make_robot(parts));
 }
 
 Vec3 vector_of(const float* p) { return {p[0], p[1], p[2]}; }
@@ -171,9 +166,8 @@ int link_of_group(const RobotTables& tables, const Robot& robot, const Configura
 
 TEST_SUITE("unit") {
   TEST_CASE("each joint of the group makes one frame, and what does not move makes none") {
-    const auto robot = long_chain(3, 2);
-    REQUIRE(robot.has_value());
-    const auto tables = require_tables(*robot);
+    const auto robot = require(long_chain(3, 2));
+    const auto tables = require_tables(robot);
     CHECK(tables.joint_count == 3);
     REQUIRE(tables.frames.size() == 3);
     CHECK(tables.frames[0].parent == 0);
@@ -232,9 +226,8 @@ TEST_SUITE("unit") {
         joint.origin.translation = Vec3(distance, 0, 0);
         parts.joints.push_back(joint);
       }
-      const auto robot = make_robot(parts);
-      REQUIRE(robot.has_value());
-      const RobotTables tables = require_tables(*robot);
+      const auto robot = require(make_robot(parts));
+      const RobotTables tables = require_tables(robot);
       CHECK(tables.bodies.size() == (distance < 0.1 ? 1 : 2));
       CHECK(tables.moving_count == std::ssize(tables.bodies));
       CHECK(tables.groups.size() == 2);
@@ -255,9 +248,8 @@ TEST_SUITE("unit") {
       joint.child_link = i + 1;
       parts.joints.push_back(joint);
     }
-    const auto robot = make_robot(parts);
-    REQUIRE(robot.has_value());
-    const auto tables = require_tables(*robot);
+    const auto robot = require(make_robot(parts));
+    const auto tables = require_tables(robot);
     CHECK(tables.frames.size() == 2);
     REQUIRE(tables.bodies.size() == 1);
     CHECK(tables.bodies[0].frame == 2);
@@ -265,28 +257,24 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("a robot with more joints than the kernels hold is refused, one with as many is not") {
-    const auto most = long_chain(internal::kMaxFrames, 100);
-    REQUIRE(most.has_value());
-    CHECK(internal::make_robot_tables(*most).has_value());
+    const auto most = require(long_chain(internal::kMaxFrames, 100));
+    CHECK(internal::make_robot_tables(most).has_value());
     for (const int joints : {internal::kMaxFrames + 1, 1000}) {
-      const auto more = long_chain(joints, 0);
-      REQUIRE(more.has_value());
-      const auto tables = internal::make_robot_tables(*more);
-      REQUIRE(!tables.has_value());
-      CHECK(tables.error().code == ErrorCode::unsupported);
-      CHECK(tables.error().message.find("'snake'") != std::string::npos);
-      CHECK(tables.error().message.find("64") != std::string::npos);
+      const auto more = require(long_chain(joints, 0));
+      const Error error = require_error(internal::make_robot_tables(more));
+      CHECK(error.code == ErrorCode::unsupported);
+      CHECK(contains(error.message, "'snake'"));
+      CHECK(contains(error.message, "64"));
     }
   }
 
   TEST_CASE("a robot as large as the kernels hold is checked to its last link") {
-    const auto robot = long_chain(internal::kMaxFrames, 0);
-    REQUIRE(robot.has_value());
+    const auto robot = require(long_chain(internal::kMaxFrames, 0));
     const Configuration straight(internal::kMaxFrames, 0.0);
     const Scene scene = make_circle_scene("s", {{0.1 * internal::kMaxFrames, 0, 0.05}});
     for (const Isa isa : available_isas()) {
-      CHECK(!require_checker(*robot, scene, {.isa = isa}).is_valid(straight));
-      CHECK(require_checker(*robot, {}, {.isa = isa}).is_valid(straight));
+      CHECK(!require_checker(robot, scene, {.isa = isa}).is_valid(straight));
+      CHECK(require_checker(robot, {}, {.isa = isa}).is_valid(straight));
     }
   }
 
@@ -423,9 +411,7 @@ using internal::ObstacleKind;
 using internal::SceneTables;
 
 SceneTables require_tables(const Scene& scene) {
-  auto tables = internal::make_scene_tables(scene);
-  REQUIRE_MESSAGE(tables.has_value(), (tables ? "" : tables.error().message));
-  return *tables;
+  return require(internal::make_scene_tables(scene));
 }
 
 Vec3 row_of(const float* p) { return {p[0], p[1], p[2]}; }
@@ -510,9 +496,8 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("an obstacle without shapes is an error that names it") {
-    const auto tables = internal::make_scene_tables({"s", {{"ghost", {}}}});
-    REQUIRE(!tables.has_value());
-    CHECK(tables.error().message.find("'ghost'") != std::string::npos);
+    const Error error = require_error(internal::make_scene_tables({"s", {{"ghost", {}}}}));
+    CHECK(contains(error.message, "'ghost'"));
   }
 }
 
@@ -525,9 +510,8 @@ TEST_SUITE("law") {
       const Robot robot = random_robot(rng);
       const RobotTables tables = require_tables(robot);
       const Scene scene = random_scene(robot, 6, rng, small_shape);
-      const auto made = internal::make_scene_tables(scene);
-      REQUIRE(made.has_value());
-      const std::vector<float> clearances = internal::find_clearances(tables, *made);
+      const auto made = require(internal::make_scene_tables(scene));
+      const std::vector<float> clearances = internal::find_clearances(tables, made);
       REQUIRE(clearances.size() == static_cast<std::size_t>(tables.moving_count));
       // A checker whose margin is a body's clearance sees no contact of that body.
       for (int i = 0; i < tables.moving_count; ++i) {
@@ -556,9 +540,8 @@ TEST_SUITE("law") {
   TEST_CASE("a body on the first joint keeps clear of what is far from the joint") {
     const RobotTables tables = require_tables(*long_chain(2, 0));
     Scene scene = make_circle_scene("", {{0.1f, 1.0f, 0.2f}});
-    const auto made = internal::make_scene_tables(scene);
-    REQUIRE(made.has_value());
-    const std::vector<float> clearances = internal::find_clearances(tables, *made);
+    const auto made = require(internal::make_scene_tables(scene));
+    const std::vector<float> clearances = internal::find_clearances(tables, made);
     REQUIRE(clearances.size() == 2);
     // Tips first. The second joint is 0.1 m from the first.
     CHECK(clearances[1] == doctest::Approx(1.0 - 0.2 - 0.01).epsilon(1e-3));

@@ -14,7 +14,7 @@ TEST_SUITE("unit") {
     const auto fails = [](const std::string& list, const std::string& expected) {
       const std::string message = load_failure(stages(list));
       INFO(message);
-      CHECK(message.find(expected) != std::string::npos);
+      CHECK(contains(message, expected));
     };
     fails("", "has no stages; expected at least one");
     fails("{name: go, move: next}", "stage 'go': it has no goal, and no line with poses");
@@ -68,8 +68,9 @@ TEST_SUITE("unit") {
     const std::string message = load_failure(
         stages("{move: {link: panda_hand, to: {vary: [{turn: z, from: -180, to: 180, count: "
                "9}]}}}"));
-    CHECK_MESSAGE(message.find("turns from -180 to 180 go beyond a whole turn: expected radians; "
-                               "degrees are -3.1416 to 3.1416 rad") != std::string::npos,
+    CHECK_MESSAGE(contains(message,
+                           "turns from -180 to 180 go beyond a whole turn: expected radians; "
+                           "degrees are -3.1416 to 3.1416 rad"),
                   message);
   }
 

@@ -59,25 +59,18 @@ inline Result<Task> try_task(const std::string& yaml) {
   return load_task(directory / "task.yaml");
 }
 
-inline Task make_task(const std::string& yaml) {
-  auto task = try_task(yaml);
-  REQUIRE_MESSAGE(task.has_value(), (task ? "" : task.error().message));
-  return *std::move(task);
-}
+inline Task make_task(const std::string& yaml) { return require(try_task(yaml)); }
 
 /// The message of the failure without the file's name.
 inline std::string load_failure(const std::string& stages) {
-  const auto task = try_task(kCell + stages);
-  REQUIRE_FALSE(task.has_value());
-  const std::string& message = task.error().message;
+  const Error error = require_error(try_task(kCell + stages));
+  const std::string& message = error.message;
   return message.substr(message.find("task.yaml") + 9);
 }
 
 inline TaskResult solved(const Task& task, Database* database = nullptr,
                          const TaskSettings& settings = {}) {
-  auto result = solve_task(task, database, settings);
-  REQUIRE_MESSAGE(result.has_value(), (result ? "" : result.error().message));
-  return *std::move(result);
+  return require(solve_task(task, database, settings));
 }
 
 /// `text` with `from` replaced once.

@@ -116,9 +116,9 @@ TEST_SUITE("flow") {
     const Task task = make_task(kCell + block + kPickAndPlace);
     const TaskResult result = solved(task);
     CHECK(result.status == PlanStatus::invalid_goal);
-    CHECK(result.message.find("stage 'approach'") != std::string::npos);
-    CHECK(result.message.find("'cup' with 'block'") != std::string::npos);
-    CHECK(dropped_of(result, "approach").find("at each pose of 'lower'") != std::string::npos);
+    CHECK(contains(result.message, "stage 'approach'"));
+    CHECK(contains(result.message, "'cup' with 'block'"));
+    CHECK(contains(dropped_of(result, "approach"), "at each pose of 'lower'"));
     CHECK(result.states_checked < 1000);
   }
 
@@ -136,8 +136,8 @@ TEST_SUITE("flow") {
         "    - {name: box, type: box, position: [0.5, -0.1, 0.3], size: [0.26, 0.3, 0.2]}\n";
     const TaskResult result = solved(make_task(kCell + box + kPickAndPlace));
     CHECK(result.status == PlanStatus::invalid_goal);
-    CHECK(result.message.find("30 times contact") != std::string::npos);
-    CHECK(result.message.find("with 'box'") != std::string::npos);
+    CHECK(contains(result.message, "30 times contact"));
+    CHECK(contains(result.message, "with 'box'"));
   }
 
   TEST_CASE("links in touch may not slide along the object before they take it") {
@@ -151,7 +151,7 @@ TEST_SUITE("flow") {
     stages = replaced(stages, "to: 0.03, count: 3", "to: 0.01, count: 3");
     const TaskResult result = solved(make_task(wide + stages));
     CHECK(result.status == PlanStatus::invalid_goal);
-    CHECK(result.message.find("stage 'approach'") != std::string::npos);
+    CHECK(contains(result.message, "stage 'approach'"));
   }
 
   TEST_CASE("what is held at the start may touch the hand no longer once it has left") {
@@ -194,8 +194,7 @@ TEST_SUITE("flow") {
     settings.solve.plan.timeout_s = 1000;
     const TaskResult result = solved(task, nullptr, settings);
     CHECK(result.status == PlanStatus::invalid_start);
-    CHECK_MESSAGE(result.message.find("start: panda_hand is tilted by") != std::string::npos,
-                  result.message);
+    CHECK_MESSAGE(contains(result.message, "start: panda_hand is tilted by"), result.message);
     CHECK(result.states_checked < 5000);
   }
 
@@ -227,8 +226,8 @@ TEST_SUITE("flow") {
     for (const std::string first : {"", "{line: {direction: [0, 0, 1], distance: 0.01}}, "}) {
       CAPTURE(first);
       const std::string message = refused(in_table, first);
-      CHECK_MESSAGE(message.find("1': start is in contact: ") != std::string::npos, message);
-      CHECK_MESSAGE(message.find("'table'") != std::string::npos, message);
+      CHECK_MESSAGE(contains(message, "1': start is in contact: "), message);
+      CHECK_MESSAGE(contains(message, "'table'"), message);
     }
     CHECK(refused("[0, -0.785, 0, -2.356, 0, 1.571, 9]", "").find("start: joint") == 0);
     CHECK(refused("[0, -0.785]", "").find("start: there are 2 values") == 0);
@@ -244,8 +243,7 @@ TEST_SUITE("flow") {
       INFO(stage.name);
       for (const Dropped& dropped : stage.dropped) CHECK(dropped.count <= 30);
     }
-    CHECK_MESSAGE(result.message.find("stage 'lift' after 30 alternatives of 'approach'") !=
-                      std::string::npos,
+    CHECK_MESSAGE(contains(result.message, "stage 'lift' after 30 alternatives of 'approach'"),
                   result.message);
   }
 
@@ -260,7 +258,7 @@ TEST_SUITE("flow") {
       INFO(result.message);
       CHECK(result.is_solved());
       CHECK(std::ranges::none_of(result.notes, [](const std::string& note) {
-        return note.find("'cup' touches obstacle 'table'") != std::string::npos;
+        return contains(note, "'cup' touches obstacle 'table'");
       }));
     }
     const TaskResult inside = lowered(-0.002);
@@ -274,7 +272,7 @@ TEST_SUITE("flow") {
     const TaskResult result = solved(make_task(kCell + "stages: [{attach: cup}]\n"));
     CHECK(result.status == PlanStatus::invalid_goal);
     CHECK(result.message.find("stage 'attach 1': not at the object (object 'cup' is ") == 0);
-    CHECK(result.message.find("move there first") != std::string::npos);
+    CHECK(contains(result.message, "move there first"));
   }
 
   TEST_CASE("a line that leaves the reach of the arm says where it ends") {

@@ -17,7 +17,7 @@ TEST_SUITE("flow") {
                                     OpenMode::create)) {
       first_ = solved(task_, &database_, remembering());
       check_plan(task_, first_);
-      REQUIRE(database_.flush().has_value());
+      require(database_.flush());
     }
 
     static TaskSettings remembering() {
@@ -84,9 +84,7 @@ TEST_SUITE("flow") {
     const Task& task = remembered.task();
     Problem problem{"home", task.robot, "", task.scene, task.start, {task.start}, {}};
     problem.goals.front()[0] = 0.5;
-    const auto plan = solve(problem, &remembered.database(), {});
-    REQUIRE(plan.has_value());
-    CHECK(plan->plan.is_solved());
+    require_solved(problem, &remembered.database(), {});
   }
 }
 

@@ -11,9 +11,7 @@ namespace {
 TaskMotion timed(const Task& task, const TaskResult& result, const TrajectorySettings& timing) {
   REQUIRE_MESSAGE(result.is_solved(), result.message);
   const RateLimits limits = find_rate_limits(task.robot, timing).value();
-  auto motion = time_task(task, result, {}, limits, timing);
-  REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
-  return *std::move(motion);
+  return require(time_task(task, result, {}, limits, timing));
 }
 
 double speed_at(const Trajectory& motion, double time_s) {

@@ -26,20 +26,16 @@ TEST_SUITE("unit") {
                "attached: [{name: ball, link: finger, type: sphere, position: [0.2, 0, 0], radius: "
                "0.05}]\nscene: {obstacles: []}\n"
                "stages: [{gripper: {grip: 0.03}}, {move: [0.5, 1]}]\n");
-    const auto task = load_task(directory / "task.yaml");
-    REQUIRE_MESSAGE(task.has_value(), (task ? "" : task.error().message));
-    const TaskResult result = solved(*task);
-    check_plan(*task, result);
-    Task wrong = *task;
+    const auto task = require(load_task(directory / "task.yaml"));
+    const TaskResult result = solved(task);
+    check_plan(task, result);
+    Task wrong = task;
     wrong.stages[0].values["grip"] = 0.6;
-    const auto refused = check_task(wrong);
-    REQUIRE_FALSE(refused.has_value());
-    CHECK(refused.error().message ==
+    CHECK(require_error(check_task(wrong)).message ==
           "stage 'gripper 1': joint 'grip' is to be at 0.6, beyond its limits [0, 0.05]");
-    Task blocked = *task;
+    Task blocked = task;
     const Vec3 place =
-        task->robot
-            .link_poses(task->start)[static_cast<std::size_t>(*task->robot.find_link("finger"))]
+        task.robot.link_poses(task.start)[static_cast<std::size_t>(*task.robot.find_link("finger"))]
             .translation;
     blocked.scene.obstacles.push_back({"block", {Sphere{place, 0.3}}});
     const TaskResult in_contact = solved(blocked);
@@ -50,25 +46,23 @@ TEST_SUITE("unit") {
     REQUIRE(gripper != nullptr);
     CHECK(gripper->world->robot.joint_names() == std::vector<std::string>{"lift", "turn", "grip"});
     CHECK(gripper->path == Path{{0, 0, 0}, {0, 0, 0.03}});
-    const auto limits = find_rate_limits(task->robot);
-    REQUIRE(limits.has_value());
-    const auto motion = time_task(*task, result, {}, *limits);
-    REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
-    REQUIRE(motion->stages[0].has_value());
-    CHECK(motion->begins_s[1] == doctest::Approx(motion->stages[0]->duration_s()));
-    CHECK(motion->begins_s[1] > 0.03);
-    for (double time = 0; time < motion->begins_s[1]; time += 1e-3) {
-      CHECK(motion->trajectory.at(time).position == task->start);
-      CHECK(motion->stages[0]->at(time).velocity[2] <= 1);
+    const auto limits = require(find_rate_limits(task.robot));
+    const auto motion = require(time_task(task, result, {}, limits));
+    REQUIRE(motion.stages[0].has_value());
+    CHECK(motion.begins_s[1] == doctest::Approx(motion.stages[0]->duration_s()));
+    CHECK(motion.begins_s[1] > 0.03);
+    for (double time = 0; time < motion.begins_s[1]; time += 1e-3) {
+      CHECK(motion.trajectory.at(time).position == task.start);
+      CHECK(motion.stages[0]->at(time).velocity[2] <= 1);
     }
     const Robot& robot = result.stages[1].world->robot;
     const auto grip = std::ranges::find(robot.joints(), "grip", &Joint::name);
     CHECK(grip->fixed_value == 0.03);
     CHECK(robot.attached().size() == 1);
-    CHECK(robot.self_pairs().size() == task->robot.self_pairs().size());
+    CHECK(robot.self_pairs().size() == task.robot.self_pairs().size());
     const auto finger = static_cast<std::size_t>(*robot.find_link("finger"));
-    const Vec3 moved = robot.link_poses(task->start)[finger].translation -
-                       task->robot.link_poses(task->start)[finger].translation;
+    const Vec3 moved = robot.link_poses(task.start)[finger].translation -
+                       task.robot.link_poses(task.start)[finger].translation;
     CHECK(moved.norm() == doctest::Approx(0.03));
   }
 
@@ -125,9 +119,7 @@ TEST_SUITE("unit") {
                                  "[{}, 0.325, 0.5], radius: 0.004}}]}}\n",
                                  away) +
                      "stages: [{name: open, gripper: {grip: 0.05}}]\n");
-      const auto task = load_task(directory / "task.yaml");
-      REQUIRE_MESSAGE(task.has_value(), (task ? "" : task.error().message));
-      return solved(*task);
+      return solved(require(load_task(directory / "task.yaml")));
     };
     CHECK(solved_with(0.02).is_solved());
     const TaskResult blocked = solved_with(0);
@@ -164,9 +156,7 @@ TEST_SUITE("unit") {
                              "scene: {{obstacles: []}}\nstages: [{{name: close, gripper: "
                              "{{close_left: {}, close_right: {}}}}}]\n",
                              left, right));
-      const auto task = load_task(directory / "task.yaml");
-      REQUIRE_MESSAGE(task.has_value(), (task ? "" : task.error().message));
-      return solved(*task);
+      return solved(require(load_task(directory / "task.yaml")));
     };
     const TaskResult open = result_of(0.02, 0.02), closed = result_of(0.03, 0.031);
     REQUIRE(open.is_solved());
@@ -191,17 +181,15 @@ TEST_SUITE("unit") {
     shift.translation = X_WH * Vec3(0, 0, 0.115) - Vec3(0.5, -0.1, 0.2505);
     REQUIRE(world.scene.move("cup", shift));
     world.poses["cup"] = shift * world.poses["cup"];
-    const auto held = internal::after_stage(world, task.stages[2], q);
-    REQUIRE_MESSAGE(held.has_value(), (held ? "" : held.error().message));
-    CHECK(held->scene.find("cup") == nullptr);
+    const auto held = require(internal::after_stage(world, task.stages[2], q));
+    CHECK(held.scene.find("cup") == nullptr);
     q[0] += 0.3;
-    const auto left = internal::after_stage(*held, task.stages[6], q);
-    REQUIRE(left.has_value());
-    CHECK(left->robot.attached().empty());
+    const auto left = require(internal::after_stage(held, task.stages[6], q));
+    CHECK(left.robot.attached().empty());
     const Transform turn{rotation_about(Vec3::UnitZ(), 0.3), Vec3::Zero()};
     const Transform expected = turn * world.poses["cup"];
-    CHECK((left->poses.at("cup").translation - expected.translation).norm() < 1e-9);
-    const auto& cup = *std::get_if<Cylinder>(&left->scene.find("cup")->shapes.front());
+    CHECK((left.poses.at("cup").translation - expected.translation).norm() < 1e-9);
+    const auto& cup = *std::get_if<Cylinder>(&left.scene.find("cup")->shapes.front());
     CHECK((cup.pose.translation - expected.translation).norm() < 1e-9);
   }
 }
@@ -210,23 +198,20 @@ TEST_SUITE("law") {
   TEST_CASE("a floating hand touches what the hand of the arm touches") {
     const Task task = make_task(kCell + kPickAndPlace);
     const World world = internal::first_world(task);
-    const auto body = FloatingBody::of_link(world, "panda_hand", {});
-    REQUIRE(body.has_value());
-    const auto checker = CollisionChecker::make(task.robot, task.scene);
-    REQUIRE(checker.has_value());
+    const auto body = require(FloatingBody::of_link(world, "panda_hand", {}));
+    const auto checker = require(CollisionChecker::make(task.robot, task.scene));
     const auto hand = static_cast<std::size_t>(*task.robot.find_link("panda_hand"));
     Rng rng(5);
     int touching = 0;
     for (int i = 0; i < rounds(400); ++i) {
       const Configuration q = random_configuration(task.robot, rng);
-      const bool is_touching =
-          std::ranges::any_of(checker->contacts(q), [](const Contact& contact) {
-            const bool is_of_hand = contact.link == "panda_hand" || contact.link == "panda_link7" ||
-                                    contact.link.ends_with("finger");
-            return !contact.is_self && is_of_hand;
-          });
+      const bool is_touching = std::ranges::any_of(checker.contacts(q), [](const Contact& contact) {
+        const bool is_of_hand = contact.link == "panda_hand" || contact.link == "panda_link7" ||
+                                contact.link.ends_with("finger");
+        return !contact.is_self && is_of_hand;
+      });
       touching += is_touching ? 1 : 0;
-      const auto is_free = body->find_free({task.robot.link_poses(q)[hand]}, 0);
+      const auto is_free = body.find_free({task.robot.link_poses(q)[hand]}, 0);
       CHECK((is_free.front() == 0) == is_touching);
     }
     CHECK(touching > 10);

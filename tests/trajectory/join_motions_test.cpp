@@ -17,9 +17,9 @@ MotionPart part_along(const Path& path, const RateLimits& limits, const MotionVe
                       int rounds = 0) {
   TrajectorySettings settings;
   settings.time_rounds = rounds;
-  auto motion = parameterize(verifier.checker().robot(), path, limits, settings, &verifier);
-  REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
-  return {*std::move(motion), limits, &verifier, false};
+  auto motion =
+      require(parameterize(verifier.checker().robot(), path, limits, settings, &verifier));
+  return {std::move(motion), limits, &verifier, false};
 }
 
 std::vector<MotionPart> parts_along(const std::vector<Path>& paths, const RateLimits& limits,

@@ -20,17 +20,13 @@ Result<Trajectory> timed_from(const EmptyScene& empty, const Path& path,
 
 std::string refusal(const Path& path, const std::vector<double>& velocity) {
   const EmptyScene empty(gantry());
-  const auto motion = timed_from(empty, path, velocity, kTwos);
-  REQUIRE_FALSE(motion.has_value());
-  return motion.error().message;
+  return require_error(timed_from(empty, path, velocity, kTwos)).message;
 }
 
 std::string refusal_of_end(const Path& path, const std::vector<double>& velocity,
                            const std::vector<double>& end_velocity) {
   const EmptyScene empty(gantry());
-  const auto motion = timed_from(empty, path, velocity, kTwos, 8, end_velocity);
-  REQUIRE_FALSE(motion.has_value());
-  return motion.error().message;
+  return require_error(timed_from(empty, path, velocity, kTwos, 8, end_velocity)).message;
 }
 
 std::vector<double> negative(std::vector<double> v) {
@@ -63,14 +59,13 @@ TEST_SUITE("law") {
       if (*stop == path.front()) continue;  // at rest
       ++count;
       path.insert(path.begin() + 1, empty.robot().normalized(*stop));
-      const auto motion = timed_from(empty, path, velocity, limits);
-      REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+      const auto motion = require(timed_from(empty, path, velocity, limits));
       for (std::size_t j = 0; j < velocity.size(); ++j) {
-        CHECK(motion->at(0).velocity[j] ==
+        CHECK(motion.at(0).velocity[j] ==
               doctest::Approx(velocity[j]).epsilon(1e-5).scale(limits.velocity[j]));
       }
-      CHECK(largest(motion->at(motion->duration_s()).velocity) == 0);
-      const auto flaw = trajectory_flaw(empty.robot(), path, limits, 1, *motion, velocity);
+      CHECK(largest(motion.at(motion.duration_s()).velocity) == 0);
+      const auto flaw = trajectory_flaw(empty.robot(), path, limits, 1, motion, velocity);
       CHECK_MESSAGE(!flaw, flaw.value_or(""));
     }
     CHECK(count > 20);
@@ -98,13 +93,12 @@ TEST_SUITE("law") {
         path.insert(path.begin() + 1, robot.normalized(*stop));
       }
       ++count;
-      const auto motion = timed_from(empty, path, begin, limits, 8, end);
-      REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+      const auto motion = require(timed_from(empty, path, begin, limits, 8, end));
       for (std::size_t j = 0; j < end.size(); ++j) {
-        CHECK(motion->at(motion->duration_s()).velocity[j] ==
+        CHECK(motion.at(motion.duration_s()).velocity[j] ==
               doctest::Approx(end[j]).epsilon(1e-5).scale(limits.velocity[j]));
       }
-      const auto flaw = trajectory_flaw(robot, path, limits, 1, *motion, begin);
+      const auto flaw = trajectory_flaw(robot, path, limits, 1, motion, begin);
       CHECK_MESSAGE(!flaw, flaw.value_or(""));
     }
     CHECK(count > 20);
@@ -149,10 +143,9 @@ TEST_SUITE("law") {
 TEST_SUITE("unit") {
   TEST_CASE("the stopping point is the closed form of a stop with limited jerk") {
     // From 2 m/s at 4 m/s^2 and 40 m/s^3: 2 / 4 + 4 / 40 seconds at half of the speed.
-    const auto stop = stopping_point(gantry(), {-1, 0, 1}, {2, 0, 0}, kTwos);
-    REQUIRE(stop.has_value());
-    CHECK((*stop)[0] == doctest::Approx(-1 + 0.6).epsilon(1e-6));
-    CHECK((*stop)[1] == 0);
+    const auto stop = require(stopping_point(gantry(), {-1, 0, 1}, {2, 0, 0}, kTwos));
+    CHECK(stop[0] == doctest::Approx(-1 + 0.6).epsilon(1e-6));
+    CHECK(stop[1] == 0);
     CHECK(stopping_point(gantry(), {-1, 0, 1}, {0, 0, 0}, kTwos).value() ==
           Configuration{-1, 0, 1});
   }
@@ -171,15 +164,13 @@ TEST_SUITE("unit") {
     const RateLimits without_jerk{{2, 2, 2}, {4, 4, 4}};
     for (const RateLimits& limits : {kTwos, without_jerk}) {
       const Configuration start = {-1, 0, 1};
-      const auto stop = stopping_point(empty.robot(), start, {1.9, 0, 0}, limits);
-      REQUIRE(stop.has_value());
-      for (const Path& path : {Path{start, *stop}, Path{start, *stop, {-1, 1, 1}}}) {
-        const auto motion = timed_from(empty, path, {1.9, 0, 0}, limits);
-        REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+      const auto stop = require(stopping_point(empty.robot(), start, {1.9, 0, 0}, limits));
+      for (const Path& path : {Path{start, stop}, Path{start, stop, {-1, 1, 1}}}) {
+        const auto motion = require(timed_from(empty, path, {1.9, 0, 0}, limits));
         const bool jumps = limits.jerk.empty();
-        CHECK(motion->at(0).acceleration[0] == doctest::Approx(jumps ? -4 : 0).epsilon(1e-6));
+        CHECK(motion.at(0).acceleration[0] == doctest::Approx(jumps ? -4 : 0).epsilon(1e-6));
         for (const double time_s : {1e-9, 1e-8, 1e-7, 1e-6}) {
-          CHECK(motion->at(time_s).acceleration[0] < 0);
+          CHECK(motion.at(time_s).acceleration[0] < 0);
         }
       }
     }
@@ -192,9 +183,7 @@ TEST_SUITE("unit") {
     const double rest_s = timed_from(empty, path, {}, ones)->duration_s();
     for (const double speed : {1e-12, 1e-6, 1e-3}) {
       CHECK(stopping_point(gantry(), path[0], {0, speed, 0}, ones).value() == path[0]);
-      const auto motion = timed_from(empty, path, {0, speed, 0}, ones);
-      REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
-      CHECK(motion->duration_s() == rest_s);
+      CHECK(require(timed_from(empty, path, {0, speed, 0}, ones)).duration_s() == rest_s);
     }
   }
 
@@ -223,14 +212,13 @@ TEST_SUITE("unit") {
           "is 1 long");
     const Robot robot = gantry();
     const Joint& joint = robot.group_joint(0);
-    const auto beyond = stopping_point(robot, {joint.upper - 0.1, 0, 1}, {2, 0, 0}, kTwos);
-    REQUIRE_FALSE(beyond.has_value());
-    CHECK(beyond.error().message.starts_with("start velocity: joint '" + joint.name +
-                                             "' would stop at "));
-    const auto before = run_up_point(robot, {joint.upper - 0.1, 0, 1}, {-2, 0, 0}, kTwos);
-    REQUIRE_FALSE(before.has_value());
-    CHECK(before.error().message.starts_with("end velocity: joint '" + joint.name +
-                                             "' would have to start at "));
+    const Error error =
+        require_error(stopping_point(robot, {joint.upper - 0.1, 0, 1}, {2, 0, 0}, kTwos));
+    CHECK(error.message.starts_with("start velocity: joint '" + joint.name + "' would stop at "));
+    const Error before =
+        require_error(run_up_point(robot, {joint.upper - 0.1, 0, 1}, {-2, 0, 0}, kTwos));
+    CHECK(before.message.starts_with("end velocity: joint '" + joint.name +
+                                     "' would have to start at "));
   }
 }
 

@@ -19,13 +19,11 @@ Robot hand(const std::string& first = R"(velocity="2" acceleration="3")",
            "\"/><axis xyz=\"0 0 1\"/><limit lower=\"-1\" upper=\"1\" " + limit + "/>" + more +
            "</joint>";
   };
-  const auto robot = parse_robot(
+  return require(parse_robot(
       R"(<robot name="hand"><link name="l0"/><link name="l1"/><link name="l2"/><link name="l3"/>)" +
           joint("a", 1, first) + joint("b", 2, R"(effort="1")") +
           joint("finger", 3, finger, R"(<mimic joint="b" multiplier="-2"/>)") + "</robot>",
-      "hand.urdf");
-  REQUIRE_MESSAGE(robot.has_value(), (robot ? "" : robot.error().message));
-  return *robot;
+      "hand.urdf"));
 }
 
 RateLimits require_limits(const Robot& robot, const TrajectorySettings& settings = {},
@@ -33,9 +31,7 @@ RateLimits require_limits(const Robot& robot, const TrajectorySettings& settings
   const TemporaryDirectory directory;
   const std::string file = yaml.empty() ? "" : directory / "limits.yaml";
   if (!yaml.empty()) write_file(file, yaml);
-  const auto limits = find_rate_limits(robot, settings, file);
-  REQUIRE_MESSAGE(limits.has_value(), (limits ? "" : limits.error().message));
-  return *limits;
+  return require(find_rate_limits(robot, settings, file));
 }
 
 Error refusal(const Robot& robot, const TrajectorySettings& settings, const std::string& yaml) {
@@ -130,9 +126,8 @@ joint_limits:
       CHECK(contains(error.message, "limits.yaml"));
       CHECK(error.code == c.code);
     }
-    const auto missing = find_rate_limits(hand(), {}, "/nowhere/limits.yaml");
-    REQUIRE_FALSE(missing.has_value());
-    CHECK(missing.error().code == ErrorCode::io);
+    const Error missing = require_error(find_rate_limits(hand(), {}, "/nowhere/limits.yaml"));
+    CHECK(missing.code == ErrorCode::io);
   }
 
   TEST_CASE("limits of torque that a file switches off are none") {
@@ -194,11 +189,10 @@ robot_description_planning:
     a: {has_jerk: false, max_velocity: 1.5, has_position_limits: true, min_position: -0.5, max_power: 9}
     elbow: {max_velocity: 1}
 )";
-    const auto limits = read(yaml);
-    REQUIRE_MESSAGE(limits.has_value(), (limits ? "" : limits.error().message));
-    CHECK(limits->velocity[0] == 1.5);
+    const auto limits = require(read(yaml));
+    CHECK(limits.velocity[0] == 1.5);
     const std::string key = "robot_description_planning.joint_limits.";
-    CHECK(limits->warnings ==
+    CHECK(limits.warnings ==
           std::vector<std::string>{file + ": ignored 5 keys (an error if strict): " +
                                    "robot_description_planning.default_velocity_scaling_factor, " +
                                    key + "a.has_jerk, " + key + "a.max_power, " + key +
@@ -216,11 +210,10 @@ robot_description_planning:
       const std::string one =
           "joint_limits: {a: {has_torque_limits: true, max_velocity: 1.5, " + name + ": 9}}";
       CAPTURE(one);
-      const auto kept = read(one);
-      REQUIRE(kept.has_value());
-      CHECK(kept->velocity[0] == 1.5);
-      REQUIRE(kept->warnings.size() == 1);
-      CHECK(contains(kept->warnings[0], "joint_limits.a." + ignored));
+      const auto kept = require(read(one));
+      CHECK(kept.velocity[0] == 1.5);
+      REQUIRE(kept.warnings.size() == 1);
+      CHECK(contains(kept.warnings[0], "joint_limits.a." + ignored));
       CHECK(read(one, true).error().code == ErrorCode::unsupported);
     }
     CHECK(read("joint_limits: {a: {max_velocity: .inf}}")->velocity[0] == 1e6);

@@ -171,7 +171,7 @@ Database saved_database(const TemporaryDirectory& directory, const std::string& 
   CAPTURE(command);
   REQUIRE(std::system((command + " >/dev/null 2>&1").c_str()) == 0);
   const std::string saved = directory / "a.db.saved";
-  REQUIRE(verify_database(saved, VerifyMode::quarantine).has_value());
+  require(verify_database(saved, VerifyMode::quarantine));
   CHECK(verify_database(saved)->empty());
   return open_database(saved, OpenMode::read_write);
 }
@@ -196,9 +196,8 @@ TEST_SUITE("flow") {
     for (const std::string& file : {damaged, bytes.substr(0, bytes.size() - 8192)}) {
       write_file(directory / "a.db", file);
       CHECK(open_error(directory / "a.db").code == ErrorCode::corrupt);
-      const auto damages = verify_database(directory / "a.db", VerifyMode::quarantine);
-      REQUIRE(damages.has_value());
-      Database saved = saved_database(directory, saving_command_of(*damages));
+      const auto damages = require(verify_database(directory / "a.db", VerifyMode::quarantine));
+      Database saved = saved_database(directory, saving_command_of(damages));
       CHECK(holds_sound_rows(saved, sound));
       CHECK(saved.size() > kRowCount / 2);
       CHECK(saved.size() < kRowCount);

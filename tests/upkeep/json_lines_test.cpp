@@ -8,12 +8,11 @@ namespace mneme::test {
 namespace {
 
 void fill(const std::string& path, const std::vector<Experience>& rows) {
-  REQUIRE(open_database(path).insert(rows).has_value());
+  require(open_database(path).insert(rows));
 }
 
 std::string exported(const std::string& url, const std::string& path) {
-  const auto count = export_database(url, path);
-  REQUIRE_MESSAGE(count.has_value(), (count ? "" : count.error().message));
+  require(export_database(url, path));
   return read_file(path);
 }
 
@@ -30,9 +29,7 @@ TEST_SUITE("law") {
     fill(directory / "b.db", rows);
     const std::string bytes = exported(directory / "a.db", directory / "a.jsonl");
     CHECK(bytes == exported(directory / "b.db", directory / "b.jsonl"));
-    const auto imported = import_database(directory / "copy.db", directory / "a.jsonl");
-    REQUIRE_MESSAGE(imported.has_value(), (imported ? "" : imported.error().message));
-    CHECK(imported->added == 20);
+    CHECK(require(import_database(directory / "copy.db", directory / "a.jsonl")).added == 20);
     CHECK(import_database(directory / "copy.db", directory / "a.jsonl")->added == 0);
     CHECK(verify_database(directory / "copy.db")->empty());
     CHECK(bytes == exported(directory / "copy.db", directory / "c.jsonl"));
@@ -78,17 +75,17 @@ TEST_SUITE("unit") {
     RobotSignature other = arm_signature();
     other.model_hash = "other";
     write_file(directory / "other.db", "");
-    REQUIRE(Database::open(directory / "other.db", other, OpenMode::create).has_value());
+    require(Database::open(directory / "other.db", other, OpenMode::create));
     exported(directory / "a.db", directory / "a.jsonl");
     CHECK(import_database(directory / "other.db", directory / "a.jsonl").error().code ==
           ErrorCode::wrong_robot);
     CHECK(import_database(directory / "c.db", directory / "none.jsonl").error().code ==
           ErrorCode::io);
     write_file(directory / "text.jsonl", "text");
-    const auto text = import_database(directory / "c.db", directory / "text.jsonl");
-    REQUIRE(!text.has_value());
-    CHECK(text.error().code == ErrorCode::parse);
-    CHECK(text.error().message.find(directory / "text.jsonl:1: ") == 0);
+    const Error error =
+        require_error(import_database(directory / "c.db", directory / "text.jsonl"));
+    CHECK(error.code == ErrorCode::parse);
+    CHECK(error.message.find(directory / "text.jsonl:1: ") == 0);
     CHECK(!std::filesystem::exists(directory / "c.db"));
     // The robot's line is sound, the first row is not.
     const std::string lines = exported(directory / "a.db", directory / "a.jsonl");
@@ -108,11 +105,10 @@ TEST_SUITE("unit") {
          {std::pair(std::string(), "b.jsonl:1: "), std::pair(text, "b.jsonl:5: ")}) {
       write_file(directory / "b.jsonl", whole_lines);
       std::filesystem::resize_file(directory / "b.jsonl", kFarTooLong);  // zeros, not on the disk
-      const auto imported = import_database(directory / "b.db", directory / "b.jsonl");
-      REQUIRE(!imported.has_value());
-      CHECK(imported.error().code == ErrorCode::unsupported);
-      CHECK(imported.error().message.find(place) != std::string::npos);
-      CHECK(imported.error().message.find("at most 67108864 bytes") != std::string::npos);
+      const Error error = require_error(import_database(directory / "b.db", directory / "b.jsonl"));
+      CHECK(error.code == ErrorCode::unsupported);
+      CHECK(contains(error.message, place));
+      CHECK(contains(error.message, "at most 67108864 bytes"));
     }
   }
 
@@ -122,16 +118,13 @@ TEST_SUITE("unit") {
     fill(directory / "a.db", random_rows(rng, 3));
     std::string text = exported(directory / "a.db", directory / "a.jsonl");
     write_file(directory / "b.jsonl", text + "{}\n");
-    const auto imported = import_database(directory / "b.db", directory / "b.jsonl");
-    REQUIRE(!imported.has_value());
-    CHECK(imported.error().message.find("b.jsonl:5: ") != std::string::npos);
+    const Error error = require_error(import_database(directory / "b.db", directory / "b.jsonl"));
+    CHECK(contains(error.message, "b.jsonl:5: "));
     text.replace(text.find("\"content\""), 9, "\"nothing\"");
     text.replace(text.find("\"key\":["), 7, "\"key\":[9.5,");
     write_file(directory / "c.jsonl", text);
-    const auto wrong = import_database(directory / "b.db", directory / "c.jsonl");
-    REQUIRE(!wrong.has_value());
-    CHECK(wrong.error().message.find("c.jsonl:3: its key has 6 numbers; expected 7") !=
-          std::string::npos);
+    const Error wrong = require_error(import_database(directory / "b.db", directory / "c.jsonl"));
+    CHECK(contains(wrong.message, "c.jsonl:3: its key has 6 numbers; expected 7"));
   }
 }
 

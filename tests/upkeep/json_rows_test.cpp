@@ -45,21 +45,18 @@ TEST_SUITE("unit") {
       return parsed ? std::string() : parsed.error().message;
     };
     CHECK(error_of(sound).empty());
-    CHECK(error_of("[1]").find("not a JSON object") != std::string::npos);
-    CHECK(error_of(sound.substr(1)).find("not a JSON object") != std::string::npos);
+    CHECK(contains(error_of("[1]"), "not a JSON object"));
+    CHECK(contains(error_of(sound.substr(1)), "not a JSON object"));
     for (const std::string name : {"kind", "key", "means", "factor_rows", "factors", "sources",
                                    "is_complete", "settings", "seed", "tool", "time"}) {
-      CHECK(error_of(replaced(sound, "\"" + name + "\"", "\"x\"")).find("'" + name + "'") !=
-            std::string::npos);
+      CHECK(contains(error_of(replaced(sound, "\"" + name + "\"", "\"x\"")), "'" + name + "'"));
       const std::size_t value = sound.find("\"" + name + "\":") + name.size() + 3;
       CHECK(!error_of(sound.substr(0, value) + "{}," + sound.substr(value)).empty());
     }
-    CHECK(error_of(replaced(sound, "\"seed\":", "\"seed\":-")).find("'seed'") != std::string::npos);
-    CHECK(
-        error_of(replaced(sound, "\"sources\":[0", "\"sources\":[5000000000")).find("'sources'") !=
-        std::string::npos);
-    CHECK(error_of(replaced(sound, "\"sources\":[0", "\"sources\":[1")).find("'content'") !=
-          std::string::npos);
+    CHECK(contains(error_of(replaced(sound, "\"seed\":", "\"seed\":-")), "'seed'"));
+    CHECK(contains(error_of(replaced(sound, "\"sources\":[0", "\"sources\":[5000000000")),
+                   "'sources'"));
+    CHECK(contains(error_of(replaced(sound, "\"sources\":[0", "\"sources\":[1")), "'content'"));
     CHECK(error_of("{" + sound.substr(sound.find("\"kind\""))).empty());
     const std::string alone =
         R"({"kind":"k","key":[1],"means":[],"factor_rows":[],"factors":[[0,1,2,3]],)"
@@ -89,9 +86,8 @@ TEST_SUITE("unit") {
   TEST_CASE("a first line of another kind is refused") {
     const std::string sound = json_of(arm_signature());
     CHECK(parse_signature(sound).has_value());
-    CHECK(parse_signature(replaced(sound, "experience 3", "experience 2"))
-              .error()
-              .message.find("expected 'mneme experience 3'") != std::string::npos);
+    CHECK(contains(parse_signature(replaced(sound, "experience 3", "experience 2")).error().message,
+                   "expected 'mneme experience 3'"));
     CHECK(!parse_signature("").has_value());
     CHECK(
         !parse_signature(replaced(sound, "\"joint_count\":3", "\"joint_count\":6e99")).has_value());
@@ -105,12 +101,11 @@ TEST_SUITE("unit") {
     row.key[2] = 0.0;
     row.sampler().means[0] = -0.0F;
     row.sampler().means[1] = 0.0F;
-    const auto parsed = parse_row(json_of(row));
-    REQUIRE_MESSAGE(parsed.has_value(), (parsed ? "" : parsed.error().message));
-    CHECK(std::signbit(parsed->key[1]));
-    CHECK(!std::signbit(parsed->key[2]));
-    CHECK(std::signbit(parsed->sampler().means[0]));
-    CHECK(!std::signbit(parsed->sampler().means[1]));
+    const auto parsed = require(parse_row(json_of(row)));
+    CHECK(std::signbit(parsed.key[1]));
+    CHECK(!std::signbit(parsed.key[2]));
+    CHECK(std::signbit(parsed.sampler().means[0]));
+    CHECK(!std::signbit(parsed.sampler().means[1]));
   }
 }
 
@@ -121,13 +116,12 @@ TEST_SUITE("law") {
       Experience row = random_experience(rng, static_cast<int>(rng.index(6)));
       for (float& mean : row.sampler().means)
         mean *= std::exp2(static_cast<float>(rng.index(60)) - 40);
-      const auto parsed = parse_row(json_of(row));
-      REQUIRE_MESSAGE(parsed.has_value(), (parsed ? "" : parsed.error().message));
-      REQUIRE(parsed->kind == row.kind);
-      REQUIRE(parsed->key == row.key);
-      REQUIRE(parsed->sampler().means == row.sampler().means);
-      REQUIRE(parsed->sampler().factors == row.sampler().factors);
-      REQUIRE(parsed->provenance.seed == row.provenance.seed);
+      const auto parsed = require(parse_row(json_of(row)));
+      REQUIRE(parsed.kind == row.kind);
+      REQUIRE(parsed.key == row.key);
+      REQUIRE(parsed.sampler().means == row.sampler().means);
+      REQUIRE(parsed.sampler().factors == row.sampler().factors);
+      REQUIRE(parsed.provenance.seed == row.provenance.seed);
     }
   }
 }

@@ -27,17 +27,13 @@ TEST_SUITE("unit") {
     REQUIRE(Database::open(path, arm, OpenMode::create)->insert(random_rows(rng, 6)));
     CHECK(Database::open(path, limited, OpenMode::read_only).error().code ==
           ErrorCode::wrong_robot);
-    const auto before = adopt_database(path, limited);
-    REQUIRE_MESSAGE(before.has_value(), (before ? "" : before.error().message));
-    CHECK(before->robot_name == "arm");
+    CHECK(require(adopt_database(path, limited)).robot_name == "arm");
     CHECK(Database::open(path, limited, OpenMode::read_only)->size() == 6);
     CHECK(Database::inspect(path)->signature().robot_name == "limited");
     CHECK(verify_database(path)->empty());
     CHECK_FALSE(Database::open(path, arm, OpenMode::read_only).has_value());
     for (const bool is_forced : {false, true}) {
-      const auto refused = adopt_database(path, other, is_forced);
-      REQUIRE_FALSE(refused.has_value());
-      CHECK(refused.error().code == ErrorCode::wrong_robot);
+      CHECK(require_error(adopt_database(path, other, is_forced)).code == ErrorCode::wrong_robot);
     }
     CHECK(Database::inspect(path)->signature().robot_name == "limited");
   }
@@ -46,10 +42,9 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     create_database(directory / "old.db");
     const RobotSignature limited{"limited", "11111111bbbbbbbb", "ffffffffffffffff", 3};
-    const auto refused = adopt_database(directory / "old.db", limited);
-    REQUIRE_FALSE(refused.has_value());
-    CHECK(refused.error().code == ErrorCode::wrong_robot);
-    CHECK(refused.error().message.find("--force") != std::string::npos);
+    const Error refused = require_error(adopt_database(directory / "old.db", limited));
+    CHECK(refused.code == ErrorCode::wrong_robot);
+    CHECK(contains(refused.message, "--force"));
     CHECK(adopt_database(directory / "old.db", limited, true).has_value());
     CHECK(Database::open(directory / "old.db", limited, OpenMode::read_only)->size() == 6);
     write_file(directory / "empty.db", "");
@@ -71,18 +66,16 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     create_database(directory / "a.db");
     run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1 WHERE id IN (2, 5)");
-    const auto damages = verify_database(directory / "a.db");
-    REQUIRE(damages.has_value());
-    REQUIRE(damages->size() == 2);
-    CHECK(damages->at(0).id == 2);
-    CHECK(damages->at(1).id == 5);
-    CHECK(damages->at(0).what.find("checksum") != std::string::npos);
+    const auto damages = require(verify_database(directory / "a.db"));
+    REQUIRE(damages.size() == 2);
+    CHECK(damages.at(0).id == 2);
+    CHECK(damages.at(1).id == 5);
+    CHECK(contains(damages.at(0).what, "checksum"));
 
     const Error error = open_error(directory / "a.db");
     CHECK(error.code == ErrorCode::corrupt);
-    CHECK(error.message.find("row 2 is damaged") != std::string::npos);
-    CHECK(error.message.find("`mneme db verify " + (directory / "a.db") + "`") !=
-          std::string::npos);
+    CHECK(contains(error.message, "row 2 is damaged"));
+    CHECK(contains(error.message, "`mneme db verify " + (directory / "a.db") + "`"));
   }
 
   TEST_CASE("rows that lost a part are named, and one that lost both is counted") {
@@ -90,14 +83,13 @@ TEST_SUITE("unit") {
     create_database(directory / "a.db");
     run_sql(directory / "a.db",
             "DELETE FROM experience WHERE id IN (3, 6); DELETE FROM mixture WHERE id IN (4, 6)");
-    const auto damages = verify_database(directory / "a.db");
-    REQUIRE(damages.has_value());
-    REQUIRE(damages->size() == 3);
-    CHECK(damages->at(0).id == 4);
-    CHECK(damages->at(0).what.find("mixture is missing") != std::string::npos);
-    CHECK(damages->at(1).id == 0);
-    CHECK(damages->at(1).what.find("holds 4 rows, but 6 were inserted") != std::string::npos);
-    CHECK(damages->at(2).id == 3);
+    const auto damages = require(verify_database(directory / "a.db"));
+    REQUIRE(damages.size() == 3);
+    CHECK(damages.at(0).id == 4);
+    CHECK(contains(damages.at(0).what, "mixture is missing"));
+    CHECK(damages.at(1).id == 0);
+    CHECK(contains(damages.at(1).what, "holds 4 rows, but 6 were inserted"));
+    CHECK(damages.at(2).id == 3);
     CHECK(open_error(directory / "a.db").code == ErrorCode::corrupt);
   }
 
@@ -149,7 +141,7 @@ TEST_SUITE("unit") {
     const auto damages = verify_database(directory / "a.db", VerifyMode::quarantine);
     REQUIRE(damages->size() == 2);
     CHECK(!damages->at(0).is_quarantined);
-    CHECK(damages->at(0).what.find("names the robot is damaged") != std::string::npos);
+    CHECK(contains(damages->at(0).what, "names the robot is damaged"));
     CHECK(damages->at(1).what.find("nothing was set aside") == 0);
   }
 
@@ -158,15 +150,13 @@ TEST_SUITE("unit") {
     write_file(directory / "text.db", "This is a letter.");
     write_file(directory / "long.db", std::string(100000, '#'));
     for (const std::string name : {"text.db", "long.db"}) {
-      CHECK(first_damage(directory / name).find("not a mneme database") != std::string::npos);
+      CHECK(contains(first_damage(directory / name), "not a mneme database"));
       for (const OpenMode mode : {OpenMode::read_only, OpenMode::read_write, OpenMode::create}) {
         CHECK(open_error(directory / name, mode).code == ErrorCode::corrupt);
       }
     }
     CHECK(read_file(directory / "text.db") == "This is a letter.");
-    const auto missing = verify_database(directory / "none.db");
-    REQUIRE(!missing.has_value());
-    CHECK(missing.error().code == ErrorCode::io);
+    CHECK(require_error(verify_database(directory / "none.db")).code == ErrorCode::io);
   }
 
   TEST_CASE("the database of another program is damaged and stays untouched") {
@@ -175,7 +165,7 @@ TEST_SUITE("unit") {
     const std::string before = read_file(directory / "a.db");
     const auto damages = verify_database(directory / "a.db", VerifyMode::quarantine);
     REQUIRE(damages->size() == 2);
-    CHECK(damages->at(0).what.find("not a mneme database") != std::string::npos);
+    CHECK(contains(damages->at(0).what, "not a mneme database"));
     CHECK(damages->at(1).what.find("nothing was set aside") == 0);
     CHECK(!std::filesystem::exists(directory / "a.db.damaged"));
     CHECK(open_error(directory / "a.db", OpenMode::create).code == ErrorCode::corrupt);
@@ -186,9 +176,7 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     create_database(directory / "a.db");
     run_sql(directory / "a.db", "PRAGMA user_version = 5; CREATE TABLE more (a)");
-    const auto damages = verify_database(directory / "a.db");
-    REQUIRE(!damages.has_value());
-    CHECK(damages.error().code == ErrorCode::unsupported);
+    CHECK(require_error(verify_database(directory / "a.db")).code == ErrorCode::unsupported);
     CHECK(open_error(directory / "a.db").code == ErrorCode::unsupported);
   }
 }
@@ -196,7 +184,7 @@ TEST_SUITE("unit") {
 namespace {
 
 void fill_database(const std::string& path, const std::vector<Experience>& rows) {
-  REQUIRE(open_database(path).insert(rows).has_value());
+  require(open_database(path).insert(rows));
 }
 
 /// What a database holds but for its ids.
@@ -239,7 +227,7 @@ TEST_SUITE("law") {
         const std::string from = directory / ("part" + std::to_string(part));
         if (!std::filesystem::exists(from))
           fill_database(from, parts[static_cast<std::size_t>(part)]);
-        REQUIRE(merge_databases(into, from).has_value());
+        require(merge_databases(into, from));
       }
       CHECK(verify_database(into)->empty());
       results.push_back(contents(into));
@@ -260,14 +248,13 @@ TEST_SUITE("unit") {
     RobotSignature other = arm_signature();
     other.model_hash = "other";
     write_file(directory / "b.db", "");
-    REQUIRE(Database::open(directory / "b.db", other, OpenMode::create).has_value());
+    require(Database::open(directory / "b.db", other, OpenMode::create));
     CHECK(merge_databases(directory / "a.db", directory / "b.db").error().code ==
           ErrorCode::wrong_robot);
     run_sql(directory / "a.db", "UPDATE mixture SET seed = 0 WHERE id = 2");
-    const auto damaged = merge_databases(directory / "c.db", directory / "a.db");
-    REQUIRE(!damaged.has_value());
-    CHECK(damaged.error().code == ErrorCode::corrupt);
-    CHECK(damaged.error().message.find("row 2") != std::string::npos);
+    const Error error = require_error(merge_databases(directory / "c.db", directory / "a.db"));
+    CHECK(error.code == ErrorCode::corrupt);
+    CHECK(contains(error.message, "row 2"));
     CHECK(!std::filesystem::exists(directory / "c.db"));
     CHECK(merge_databases(directory / "c.db", directory / "none.db").error().code == ErrorCode::io);
     write_file(directory / "empty.db", "");
@@ -306,10 +293,9 @@ TEST_SUITE("unit") {
             "UPDATE experience SET cell = 0 WHERE id = 1");
     CHECK(compact_database(directory / "a.db").error().code == ErrorCode::corrupt);
     REQUIRE(verify_database(directory / "a.db", VerifyMode::quarantine)->size() == 81);
-    const auto compacted = compact_database(directory / "a.db");
-    REQUIRE(compacted.has_value());
-    CHECK(compacted->removed == 81);
-    CHECK(compacted->bytes_after < compacted->bytes_before);
+    const auto compacted = require(compact_database(directory / "a.db"));
+    CHECK(compacted.removed == 81);
+    CHECK(compacted.bytes_after < compacted.bytes_before);
     CHECK(open_database(directory / "a.db", OpenMode::read_only).size() == 19);
   }
 }
