@@ -5,9 +5,9 @@
 
 #include "base/fail.h"
 #include "base/files.h"
+#include "input/xml_reader.h"
 #include "robot/srdf.h"
 #include "robot/urdf_reader.h"
-#include "robot/xml_reader.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -5,9 +5,9 @@
 #include "base/as_index.h"
 #include "base/fail.h"
 #include "base/text.h"
+#include "input/xml_reader.h"
 #include "robot/kinematics.h"
 #include "robot/planning_group.h"
-#include "robot/xml_reader.h"
 
 #include <fmt/format.h>
 

@@ -5,8 +5,8 @@
 #include "base/as_index.h"
 #include "geometry/tolerated.h"
 #include "mesh/mesh_file.h"
+#include "input/xml_reader.h"
 #include "robot/robot_tree.h"
-#include "robot/xml_reader.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

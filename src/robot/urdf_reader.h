@@ -7,8 +7,8 @@
 #include "mneme/base.h"
 #include "mneme/robot.h"
 
+#include "input/xml_reader.h"
 #include "mesh/mesh_finder.h"
-#include "robot/xml_reader.h"
 
 #include <string>
 #include <string_view>

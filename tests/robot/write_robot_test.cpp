@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/small_robots.h"
 #include "robot/srdf.h"
-#include "robot/xml_reader.h"
+#include "input/xml_reader.h"
 #include "base/text.h"
 #include "support/support.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "robot/xml_reader.h"
+#include "input/xml_reader.h"
 
 #include "base/text.h"
 
@@ -19,7 +19,7 @@ constexpr std::size_t kMaxQuotedLength = 60;
 constexpr std::size_t kMostNamed = 12;  // findings
 
 /// `text` short enough for a message.
-std::string in_quotes(std::string_view text) {
+std::string quoted_excerpt(std::string_view text) {
   const bool is_long = text.size() > kMaxQuotedLength;
   return fmt::format("'{}{}'", text.substr(0, kMaxQuotedLength), is_long ? "..." : "");
 }
@@ -142,7 +142,7 @@ const XmlElement& XmlReader::read_root(tinyxml2::XMLDocument& document, std::str
       fail(node->GetLineNum(), "there is more than one <{}> element", name);
     }
     fail(node->GetLineNum(), "expected nothing after </{}>, got {}", name,
-         element != nullptr ? fmt::format("<{}>", element->Name()) : in_quotes(node->Value()));
+         element != nullptr ? fmt::format("<{}>", element->Name()) : quoted_excerpt(node->Value()));
   }
   return *root;
 }
@@ -157,7 +157,7 @@ void XmlReader::check_children(const XmlElement& element,
     const XmlElement* child = node->ToElement();
     if (child == nullptr) {
       const std::string text =
-          fmt::format("text {} in <{}>", in_quotes(trimmed(node->Value())), element.Name());
+          fmt::format("text {} in <{}>", quoted_excerpt(trimmed(node->Value())), element.Name());
       tolerate(node->GetLineNum(), text, "unexpected " + text);
     } else {
       check_child(element, *child, contains(single, child->Name()), known);
@@ -211,7 +211,7 @@ std::string XmlReader::text(const XmlElement& element, const char* attribute) co
   if (*value == '\0') fail(element, "'{}' is empty", attribute);
   if (!decode_utf8(value)) {
     fail(element, "{} is {}, which is not UTF-8; expected a file saved as UTF-8", attribute,
-         in_quotes(value));
+         quoted_excerpt(value));
   }
   return value;
 }
@@ -221,7 +221,7 @@ double XmlReader::number_or_infinity(const XmlElement& element, const char* attr
   const auto fields = split_words(value);
   const auto result = fields.size() == 1 ? parse_xml_number(fields[0]) : std::nullopt;
   if (result) return *result;
-  fail(element, "{} is {}, expected a finite number{}", attribute, in_quotes(value),
+  fail(element, "{} is {}, expected a finite number{}", attribute, quoted_excerpt(value),
        xacro_hint(value));
 }
 
@@ -229,7 +229,7 @@ double XmlReader::number(const XmlElement& element, const char* attribute) const
   const double value = number_or_infinity(element, attribute);
   if (std::isfinite(value)) return value;
   fail(element, "{} is {}, expected a finite number", attribute,
-       in_quotes(element.Attribute(attribute)));
+       quoted_excerpt(element.Attribute(attribute)));
 }
 
 double XmlReader::non_negative_number(const XmlElement& element, const char* attribute) const {
@@ -250,7 +250,7 @@ std::vector<double> XmlReader::numbers(const XmlElement& element, const char* at
   }
   const bool is_count = std::ranges::find(counts, fields.size()) != counts.end();
   if (is_count && numbers.size() == fields.size()) return numbers;
-  fail(element, "{} is {}, expected {}{}", attribute, in_quotes(value), expected,
+  fail(element, "{} is {}, expected {}{}", attribute, quoted_excerpt(value), expected,
        xacro_hint(value));
 }
 
@@ -259,6 +259,35 @@ Vec3 XmlReader::vector(const XmlElement& element, const char* attribute,
   if (element.Attribute(attribute) == nullptr) return fallback;
   const auto n = numbers(element, attribute, {3}, "three finite numbers");
   return {n[0], n[1], n[2]};
+}
+
+namespace {
+
+/// Roll, pitch and yaw. Roll is computed from the rotation after yaw, so that their sum is accurate
+/// near a pitch of 90 degrees, where each alone is arbitrary.
+Vec3 rpy_of(const Eigen::Matrix3d& r) {
+  const double yaw = std::atan2(r(1, 0), r(0, 0));
+  const double pitch = std::atan2(-r(2, 0), std::hypot(r(0, 0), r(1, 0)));
+  const double c = std::cos(yaw), s = std::sin(yaw);
+  const double roll = std::atan2(s * r(0, 2) - c * r(1, 2), c * r(1, 1) - s * r(0, 1));
+  return {roll, pitch, yaw};
+}
+
+}  // namespace
+
+std::string xml_vector(const Vec3& v) {
+  // Adding zero makes a zero positive.
+  return fmt::format("{} {} {}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);
+}
+
+std::string xml_origin(const Transform& pose) {
+  std::string attributes;
+  if (!pose.translation.isZero(0)) {
+    attributes += fmt::format(" xyz=\"{}\"", xml_vector(pose.translation));
+  }
+  const Vec3 rpy = rpy_of(pose.rotation);
+  if (!rpy.isZero(0)) attributes += fmt::format(" rpy=\"{}\"", xml_vector(rpy));
+  return attributes.empty() ? "" : "<origin" + attributes + "/>";
 }
 
 }  // namespace mneme::internal
