@@ -182,7 +182,8 @@ class Robot {
     return model_->exact_pairs;
   }
   /// Pairs of link indices, without attached objects, that may touch: those of the SRDF and
-  /// RobotOptions. Without both, also links that one joint of the group connects.
+  /// RobotOptions. Without an SRDF also links that a joint joins, directly or through links without
+  /// shapes.
   [[nodiscard]] std::span<const std::pair<int, int>> allowed_pairs() const {
     return model_->allowed_pairs;
   }
@@ -248,7 +249,7 @@ class Robot {
     std::vector<Joint> joints;
     std::vector<JointGroup> groups = {};
     /// Pairs of links that may touch, in addition to those of RobotOptions. Without a value, links
-    /// connected by one joint may touch.
+    /// that a joint joins may touch, directly or through links without shapes.
     std::optional<std::vector<std::pair<std::string, std::string>>> allowed_pairs = std::nullopt;
     std::vector<std::string> warnings = {};
     std::vector<NamedState> states = {};

@@ -90,7 +90,7 @@ struct RobotSpheres {
 
 /// Why a pair of links need not be checked.
 enum class AllowedReason {
-  adjacent,  ///< joined by a joint, by welded links or by links without shapes
+  adjacent,  ///< joined by a joint, directly or by links without shapes, or welded together
   always,    ///< in contact in every sample
   never,     ///< in contact in no sample
   at_rest,   ///< in contact where all joints are zero
@@ -146,8 +146,9 @@ struct ApproximatedRobot {
 /// Loads a robot with any collision geometry: as load_robot(), but solids become spheres. Cost: CPU
 /// seconds per arm, with progress on a terminal, or milliseconds from the cache. Without an SRDF,
 /// adjacent pairs are allowed. A pair is also allowed if its exact geometry is in contact in all
-/// random configurations and a search finds no free one; if an SRDF checks such a pair, with a
-/// warning. A pair of which only the spheres always overlap becomes one of Robot::exact_pairs().
+/// random configurations and a search finds no free one: with a note, or a warning if an SRDF
+/// checks the pair. A pair of which only the spheres always overlap becomes one of
+/// Robot::exact_pairs().
 [[nodiscard]] Result<ApproximatedRobot> load_approximated_robot(
     const std::string& path, const RobotOptions& options = {}, const SphereSettings& settings = {},
     const SphereProgress& on_approximated = terminal_progress());

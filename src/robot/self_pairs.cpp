@@ -23,22 +23,15 @@ std::vector<int> weld(std::span<const Link> links, std::span<const Joint> joints
 
 }  // namespace
 
-LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,
-                          std::span<const int> group) {
-  const std::vector<bool> is_moving = find_moving(joints, group);
-  const std::vector<int> bodies = weld(links, joints, is_moving);
-  std::set<std::pair<int, int>> joined;
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (!is_moving[i]) continue;
-    joined.insert(std::minmax(
-        {bodies[as_index(joints[i].parent_link)], bodies[as_index(joints[i].child_link)]}));
-  }
+LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints) {
   LinkPairs neighbours;
-  for (std::size_t a = 0; a < links.size(); ++a) {
-    for (std::size_t b = a + 1; b < links.size(); ++b) {
-      if (!joined.contains(std::minmax({bodies[a], bodies[b]}))) continue;
-      neighbours.emplace_back(static_cast<int>(a), static_cast<int>(b));
+  for (std::size_t link = 1; link < links.size(); ++link) {
+    if (!has_shapes(links[link])) continue;
+    int above = joints[link - 1].parent_link;
+    while (above > 0 && !has_shapes(links[as_index(above)])) {
+      above = joints[as_index(above - 1)].parent_link;
     }
+    if (has_shapes(links[as_index(above)])) neighbours.emplace_back(above, static_cast<int>(link));
   }
   return neighbours;
 }

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
+#include <numbers>
 
 namespace mneme {
 namespace {
@@ -19,51 +19,24 @@ namespace {
 using internal::as_index, internal::LinkDistances, internal::PosedLinks;
 using Pair = std::pair<int, int>;
 
-/// The robot with all independent joints in its planning group.
-Result<Robot> make_whole(const Robot::Parts& parts) {
+/// The robot with all independent joints in its planning group. It checks all pairs of links that
+/// move against each other, except adjacent ones. Continuous joints take the values of one turn.
+Result<Robot> make_whole(Robot::Parts parts) {
   RobotOptions options;
-  for (const Joint& joint : parts.joints) {
+  for (Joint& joint : parts.joints) {
     if (internal::is_free(joint)) options.joints.push_back(joint.name);
+    if (joint.type != JointType::continuous) continue;
+    joint.type = JointType::revolute;
+    joint.lower = -std::numbers::pi;
+    joint.upper = std::numbers::pi;
   }
-  if (!options.joints.empty()) return make_robot(parts, options);
+  parts.allowed_pairs.reset();
+  parts.exact_pairs.clear();
+  if (!options.joints.empty()) return make_robot(std::move(parts), options);
   return fail(ErrorCode::invalid,
               "robot '{}': there is no joint that can move, so that no pair of links needs a check",
               parts.name);
 }
-
-/// Tells links that a joint joins directly. Links that fixed joints weld together are one body. A
-/// body without shapes counts as part of its parent.
-class Adjacency {
- public:
-  explicit Adjacency(const Robot& robot) : bodies_(robot.links().size(), 0) {
-    std::set<int> solid = {0};
-    const auto joints = robot.joints();
-    for (const Joint& joint : joints) {
-      bodies_[as_index(joint.child_link)] =
-          joint.type == JointType::fixed ? bodies_[as_index(joint.parent_link)] : joint.child_link;
-    }
-    for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (internal::has_shapes(robot.links()[i])) solid.insert(bodies_[i]);
-    }
-    for (const Joint& joint : joints) {
-      int above = bodies_[as_index(joint.parent_link)];
-      while (!solid.contains(above)) {
-        const int up = robot.links()[as_index(above)].parent_joint;
-        above = bodies_[as_index(joints[as_index(up)].parent_link)];
-      }
-      neighbours_.insert(std::minmax({above, bodies_[as_index(joint.child_link)]}));
-    }
-  }
-
-  [[nodiscard]] bool are_adjacent(int first, int second) const {
-    const Pair pair = std::minmax({bodies_[as_index(first)], bodies_[as_index(second)]});
-    return pair.first == pair.second || neighbours_.contains(pair);
-  }
-
- private:
-  std::vector<int> bodies_;  ///< per link the topmost link of its body
-  std::set<Pair> neighbours_;
-};
 
 struct Record {
   Pair links;
@@ -176,12 +149,9 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
                 settings.samples);
   }
   const Robot robot = MNEME_TRY(make_whole(parts));
-  const Adjacency adjacency(robot);
   const std::vector<Pair> pairs = pairs_with_shapes(robot);
   std::vector<Record> records;
-  for (const Pair& pair : pairs) {
-    if (!adjacency.are_adjacent(pair.first, pair.second)) records.push_back({pair});
-  }
+  for (const Pair& pair : robot.self_pairs()) records.push_back({pair});
   const LinkDistances links(robot);
   const Configuration rest = robot.normalized(Configuration(as_index(robot.joint_count()), 0.0));
   const PosedLinks at_rest = links.posed(robot.link_poses(rest));

@@ -164,16 +164,32 @@ TEST_SUITE("unit") {
     CHECK(pairs_of(test::require_robot(parts)) == Pairs{{1, 3}});
   }
 
-  TEST_CASE("a fixed joint welds its links into one body") {
+  TEST_CASE("a fixed joint welds its links into one body, each with its own neighbours") {
     Robot::Parts parts = test::make_chain(4);
     parts.joints[1].type = JointType::fixed;
     // Bodies {0}, {1, 2}, {3}, {4}.
-    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 3}, {0, 4}, {1, 4}, {2, 4}});
+    CHECK(pairs_of(test::require_robot(parts)) ==
+          Pairs{{0, 2}, {0, 3}, {0, 4}, {1, 3}, {1, 4}, {2, 4}});
   }
 
-  TEST_CASE("a joint outside the group welds its links into one body") {
+  TEST_CASE("a link that is fixed to a wrist is checked against the forearm") {
+    Robot::Parts parts = test::make_chain(3);
+    parts.joints[2].type = JointType::fixed;
+    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 2}, {0, 3}, {1, 3}});
+  }
+
+  TEST_CASE("links that links without shapes join are neighbours, but not two that one carries") {
+    Robot::Parts parts = test::make_chain(4);
+    parts.links[1].spheres.clear();
+    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 3}, {0, 4}, {2, 4}});
+    parts.joints[3].parent_link = 1;
+    // Fingers 2, with 3 on it, and 4 of a palm without shapes.
+    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 3}, {2, 4}, {3, 4}});
+  }
+
+  TEST_CASE("a joint outside the group keeps its links together") {
     const Robot robot = test::require_robot(test::make_chain(4), {.joints = {"j1", "j3", "j4"}});
-    CHECK(pairs_of(robot) == Pairs{{0, 3}, {0, 4}, {1, 4}, {2, 4}});
+    CHECK(pairs_of(robot) == Pairs{{0, 2}, {0, 3}, {0, 4}, {1, 3}, {1, 4}, {2, 4}});
   }
 
   TEST_CASE("joints that follow the group move their links too") {

@@ -55,13 +55,21 @@ TEST_SUITE("unit") {
     CHECK(reasons_of(parts, {10000, true, 1}).at("l0 l2") == AllowedReason::at_rest);
   }
 
-  TEST_CASE("links that are welded together are adjacent, and so are their neighbours") {
+  TEST_CASE("links that are welded together are adjacent, their neighbours are not") {
     Robot::Parts parts = make_balls(3, 0.3);
     parts.joints[1].type = JointType::fixed;
     const Reasons reasons = reasons_of(parts);
+    CHECK(reasons.at("l0 l1") == AllowedReason::adjacent);
     CHECK(reasons.at("l1 l2") == AllowedReason::adjacent);
-    CHECK(reasons.at("l0 l2") == AllowedReason::adjacent);
-    CHECK(reasons.at("l1 l3") == AllowedReason::adjacent);
+    CHECK(reasons.at("l0 l2") == AllowedReason::never);
+    CHECK(reasons.at("l1 l3") == AllowedReason::never);
+    // A camera on the wrist l1 that the forearm l0 can meet.
+    parts.joints[1].origin.translation = Vec3(-0.5, 0.6, 0);
+    CHECK_FALSE(reasons_of(parts).contains("l0 l2"));
+    // Its mount is around the wrist.
+    parts.joints[0].origin.translation = Vec3(0.4, 0, 0);
+    parts.joints[1].origin.translation = Vec3(0.1, 0, 0);
+    CHECK(reasons_of(parts).at("l0 l2") == AllowedReason::always);
   }
 
   TEST_CASE("a link without shapes passes adjacency on to the link above it") {
