@@ -124,9 +124,9 @@ struct Tally {
 };
 
 Result<Tally> plan_pairs(const std::string& file, const Robot& robot, const Options& options) {
-  const auto pairs = MNEME_TRY(test::pairs_to_check(file, robot, options.robot));
-  const auto checker = MNEME_TRY(CollisionChecker::make(robot, {}));
   test::FclRobot oracle(robot);
+  const auto pairs = MNEME_TRY(test::pairs_to_check(file, robot, oracle, options.robot));
+  const auto checker = MNEME_TRY(CollisionChecker::make(robot, {}));
   Rng rng(options.seed);
   Tally tally;
   for (int i = 0; i < options.pairs; ++i) {
@@ -178,9 +178,9 @@ class Refusals {
 
 /// Compares random configurations with FCL. Prints the robot's row; true if no contact was missed.
 Result<bool> compare_states(const std::string& file, const Robot& robot, const Options& options) {
-  const auto pairs = MNEME_TRY(test::pairs_to_check(file, robot, options.robot));
-  const auto checker = MNEME_TRY(CollisionChecker::make(robot, {}));
   test::FclRobot oracle(robot);
+  const auto pairs = MNEME_TRY(test::pairs_to_check(file, robot, oracle, options.robot));
+  const auto checker = MNEME_TRY(CollisionChecker::make(robot, {}));
   Rng rng(options.seed);
   int valid = 0, touching = 0, missed = 0;
   Refusals refusals;
