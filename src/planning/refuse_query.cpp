@@ -79,25 +79,29 @@ bool can_be_finer(const Robot& robot, const Contact& contact) {
   });
 }
 
-/// The way out for two links of the robot that also touch where all joints are zero, if there are
-/// any: people often have no SRDF yet.
+/// The way out for links of the robot that also touch where all joints are zero, if there are any:
+/// people often have no SRDF yet.
 std::string advise_at_rest(const CollisionChecker& checker, const std::vector<Contact>& contacts) {
+  constexpr std::size_t kMostNamed = 12;
   const Robot& robot = checker.robot();
   const Configuration zeros(internal::as_index(robot.joint_count()), 0.0);
   const std::vector<Contact> at_rest = checker.contacts(robot.normalized(zeros));
+  std::string named;
+  std::size_t count = 0;
   for (const Contact& contact : contacts) {
     if (!contact.is_self || is_near(contact) || !can_be_finer(robot, contact)) continue;
     const bool is_same = std::ranges::any_of(at_rest, [&](const Contact& other) {
       return other.is_self && other.link == contact.link && other.other == contact.other;
     });
-    if (!is_same) continue;
-    return fmt::format(
-        ". Links '{0}' and '{1}' touch at rest, too: if they may, put `allow: [[{0}, {1}]]` into "
-        "the "
-        "problem, or `disable_collisions` into an SRDF (`mneme robot srdf` writes one)",
-        contact.link, contact.other);
+    if (!is_same || ++count > kMostNamed) continue;
+    named += fmt::format("{}[{}, {}]", count == 1 ? "" : ", ", contact.link, contact.other);
   }
-  return {};
+  if (count == 0) return {};
+  const std::string these = count == 1 ? "These links" : fmt::format("{} pairs of links", count);
+  return fmt::format(
+      ". {} touch at rest, too: if they may, put `allow: [{}]`{} into the problem, or "
+      "`disable_collisions` into an SRDF (`mneme robot srdf` writes one)",
+      these, named, count > kMostNamed ? " and the others" : "");
 }
 
 /// Names contacts first, then pairs within the margin.

@@ -37,6 +37,25 @@ TEST_SUITE("flow") {
     require_run({"plan", files / "p.yaml"});
   }
 
+  TEST_CASE("all pairs in contact at rest are named at once") {
+    const TemporaryDirectory files;
+    std::string urdf = kNodding;
+    urdf.replace(urdf.find("</robot>"), std::string::npos,
+                 "<link name='hat'><collision><origin xyz='0.5 0 0.05'/><geometry><sphere "
+                 "radius='0.1'/></geometry></collision></link>"
+                 "<joint name='pin' type='fixed'><parent link='head'/><child link='hat'/></joint>"
+                 "</robot>");
+    write_file(files / "nod.urdf", urdf);
+    const std::string problem =
+        "robot: nod.urdf\nscene: {obstacles: []}\nstart: [0, 0]\ngoal: [1, 0]\n";
+    write_file(files / "p.yaml", problem);
+    const ProgramRun refused = run_program({"plan", files / "p.yaml"});
+    const std::string allow = "allow: [[base, head], [base, hat]]";
+    CHECK(contains(refused.err, "`" + allow + "`"));
+    write_file(files / "p.yaml", problem + allow + "\n");
+    require_run({"plan", files / "p.yaml"});
+  }
+
   TEST_CASE("contact elsewhere gets no such advice, and rest can be checked") {
     const TemporaryDirectory files;
     write_file(files / "nod.urdf", kNodding);
