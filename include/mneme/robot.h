@@ -283,7 +283,8 @@ class Robot {
 /// Builds a robot: sorts the tree, resolves chains of mimic joints, selects the group and derives
 /// the pairs to check. These are all pairs of links with shapes that can move relative to each
 /// other, except allowed ones. Errors: no root or several, a loop, an unknown or repeated name,
-/// missing or reversed limits, links with solids.
+/// missing or reversed limits, links with solids, a follower that jumps where a continuous joint of
+/// the group wraps around.
 [[nodiscard]] Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options = {});
 
 /// Reads a URDF file and its SRDF. Boxes, cylinders and meshes stay in Link::solids. Errors name

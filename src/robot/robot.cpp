@@ -39,6 +39,30 @@ double within_limits(const Joint& joint, double value) {
                                              : std::clamp(value, joint.lower, joint.upper);
 }
 
+/// True if a follower of the continuous joint `leader` depends on its number of turns.
+bool has_jumps(std::span<const Joint> joints, int leader, const Joint& follower) {
+  if (!follower.mimic || follower.mimic->joint != leader) return false;
+  if (joints[internal::as_index(leader)].type != JointType::continuous) return false;
+  const double multiplier = follower.mimic->multiplier;
+  return multiplier != 0 &&
+         !(internal::is_turning(follower) && multiplier == std::round(multiplier));
+}
+
+Result<void> refuse_jumps(std::span<const Joint> joints, std::span<const int> group) {
+  for (const int leader : group) {
+    for (const Joint& follower : joints) {
+      if (!has_jumps(joints, leader, follower)) continue;
+      return fail(
+          ErrorCode::invalid,
+          "joint '{0}' jumps where the continuous joint '{1}' that it follows wraps around; "
+          "expected a rotating joint and an integer multiplier, got {2}; make '{1}' "
+          "revolute with limits, or plan for joints without it (--group, joints)",
+          follower.name, joints[internal::as_index(leader)].name, follower.mimic->multiplier);
+    }
+  }
+  return {};
+}
+
 Result<void> set_fixed_values(std::vector<Joint>& joints, std::span<const int> group,
                               std::map<std::string, double> values,
                               std::vector<std::string>& warnings) {
@@ -58,6 +82,9 @@ Result<void> set_fixed_values(std::vector<Joint>& joints, std::span<const int> g
     }
     Joint& joint = joints[internal::as_index(i)];
     joint.fixed_value = value;
+    const bool counts_turns = std::ranges::any_of(
+        joints, [&](const Joint& follower) { return has_jumps(joints, i, follower); });
+    if (counts_turns) continue;
     const double within = within_limits(joint, value);
     if (joint.type == JointType::continuous ||
         std::abs(within - value) <= internal::kLimitTolerance) {
@@ -195,6 +222,7 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
     std::vector<std::string> names;
     for (const int i : model.group) names.push_back(sorted.joints[internal::as_index(i)].name);
     warn_of_virtual_joint(sorted, options, names, sorted.warnings);
+    MNEME_TRY(refuse_jumps(sorted.joints, model.group));
     MNEME_TRY(set_fixed_values(sorted.joints, model.group, options.fixed_values, sorted.warnings));
     warn_of_wide_limits(sorted.joints, sorted.warnings);
     warn_of_followers(sorted.joints, model.group, sorted.warnings);

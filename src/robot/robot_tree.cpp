@@ -48,18 +48,6 @@ std::optional<Mimic> folded(const std::vector<Joint>& joints, const Mimic& first
   return std::nullopt;
 }
 
-std::optional<std::string> describe_jump(const Joint& joint, const Joint& leader) {
-  if (leader.type != JointType::continuous) return std::nullopt;
-  const double multiplier = joint.mimic->multiplier;
-  if (multiplier == 0 || (is_turning(joint) && multiplier == std::round(multiplier))) {
-    return std::nullopt;
-  }
-  return fmt::format(
-      "it jumps where the continuous joint '{}' that it follows wraps around; expected a rotating "
-      "joint and an integer multiplier, got {}",
-      leader.name, multiplier);
-}
-
 }  // namespace
 
 std::optional<std::pair<int, std::string>> fold_mimics(std::vector<Joint>& joints) {
@@ -79,7 +67,6 @@ std::optional<std::pair<int, std::string>> fold_mimics(std::vector<Joint>& joint
     if (mimic) {
       joint.mimic = mimic;
       fault = describe_fault(joints, *mimic);
-      if (!fault) fault = describe_jump(joint, joints[as_index(mimic->joint)]);
     }
     if (fault) return std::pair(static_cast<int>(i), *std::move(fault));
   }

@@ -22,8 +22,7 @@ namespace mneme::internal {
 [[nodiscard]] std::optional<int> find_link(std::span<const Link> links, std::string_view name);
 
 /// Resolves chains of mimic joints, so that every leader is free; drops the mimic of fixed joints.
-/// Returns the first faulty joint and why: a loop, a missing leader, numbers that are not finite,
-/// or a jump where a continuous leader wraps around.
+/// Returns the first faulty joint and why: a loop, a missing leader, numbers that are not finite.
 [[nodiscard]] std::optional<std::pair<int, std::string>> fold_mimics(std::vector<Joint>& joints);
 
 /// Returns the fault in the spheres and capsules of a link, if any: numbers that are not finite or

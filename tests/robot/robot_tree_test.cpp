@@ -211,18 +211,28 @@ TEST_SUITE("unit") {
                  "joint 'j2': its multiplier 1 and offset -10000000 are not both within 1000000"));
   }
 
-  TEST_CASE("a follower must not jump where its continuous leader wraps around") {
-    const auto follow_continuous = [](JointType type, double multiplier) {
-      Robot::Parts parts = make_chain(2);
+  TEST_CASE("a follower of the group must not jump where its continuous leader wraps around") {
+    const auto follow_continuous = [](JointType type, double multiplier,
+                                      const RobotOptions& options = {}) {
+      Robot::Parts parts = make_chain(3);
       parts.joints[0].type = JointType::continuous;
       parts.joints[1].type = type;
       parts.joints[1].mimic = follow(0, multiplier);
-      return make_robot(std::move(parts));
+      return make_robot(std::move(parts), options);
     };
     CHECK(follow_continuous(JointType::revolute, -2).has_value());
-    CHECK(contains(require_error(follow_continuous(JointType::revolute, 0.5)).message,
-                   "joint 'j2': it jumps where the continuous joint 'j1'"));
+    const auto half = follow_continuous(JointType::revolute, 0.5);
+    REQUIRE_FALSE(half.has_value());
+    CHECK(contains(half.error().message, "joint 'j2' jumps where the continuous joint 'j1'"));
+    CHECK(contains(half.error().message, "plan for joints without it (--group, joints)"));
     CHECK_FALSE(follow_continuous(JointType::prismatic, 1).has_value());
+    const auto held =
+        follow_continuous(JointType::prismatic, 0.1, test::plan_for({"j3"}, {{"j1", 4}}));
+    REQUIRE_MESSAGE(held.has_value(), (held ? "" : held.error().message));
+    CHECK(held->joints()[1].fixed_value == doctest::Approx(0.4));
+    CHECK(held->link_poses(std::vector{0.0})[2].translation.norm() ==
+          doctest::Approx(
+              (Vec3(1, 0, 0) + rotation_about(Vec3::UnitZ(), 4) * Vec3(1, 0, 0.4)).norm()));
   }
 
   TEST_CASE("joints that follow the group move, those that follow others stand still") {
