@@ -49,6 +49,7 @@ struct Joint {
   double upper = 0;                    ///< Radians or metres; +pi for continuous joints.
   double velocity = 1;                 ///< Limit in rad/s or m/s, >= 0; 1 if the URDF gives none.
   std::optional<double> acceleration;  ///< Limit in rad/s^2 or m/s^2, >= 0, if the URDF gives one.
+  std::optional<double> jerk;          ///< Limit in rad/s^3 or m/s^3, >= 0, if the URDF gives one.
   double fixed_value = 0;              ///< Value of a movable joint outside the planning group.
   std::optional<Mimic> mimic;          ///< Set for a follower, which is in no group.
   std::optional<HeldPose> held;        ///< Set for a planar or floating joint.
@@ -161,6 +162,11 @@ class Robot {
   [[nodiscard]] std::span<const Link> links() const { return model_->links; }
   /// Returns the index of the link of this name, if there is one.
   [[nodiscard]] std::optional<int> find_link(std::string_view name) const;
+  /// As find_link(), but root_frame() is a name of the root link, too.
+  [[nodiscard]] std::optional<int> find_frame(std::string_view name) const;
+  /// The frame that a fixed virtual joint of the SRDF holds the root link in, such as "world".
+  /// Empty without one.
+  [[nodiscard]] const std::string& root_frame() const { return model_->root_frame; }
   /// Joints in tree order; joint `i` moves link `joints()[i].child_link`.
   [[nodiscard]] std::span<const Joint> joints() const { return model_->joints; }
   /// Indices of the planning group in joints(), in the order of a configuration.
@@ -192,8 +198,8 @@ class Robot {
   /// Warnings from reading, such as names in the SRDF that the URDF lacks.
   [[nodiscard]] std::span<const std::string> warnings() const { return model_->warnings; }
   /// 16 hexadecimal digits over everything that decides whether a configuration is valid:
-  /// kinematics, limits, shapes, checked pairs, group and fixed values. Names, limits of velocity
-  /// and acceleration, and attached objects do not count.
+  /// kinematics, limits, shapes, checked pairs, group and fixed values. Names, limits of velocity,
+  /// acceleration and jerk, and attached objects do not count.
   [[nodiscard]] const std::string& hash() const { return model_->hash; }
   /// 16 hexadecimal digits over the group's joints in order: 8 over their frames, 8 over their
   /// limits. Shapes, tools, fingers, checked pairs and names do not count.
@@ -256,6 +262,7 @@ class Robot {
     /// Pairs of links to check by exact geometry, unless a pair is allowed. At least one link of
     /// each pair has a sphere approximation.
     std::vector<std::pair<std::string, std::string>> exact_pairs = {};
+    std::string root_frame = {};  ///< see Robot::root_frame()
   };
 
  private:
@@ -270,6 +277,7 @@ class Robot {
     bool is_planar = false;
     std::vector<std::string> warnings;
     std::vector<NamedState> states;
+    std::string root_frame;
     std::vector<ApproximatedObject> attached = {};
     std::shared_ptr<const Model> bare = nullptr;  ///< Null if nothing is attached.
   };

@@ -126,7 +126,8 @@ class LinePlan {
   /// The frame of the line, in the root link's frame.
   [[nodiscard]] Result<Transform> find_frame(const std::vector<Transform>& poses) const {
     if (line_.frame.empty()) return Transform{};
-    if (line_.frame == "world" && !robot_.find_link("world")) return Transform{};
+    const auto known = robot_.find_frame(line_.frame);
+    if (known == 0 || (!known && line_.frame == "world")) return Transform{};
     const auto frame = internal::as_index(MNEME_TRY(index_of(line_.frame, "frame")));
     if (frame == link_) return result_.begin;
     return line_.start ? find_frame_at_pose(frame, poses) : poses[frame];

@@ -261,7 +261,7 @@ PoseError pose_error(const Robot& robot, const PoseGoal& goal, std::span<const d
 
 Result<PoseGoal> in_root_frame(PoseGoal goal, const Robot& robot, std::span<const double> q) {
   if (goal.frame.empty()) return goal;
-  const auto link = robot.find_link(goal.frame);
+  const auto link = robot.find_frame(goal.frame);
   if (!link) {
     return fail(ErrorCode::invalid, "expected a link of robot {}, got \"{}\"", robot.name(),
                 goal.frame);

@@ -195,7 +195,7 @@ class MoveitReader {
   static FindLink links_at(const Robot& robot, const FindStart& find_start) {
     return [&robot, find_start](const std::string& name,
                                 const Input& where) -> std::optional<Transform> {
-      const auto link = robot.find_link(name);
+      const auto link = robot.find_frame(name);
       if (!link) return std::nullopt;
       return robot.link_poses(find_start(where))[as_index(*link)];
     };

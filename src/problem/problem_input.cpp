@@ -198,7 +198,7 @@ void check_robot_facts(const Input& input, const Robot& robot) {
 std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& name,
                                          const Input& place) {
   const auto links = robot.links();
-  const auto found = robot.find_link(name);
+  const auto found = robot.find_frame(name);
   if (!found) return std::nullopt;
   Transform X_RF;
   for (const Link* link = &links[as_index(*found)]; link->parent_joint >= 0;) {

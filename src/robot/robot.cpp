@@ -20,6 +20,11 @@ std::optional<int> Robot::find_link(std::string_view name) const {
   return internal::find_link(links(), name);
 }
 
+std::optional<int> Robot::find_frame(std::string_view name) const {
+  const auto link = find_link(name);
+  return !link && !name.empty() && name == root_frame() ? std::optional(0) : link;
+}
+
 std::vector<std::string> Robot::joint_names() const {
   std::vector<std::string> names;
   for (int i = 0; i < joint_count(); ++i) names.push_back(group_joint(i).name);
@@ -241,6 +246,7 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
     model.is_planar = internal::moves_in_plane(model.links, model.joints, model.group);
     model.warnings = std::move(sorted.warnings);
     model.states = std::move(sorted.states);
+    model.root_frame = std::move(sorted.root_frame);
     return Robot(std::make_shared<const Robot::Model>(std::move(model)));
   };
   return make().map_error(internal::naming(fmt::format("robot '{}'", name)));

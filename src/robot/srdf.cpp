@@ -10,8 +10,10 @@
 #include "robot/planning_group.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -33,6 +35,7 @@ class SrdfReader {
     } else {
       xml_.tolerate(robot, "no name", "attribute 'name' is missing");
     }
+    xml_.check_attributes(robot, {"name", "version", "xmlns"});
     xml_.check_children(robot, {},
                         {"group", "group_state", "end_effector", "virtual_joint", "passive_joint",
                          "joint_property", "link_sphere_approximation", "disable_collisions",
@@ -54,12 +57,7 @@ class SrdfReader {
       srdf_.end_effectors.push_back(name(element, "group"));
       if (element.Attribute("parent_link")) srdf_.holders.push_back(name(element, "parent_link"));
     } else if (kind == "virtual_joint") {
-      xml_.check_attributes(element, {"name", "type", "parent_frame", "child_link"});
-      const char* type = element.Attribute("type");
-      const bool is_fixed = type == nullptr || std::string_view(type) == "fixed";
-      const bool has_child = element.Attribute("child_link") != nullptr;
-      srdf_.virtual_joints.push_back(
-          {name(element, "name"), is_fixed, has_child ? name(element, "child_link") : SrdfName{}});
+      read_virtual_joint(element);
     } else if (kind == "passive_joint") {
       xml_.check_attributes(element, {"name"});
       srdf_.passive_joints.push_back(name(element, "name"));
@@ -71,6 +69,21 @@ class SrdfReader {
       xml_.check_attributes(element, {"link"});
       srdf_.disabled_links.push_back(name(element, "link"));
     }
+  }
+
+  void read_virtual_joint(const XmlElement& element) {
+    xml_.check_attributes(element, {"name", "type", "parent_frame", "child_link"});
+    const char* text = element.Attribute("type");
+    const std::string_view type = text == nullptr ? "fixed" : text;
+    if (type != "fixed" && type != "planar" && type != "floating") {
+      xml_.tolerate(element, fmt::format("the type '{}', which counts as floating", type),
+                    fmt::format("type '{}' is unknown; expected fixed, planar or floating", type));
+    }
+    const char* frame = element.Attribute("parent_frame");
+    const bool has_child = element.Attribute("child_link") != nullptr;
+    srdf_.virtual_joints.push_back({name(element, "name"), type == "fixed",
+                                    frame == nullptr ? "" : frame,
+                                    has_child ? name(element, "child_link") : SrdfName{}});
   }
 
   void read_group(const XmlElement& element) {
@@ -167,6 +180,9 @@ NamedPair ordered(const std::string& a, const std::string& b) {
   return a < b ? NamedPair(a, b) : NamedPair(b, a);
 }
 
+/// Radians or metres by which the value of a follower in a state may differ: files round.
+constexpr double kStateTolerance = 1e-3;
+
 /// Looks up the names of one SRDF in one robot.
 class SrdfLookup {
  public:
@@ -182,6 +198,7 @@ class SrdfLookup {
     const std::set<std::string_view> end_effectors = names_of(srdf_.end_effectors);
     const std::set<std::string_view> passive = names_of(srdf_.passive_joints);
     std::set<std::string_view> moving_virtual;
+    std::set<std::string> left_out;
     for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
       if (!joint.is_fixed) moving_virtual.insert(joint.name.name);
     }
@@ -192,11 +209,26 @@ class SrdfLookup {
           joints, [&](const std::string& joint) { return moving_virtual.contains(joint); });
       if (moving != joints.end()) added.virtual_joint = *moving;
       for (const Joint& joint : parts_.joints) {
-        if (is_free(joint) && joints.contains(joint.name) && !passive.contains(joint.name)) {
+        if (!is_free(joint) || !joints.contains(joint.name)) continue;
+        if (passive.contains(joint.name)) {
+          left_out.insert(joint.name);
+        } else {
           added.joints.push_back(joint.name);
         }
       }
       parts_.groups.push_back(std::move(added));
+    }
+    if (left_out.empty()) return;
+    parts_.warnings.push_back(fmt::format(
+        "{}: <passive_joint> leaves {} out of the groups: not planned for, it stays at its fixed "
+        "value",
+        source_, fmt::join(left_out, ", ")));
+  }
+
+  void find_root_frame() {
+    for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
+      const bool is_root = joint.child.name.empty() || joint.child.name == parts_.links[0].name;
+      if (joint.is_fixed && is_root) parts_.root_frame = joint.frame;
     }
   }
 
@@ -206,6 +238,7 @@ class SrdfLookup {
       for (const auto& [joint, value] : state.joints) {
         if (has_joint(joint)) added.values[joint.name] = value;
       }
+      check_followers(state, added.values);
       parts_.states.push_back(std::move(added));
     }
   }
@@ -227,7 +260,8 @@ class SrdfLookup {
     parts_.allowed_pairs.emplace(allowed.begin(), allowed.end());
   }
 
-  /// Warns of names that are not used. Returns the first warning of all names, empty if none.
+  /// Warns of names that are not used. Returns the first warning that is an error if strict, empty
+  /// if none.
   const std::string& check_other_names() {
     for (const SrdfName& joint : srdf_.passive_joints) has_joint(joint);
     for (const SrdfName& link : srdf_.holders) find_link(link);
@@ -238,19 +272,39 @@ class SrdfLookup {
     for (const SrdfState& state : srdf_.states) {
       if (!state.group.empty()) check_group({state.group, state.name.line});
     }
-    return first_unknown_;
+    return first_fault_;
   }
 
  private:
+  /// Values of followers are not used.
+  void check_followers(const SrdfState& state, const std::map<std::string, double>& values) {
+    for (const Joint& joint : parts_.joints) {
+      if (!joint.mimic) continue;
+      const std::string& leader = parts_.joints[as_index(joint.mimic->joint)].name;
+      const auto own = values.find(joint.name), leading = values.find(leader);
+      if (own == values.end() || leading == values.end()) continue;
+      const double follows = joint.mimic->multiplier * leading->second + joint.mimic->offset;
+      if (std::abs(own->second - follows) <= kStateTolerance) continue;
+      add_warning(fmt::format(
+          "{}:{}: group_state '{}': joint '{}' follows '{}', which brings it to {:.6g}; its value "
+          "{:.6g} is ignored",
+          source_, state.name.line, state.name.name, joint.name, leader, follows, own->second));
+    }
+  }
+
+  void add_warning(std::string text) {
+    parts_.warnings.push_back(std::move(text));
+    if (first_fault_.empty()) first_fault_ = parts_.warnings.back();
+  }
+
   void check_group(const SrdfName& name) {
     if (!groups_.contains(name.name)) warn(name, "group");
   }
 
   void warn(const SrdfName& name, const char* kind) {
     if (!warned_.insert(fmt::format("{} {}", kind, name.name)).second) return;
-    parts_.warnings.push_back(fmt::format("{}:{}: robot '{}' has no {} '{}'", source_, name.line,
-                                          parts_.name, kind, name.name));
-    if (first_unknown_.empty()) first_unknown_ = parts_.warnings.back();
+    add_warning(fmt::format("{}:{}: robot '{}' has no {} '{}'", source_, name.line, parts_.name,
+                            kind, name.name));
   }
 
   std::optional<int> find_link(const SrdfName& name) {
@@ -320,7 +374,7 @@ class SrdfLookup {
   std::set<std::string_view> joints_;
   std::map<std::string_view, const SrdfGroup*> groups_;
   std::set<std::string> warned_;
-  std::string first_unknown_;
+  std::string first_fault_;
 };
 
 }  // namespace
@@ -336,9 +390,10 @@ Result<void> apply_srdf(std::string_view text, const std::string& source, Robot:
   SrdfLookup lookup(srdf, source, parts);
   lookup.add_groups();
   lookup.add_states();
+  lookup.find_root_frame();
   lookup.add_allowed_pairs();
-  const std::string& unknown = lookup.check_other_names();
-  if (strict && !unknown.empty()) return fail(ErrorCode::invalid, unknown);
+  const std::string& fault = lookup.check_other_names();
+  if (strict && !fault.empty()) return fail(ErrorCode::invalid, fault);
   return {};
 }
 

@@ -43,7 +43,8 @@ struct SrdfState {
 struct SrdfVirtualJoint {
   SrdfName name;
   bool is_fixed = true;
-  SrdfName child;  ///< The link that it carries; an empty name if it has none.
+  std::string frame;  ///< The frame of the world that it is in; empty if it has none.
+  SrdfName child;     ///< The link that it carries; an empty name if it has none.
 };
 
 struct Srdf {

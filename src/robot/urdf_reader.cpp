@@ -3,9 +3,10 @@
 #include "robot/urdf_reader.h"
 
 #include "base/as_index.h"
+#include "base/text.h"
 #include "geometry/tolerated.h"
-#include "mesh/mesh_file.h"
 #include "input/xml_reader.h"
+#include "mesh/mesh_file.h"
 #include "robot/robot_tree.h"
 
 #include <fmt/format.h>
@@ -194,6 +195,7 @@ class UrdfReader {
     tinyxml2::XMLDocument document;
     const XmlElement& robot = xml_.read_root(document, urdf, "robot");
     read_name(robot);
+    xml_.check_attributes(robot, {"name", "version", "xmlns"});
     xml_.check_children(
         robot, {},
         {"link", "joint", "material", "gazebo", "transmission", "ros2_control", "sensor"});
@@ -236,6 +238,7 @@ class UrdfReader {
     Link link;
     link.name = xml_.text(element, "name");
     xml_.set_context(fmt::format("link '{}'", link.name));
+    xml_.check_attributes(element, {"name"});
     // <contact> holds friction and damping.
     xml_.check_children(element, {}, {"collision", "visual", "inertial", "contact", "gazebo"});
     for (const XmlElement* collision : children(element, "collision")) {
@@ -277,6 +280,7 @@ class UrdfReader {
     Joint joint;
     joint.name = xml_.text(element, "name");
     xml_.set_context(fmt::format("joint '{}'", joint.name));
+    xml_.check_attributes(element, {"name", "type"});
     xml_.check_children(element, {"origin", "parent", "child", "axis", "limit", "mimic"},
                         {"dynamics", "safety_controller", "calibration", "gazebo"});
     joint.type = read_type(element);
@@ -302,13 +306,29 @@ class UrdfReader {
       joint.velocity = read_rate(*limit, "velocity").value_or(joint.velocity);
       joint.acceleration = read_rate(*limit, "acceleration");
       if (!joint.acceleration) joint.acceleration = read_rate(*limit, "drake:acceleration");
+      joint.jerk = read_rate(*limit, "jerk");
+      if (joint.type == JointType::continuous) check_continuous(*limit);
     }
     if (joint.type != JointType::continuous) read_limits(element, joint);
     narrow_limits(element, joint);
     settle_endless(element, joint);
   }
 
-  /// A limit of velocity or acceleration: nothing if it is missing, infinite or negative.
+  /// Notes limits of a continuous joint. Zeros and endless ones mean that there are none.
+  void check_continuous(const XmlElement& limit) {
+    std::vector<double> values;
+    for (const char* attribute : {"lower", "upper"}) {
+      if (limit.Attribute(attribute) == nullptr) continue;
+      values.push_back(parse_number_or_infinity(limit.Attribute(attribute)).value_or(0));
+    }
+    const bool are_none = std::ranges::all_of(
+        values, [](double value) { return value == 0 || std::abs(value) > kFarthestLimit; });
+    if (are_none) return;
+    xml_.tolerate(limit, "lower and upper of a continuous joint are ignored",
+                  "a continuous joint has lower and upper; expected type 'revolute'");
+  }
+
+  /// A limit of velocity, acceleration or jerk: nothing if it is missing, infinite or negative.
   std::optional<double> read_rate(const XmlElement& limit, const char* attribute) {
     if (limit.Attribute(attribute) == nullptr) return std::nullopt;
     const std::string text = xml_.text(limit, attribute);
@@ -361,11 +381,11 @@ class UrdfReader {
       return 0;
     }
     const double value = xml_.number_or_infinity(limit, attribute);
-    const bool is_wanted = xml_.is_strict() && std::isfinite(value);
-    if (std::abs(value) <= kFarthestLimit || is_wanted) return value;
+    if (std::abs(value) <= kFarthestLimit) return value;
     const double taken = std::copysign(farthest, value);
     xml_.tolerate(limit, fmt::format("{} is {:.4g} and taken for {:.4g}", attribute, value, taken),
-                  fmt::format("{} is '{}', expected a finite number", attribute, value));
+                  fmt::format("{} is '{}', expected a finite number up to {}", attribute, value,
+                              kFarthestLimit));
     return taken;
   }
 

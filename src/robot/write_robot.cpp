@@ -106,6 +106,7 @@ std::string motion_to_xml(const Joint& joint, const Robot::Parts& parts) {
   // Other readers require an effort.
   text += fmt::format("effort=\"1\" velocity=\"{}\"", joint.velocity);
   if (joint.acceleration) text += fmt::format(" acceleration=\"{}\"", *joint.acceleration);
+  if (joint.jerk) text += fmt::format(" jerk=\"{}\"", *joint.jerk);
   text += "/>\n";
   if (joint.mimic) {
     const Joint& leader = parts.joints[internal::as_index(joint.mimic->joint)];

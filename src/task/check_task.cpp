@@ -129,7 +129,9 @@ class TaskCheck {
     if (choice.poses.empty()) return {};
     MNEME_TRY(check_link(choice.link, "the link to bring to its poses"));
     const std::string& frame = choice.frame;
-    if (!frame.empty() && !links_.contains(frame) && !free_.contains(frame)) {
+    const bool is_known = frame.empty() || frame == task_.robot.root_frame() ||
+                          links_.contains(frame) || free_.contains(frame);
+    if (!is_known) {
       std::vector<std::string> known = names(links_);
       known.insert(known.end(), free_.begin(), free_.end());
       return fail(ErrorCode::invalid, "expected a link or an obstacle as frame, got '{}'{}{}",

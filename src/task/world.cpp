@@ -152,6 +152,7 @@ Robot::Parts parts_of(const Robot& bare) {
   parts.allowed_pairs = names_of(bare, bare.allowed_pairs());
   parts.states.assign(bare.named_states().begin(), bare.named_states().end());
   parts.exact_pairs = names_of(bare, bare.exact_pairs());
+  parts.root_frame = bare.root_frame();
   return parts;
 }
 

@@ -39,7 +39,7 @@ using Rates = std::map<std::string, JointRates>;
 Rates rates_of_urdf(const Robot& robot) {
   Rates rates;
   for (const Joint& joint : robot.joints()) {
-    rates[joint.name] = {joint.velocity, joint.acceleration, {}};
+    rates[joint.name] = {joint.velocity, joint.acceleration, joint.jerk};
   }
   return rates;
 }

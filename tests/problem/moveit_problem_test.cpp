@@ -236,6 +236,21 @@ TEST_SUITE("unit") {
     CHECK(contains(yaml, "drive/x"));
   }
 
+  TEST_CASE("the frame of a fixed virtual joint is the root link's") {
+    MoveitFiles files(replaced(kMoveitScene, "frame_id: base", "frame_id: map"));
+    const std::string joint =
+        "<robot name='lifter'><virtual_joint name='v' type='fixed' parent_frame='map' "
+        "child_link='world'/></robot>";
+    CHECK(contains(files.failure(), "got \"map\""));
+    write_file(files / "lifter.srdf", joint);
+    const auto problem = files.load();
+    REQUIRE_MESSAGE(problem.has_value(), (problem ? "" : problem.error().message));
+    const auto ball = std::get<Sphere>(problem->scene.obstacles.at(0).shapes.at(0));
+    CHECK(ball.center == Vec3(0, 1, 0));
+    write_file(files / "lifter.srdf", replaced(joint, "fixed", "floating"));
+    CHECK(contains(files.failure(), "got \"map\""));
+  }
+
   TEST_CASE("a goal is the middle of what tolerances and limits allow") {
     const MoveitFiles files;
     const auto problem = require(files.load());

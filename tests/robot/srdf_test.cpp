@@ -221,7 +221,9 @@ TEST_SUITE("unit") {
            <chain base_link="l0" tip_link="l5"/></group>)",
         parts);
     CHECK(read.groups.at(0).joints == Names{"j3", "j5"});
-    CHECK(read.warnings.empty());
+    CHECK(read.warnings ==
+          Names{"a.srdf: <passive_joint> leaves j4 out of the groups: not planned for, it stays at "
+                "its fixed value"});
   }
 
   TEST_CASE("a group that names the root link has the virtual joint that carries it") {
@@ -232,6 +234,61 @@ TEST_SUITE("unit") {
     CHECK(parts.groups.at(0).virtual_joint == "odom");
     CHECK(parts.groups.at(0).joints == Names{"j1"});
     CHECK(parts.groups.at(1).virtual_joint.empty());
+  }
+
+  TEST_CASE("the parent frame of a fixed virtual joint is a name of the root link's frame") {
+    const auto made = [](const std::string& type, const std::string& child) {
+      return test::require_robot(applied("<virtual_joint name='v' type='" + type +
+                                         "' parent_frame='world' child_link='" + child + "'/>"));
+    };
+    const Robot robot = made("fixed", "l0");
+    CHECK(robot.root_frame() == "world");
+    CHECK(robot.find_frame("world") == 0);
+    CHECK(robot.find_frame("l1") == 1);
+    CHECK_FALSE(robot.find_frame("").has_value());
+    CHECK_FALSE(robot.find_link("world").has_value());
+    CHECK(made("planar", "l0").root_frame().empty());
+    CHECK(made("fixed", "l1").root_frame().empty());
+    CHECK_FALSE(made("floating", "l0").find_frame("").has_value());
+  }
+
+  TEST_CASE("types of virtual joints and foreign attributes are tolerated by name") {
+    for (const auto& [text, finding] :
+         {std::pair("<virtual_joint name='v' type='revolute' parent_frame='w' child_link='l0'/>",
+                    "<virtual_joint>: the type 'revolute', which counts as floating"),
+          std::pair("<group name='g' color='red'><joint name='j1'/></group>",
+                    "unknown attribute 'color' of <group>")}) {
+      const Robot::Parts parts = applied(text);
+      REQUIRE(parts.warnings.size() == 1);
+      CHECK_MESSAGE(contains(parts.warnings[0], finding), parts.warnings[0]);
+      Robot::Parts strict = test::make_chain(1);
+      CHECK_FALSE(apply_srdf("<robot name='chain'>" + std::string(text) + "</robot>", "a.srdf",
+                             strict, true)
+                      .has_value());
+    }
+    Robot::Parts root = test::make_chain(1);
+    REQUIRE(apply_srdf("<robot name='chain' author='me'/>", "a.srdf", root).has_value());
+    CHECK(contains(root.warnings.at(0), "unknown attribute 'author' of <robot>"));
+  }
+
+  TEST_CASE("a state that contradicts a follower is named, and refused if strict") {
+    const auto state = [](const std::string& value) {
+      return "<robot name='chain'><group name='g'><joint name='j1'/></group>"
+             "<group_state name='open' group='g'><joint name='j1' value='0.02'/>"
+             "<joint name='j2' value='" +
+             value + "'/></group_state></robot>";
+    };
+    Robot::Parts parts = test::make_chain(2);
+    parts.joints[1].mimic = test::follow(0, 2, 0.1);
+    Robot::Parts same = parts, strict = parts;
+    REQUIRE(apply_srdf(state("0.14"), "a.srdf", same, true).has_value());
+    CHECK(same.warnings.empty());
+    REQUIRE(apply_srdf(state("0.03"), "a.srdf", parts).has_value());
+    CHECK(parts.warnings == Names{"a.srdf:1: group_state 'open': joint 'j2' follows 'j1', which "
+                                  "brings it to 0.14; its value 0.03 is ignored"});
+    const auto refused = apply_srdf(state("0.03"), "a.srdf", strict, true);
+    REQUIRE_FALSE(refused.has_value());
+    CHECK(refused.error().message == parts.warnings[0]);
   }
 
   TEST_CASE("unknown names of every element are warnings, and errors if strict") {

@@ -95,6 +95,16 @@ joint_limits:
     CHECK(require_limits(hand(), settings, yaml).jerk == Rates{20, 4});
   }
 
+  TEST_CASE("the URDF's limits of jerk, of followers too, go before the settings") {
+    const Robot robot =
+        hand(R"(velocity="2" acceleration="3" jerk="30")", R"(velocity="1" jerk="4")");
+    CHECK(require_limits(robot).jerk == Rates{30, 2});
+    TrajectorySettings settings;
+    settings.jerk_limit = 8;
+    CHECK(require_limits(robot, settings).jerk == Rates{30, 2});
+    CHECK(require_limits(robot, {}, "joint_limits: {a: {max_jerk: 20}}").jerk == Rates{20, 2});
+  }
+
   TEST_CASE("a limit beyond all reason counts as none") {
     CHECK(require_limits(hand(R"(velocity="1e17")")).velocity[0] == 1e6);
   }
