@@ -114,10 +114,11 @@ std::vector<fs::path> package_folders(const fs::path& directory, const fs::path&
   if (directory.filename() == package || package_name(directory) == package) {
     folders.push_back(directory);
   }
+  constexpr int kMostEntries = 10'000;
   std::vector<fs::path> below;
   std::error_code failure;
-  for (fs::directory_iterator at(directory, failure), end; !failure && at != end;
-       at.increment(failure)) {
+  fs::directory_iterator at(directory, failure);
+  for (int i = 0; !failure && at != fs::end(at) && i < kMostEntries; at.increment(failure), ++i) {
     if (package_name(at->path()) == package) below.push_back(at->path());
   }
   std::ranges::sort(below);
@@ -171,6 +172,22 @@ const std::vector<std::string>& MeshFinder::folders_of(const std::string& packag
   return entry->second;
 }
 
+/// Folders of the package in few folders above the URDF, the nearest first: packages lie side by
+/// side in a workspace and in an install prefix.
+const std::vector<std::string>& MeshFinder::folders_beside(const std::string& package) const {
+  constexpr int kMostLevels = 6;
+  const auto [entry, is_new] = beside_.try_emplace(package);
+  fs::path above = urdf_directory_;
+  for (int level = 0; is_new && level < kMostLevels && above.has_relative_path(); ++level) {
+    for (const fs::path& folder : package_folders(above, package)) {
+      std::error_code ignored;
+      if (fs::is_directory(folder, ignored)) entry->second.push_back(folder.string());
+    }
+    above = above.parent_path();
+  }
+  return entry->second;
+}
+
 Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path,
                                                 std::string* unknown) const {
   // package:///NAME is common, and means the same.
@@ -192,6 +209,10 @@ Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path,
     if (is_file(tried.back())) return tried.back();
   }
   if (!tried.empty()) return no_file(tried);
+  for (const fs::path folder : folders_beside(package.string())) {
+    if (fs::path file = decoded_file(folder / path); is_file(file))
+      return file.lexically_normal().string();
+  }
   fs::path above = urdf_directory_;
   for (int level = 0; unknown != nullptr && level < 3; ++level, above = above.parent_path()) {
     *unknown = package;

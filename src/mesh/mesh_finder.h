@@ -32,10 +32,12 @@ class MeshFinder {
   [[nodiscard]] Result<std::string> find_in_package(std::string_view name_and_path,
                                                     std::string* unknown) const;
   [[nodiscard]] const std::vector<std::string>& folders_of(const std::string& package) const;
+  [[nodiscard]] const std::vector<std::string>& folders_beside(const std::string& package) const;
 
   std::string urdf_directory_;
   std::vector<std::string> package_paths_;  ///< given ones, then those of variables
-  mutable std::map<std::string, std::vector<std::string>> folders_;  ///< of packages, as found
+  /// Folders of packages, as found.
+  mutable std::map<std::string, std::vector<std::string>> folders_, beside_;
 };
 
 }  // namespace mneme::internal

@@ -71,6 +71,30 @@ TEST_SUITE("unit") {
     CHECK(MeshFinder(w / "arm.urdf", {}).find(kMesh) == w.mesh());
   }
 
+  TEST_CASE("packages beside the URDF's own are found, by package.xml, name or prefix") {
+    const Workspace w;
+    fs::create_directories(w / "src/desc/urdf");
+    const std::string urdf = w / "src/desc/urdf/arm.urdf";
+    CHECK(MeshFinder(urdf, {}).find(kMesh) == w.mesh());
+    const std::string renamed = fs::path(w / "src/arm-ros2").lexically_normal();
+    fs::rename(w / "src/arm_description", renamed);
+    CHECK_FALSE(MeshFinder(urdf, {}).find(kMesh).has_value());
+    test::write_file(renamed + "/package.xml", "<package><name>arm_description</name></package>");
+    CHECK(MeshFinder(urdf, {}).find(kMesh) == renamed + "/meshes/a.stl");
+    // Each package has its own prefix.
+    fs::create_directories(w / "src/arm_description/share");
+    const std::string prefixed =
+        fs::path(w / "src/arm_description/share/arm_description").lexically_normal();
+    fs::rename(renamed, prefixed);
+    fs::create_directories(w / "src/desc/share/desc/urdf");
+    CHECK(MeshFinder(w / "src/desc/share/desc/urdf/arm.urdf", {}).find(kMesh) ==
+          prefixed + "/meshes/a.stl");
+    // A folder of the name without the file does not count.
+    fs::create_directories(w / "src/desc/share/arm_description");
+    CHECK(MeshFinder(w / "src/desc/share/desc/urdf/arm.urdf", {}).find(kMesh) ==
+          prefixed + "/meshes/a.stl");
+  }
+
   TEST_CASE("install prefixes, package.xml and the spellings of package:// are understood") {
     const Workspace w;
     fs::create_directories(w / "install/share");
