@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/fail.h"
 #include "base/files.h"
+#include "base/text.h"
 #include "mesh/line_reader.h"
 #include "scene/compound_files.h"
 
@@ -144,11 +145,25 @@ PcdEntries read_pcd_entries(LineReader& text, std::vector<std::string>& notes) {
   return entries;
 }
 
+/// Notes a pose of the sensor: some files give their points in its frame, others in the world's.
+void note_viewpoint(const PcdEntries& entries, std::vector<std::string>& notes) {
+  static constexpr std::array<double, 7> kNone = {0, 0, 0, 1, 0, 0, 0};
+  const auto words = entries.find("VIEWPOINT");
+  if (words == entries.end()) return;
+  const bool is_none = std::ranges::equal(words->second, kNone, [](const auto& word, double none) {
+    return parse_number<double>(word) == none;
+  });
+  if (is_none) return;
+  notes.push_back(fmt::format("ignored VIEWPOINT {}: the points are taken as they are",
+                              excerpt(fmt::format("{}", fmt::join(words->second, " ")))));
+}
+
 /// Reads up to the first record. Old files may lack all entries but FIELDS, POINTS and DATA.
 CloudHeader read_pcd_header(LineReader& text) {
   CloudHeader header;
   header.is_pcd = true;
   const PcdEntries entries = read_pcd_entries(text, header.notes);
+  note_viewpoint(entries, header.notes);
   header.fields = pcd_fields(text, entries);
   read_pcd_data(text, pcd_entry(text, entries, "DATA"), header);
   const auto count_of = [&](std::string_view key) {

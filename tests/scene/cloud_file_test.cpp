@@ -140,6 +140,23 @@ TEST_SUITE("unit") {
     require_points("WIDTH 1\nFIELDS x y z\nDATA ascii\n1 2 3\n", {{1, 2, 3}});
   }
 
+  TEST_CASE("a pose of the sensor in a PCD file is noted, and moves no point") {
+    const auto notes_of = [](const std::string& viewpoint) {
+      const auto cloud = parse_cloud("FIELDS x y z\nWIDTH 1\nHEIGHT 1\nVIEWPOINT " + viewpoint +
+                                         "\nPOINTS 1\nDATA ascii\n1 2 3\n",
+                                     "f.pcd");
+      REQUIRE_MESSAGE(cloud.has_value(), (cloud ? "" : cloud.error().message));
+      CHECK(cloud->points == std::vector<CloudPoint>{{1, 2, 3}});
+      return cloud->notes;
+    };
+    CHECK(notes_of("0 0 0 1 0 0 0").empty());
+    CHECK(notes_of("0.0 0 -0 1.0 0 0 0").empty());
+    CHECK(notes_of("1 2 3 0.7 0 0 0.7") ==
+          std::vector<std::string>{
+              "ignored VIEWPOINT 1 2 3 0.7 0 0 0.7: the points are taken as they are"});
+    CHECK(notes_of("0 0 0").size() == 1);
+  }
+
   TEST_CASE("compressed points of PCD are read field by field, damage is refused") {
     const std::string header = "FIELDS x y z\nWIDTH 4\nHEIGHT 1\nDATA binary_compressed\n";
     // x: 1 1 1 1, as a literal and a copy that overlaps itself; y and z: literals.
