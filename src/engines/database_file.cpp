@@ -25,14 +25,6 @@ std::int64_t size_or_zero(const std::string& path) {
 
 /// Checks access without opening: opening and closing would drop this process's locks on the file.
 Result<void> check_access(const std::string& path, int access, const char* verb) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (std::filesystem::is_directory(status)) {
-    return fail(ErrorCode::io, "{}: is a directory; expected a database file", path);
-  }
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    return fail(ErrorCode::io, "{}: is not a regular file", path);
-  }
   if (::access(path.c_str(), access) != 0) {
     return fail(ErrorCode::io, "{}: cannot be {}: {}", path, verb,
                 std::generic_category().message(errno));
@@ -40,15 +32,26 @@ Result<void> check_access(const std::string& path, int access, const char* verb)
   return {};
 }
 
-/// Refuses an empty file beside a log with rows: SQLite would delete the log. A new database has a
-/// header before its log begins.
+Result<void> check_regular(const std::string& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) return {};
+  if (std::filesystem::is_directory(status)) {
+    return fail(ErrorCode::io, "{}: is a directory; expected a regular file", path);
+  }
+  return fail(ErrorCode::io, "{}: expected a regular file", path);
+}
+
+/// A new database has a header before its log begins.
 Result<void> refuse_orphaned_log(const std::string& path) {
   const std::int64_t log_bytes = size_or_zero(log_path(path));
   if (size_or_zero(path) > 0 || log_bytes == 0) return {};
+  std::error_code ignored;
+  const bool is_empty = std::filesystem::exists(path, ignored);
   return fail(ErrorCode::corrupt,
-              "{0}: the file is damaged: it is empty, but its log {1} has {2} bytes; restore the "
-              "file from a copy, or remove {1} to begin an empty database",
-              path, log_path(path), log_bytes);
+              "{0}: the file is {3}, but its log {1} has {2} bytes; restore the file from a copy, "
+              "or remove {1} to begin an empty database",
+              path, log_path(path), log_bytes, is_empty ? "damaged: it is empty" : "missing");
 }
 
 /// Makes SQLite read the file, so that errors surface here.
@@ -66,9 +69,17 @@ constexpr const char* kWriting = "PRAGMA cell_size_check = ON; PRAGMA synchronou
 
 }  // namespace
 
+Result<void> check_files(const std::string& path) {
+  MNEME_TRY(check_regular(path));
+  for (const char* ending : {"-wal", "-shm", "-journal", ".tally"}) {
+    MNEME_TRY(check_regular(real_path(path) + ending));
+  }
+  return refuse_orphaned_log(path);
+}
+
 Result<Connection> open_for_reading(const std::string& path) {
+  MNEME_TRY(check_files(path));
   MNEME_TRY(check_access(path, R_OK, "read"));
-  MNEME_TRY(refuse_orphaned_log(path));
   // A writing handle, if permitted, so that SQLite recovers the log of a killed process.
   auto connection = probed(Connection::open(path, Connection::Access::read_write), kReading);
   if (connection || connection.error().code != ErrorCode::io) return connection;
@@ -82,12 +93,10 @@ Result<Connection> open_for_reading(const std::string& path) {
 }
 
 Result<Connection> open_for_writing(const std::string& path, bool can_create) {
+  MNEME_TRY(check_files(path));
   std::error_code ignored;
   const bool is_new = can_create && !std::filesystem::exists(path, ignored);
-  if (!is_new) {
-    MNEME_TRY(check_access(path, R_OK | W_OK, "written"));
-    MNEME_TRY(refuse_orphaned_log(path));
-  }
+  if (!is_new) MNEME_TRY(check_access(path, R_OK | W_OK, "written"));
   const auto access = is_new ? Connection::Access::create : Connection::Access::read_write;
   auto connection = probed(Connection::open(path, access), kWriting);
   if (connection && !connection->is_read_only()) return connection;

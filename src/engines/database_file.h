@@ -11,6 +11,11 @@
 
 namespace mneme::internal {
 
+/// Checks the files of a database before anything opens them: opening a pipe would wait for ever.
+/// The file may be missing. Errors: io if one of them is no regular file; corrupt if the file is
+/// empty or missing, but its write-ahead log is not, which SQLite would delete.
+[[nodiscard]] Result<void> check_files(const std::string& path);
+
 /// Opens an existing file for reading, also in a read-only directory. Errors: io if the file is
 /// missing or unreadable; corrupt if it is no SQLite file.
 [[nodiscard]] Result<Connection> open_for_reading(const std::string& path);

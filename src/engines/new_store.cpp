@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/fail.h"
+#include "engines/database_file.h"
 #include "engines/open_store.h"
 #include "engines/sqlite_store.h"
 #include "store/row_check.h"
@@ -73,6 +74,7 @@ class NewStore final : public Store {
 
 Result<std::unique_ptr<Store>> new_sqlite_store(const std::string& path,
                                                 const RobotSignature& robot) {
+  MNEME_TRY(check_files(path));
   const auto directory = std::filesystem::path(lasting_url(path)).parent_path();
   if (::access(directory.c_str(), W_OK | X_OK) != 0) {
     return fail(ErrorCode::io, "{}: cannot be created in {}: {}; expected a writable directory",

@@ -346,6 +346,7 @@ Result<Connection> migrated(Connection connection, bool is_writer, int timeout_m
 Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, OpenMode mode,
                                                  LossCheck check, int migration_timeout_ms) {
   const bool is_writer = mode != OpenMode::read_only;
+  MNEME_TRY(check_files(path));
   std::error_code error;
   const bool is_new = !std::filesystem::exists(path, error);
   // A file that was deleted on purpose begins anew.

@@ -121,6 +121,7 @@ bool is_of(const Header& header, const RobotSignature& signature) {
 /// Reads the file if its header fits `signature`; otherwise it may be any large file.
 std::string read_index_of(const RobotSignature& signature, const std::string& path) {
   std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return {};  // opening a pipe would wait
   const auto size = std::filesystem::file_size(path, error);
   std::ifstream file(path, std::ios::binary);
   Header header{};

@@ -47,13 +47,13 @@ struct Descriptor {
   }
 };
 
+}  // namespace
+
 std::string real_path(const std::string& path) {
   std::error_code error;
   const auto file = std::filesystem::canonical(path, error);
   return error ? path : file.string();
 }
-
-}  // namespace
 
 std::string record_path(const std::string& path) { return real_path(path) + ".tally"; }
 

@@ -20,6 +20,8 @@ struct StateRecord {
                             ///< replaced
 };
 
+/// The path of a database file with symbolic links followed, also of one that is missing.
+[[nodiscard]] std::string real_path(const std::string& path);
 /// Path of a database's record, next to the target of a symbolic link.
 [[nodiscard]] std::string record_path(const std::string& path);
 /// Path of a database's write-ahead log, next to the target of a symbolic link.

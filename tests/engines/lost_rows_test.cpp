@@ -92,11 +92,50 @@ TEST_SUITE("unit") {
     CHECK(read_file(path + "-wal") == leftover.log);
   }
 
-  TEST_CASE("a record that is a pipe is none, and is not waited for") {
+  TEST_CASE("a missing file beside its log is no new database, and the log is kept") {
     const TemporaryDirectory directory;
-    REQUIRE(::mkfifo((directory / "a.db.tally").c_str(), 0600) == 0);
-    CHECK_FALSE(internal::read_record(directory / "a.db").has_value());
-    internal::settle_record(directory / "a.db");
+    const Leftover leftover = make_leftover(directory / "sound.db");
+    const std::string path = directory / "a.db";
+    write_leftover(path, leftover);
+    std::filesystem::remove(path);
+    for (const OpenMode mode : {OpenMode::read_only, OpenMode::read_write, OpenMode::create}) {
+      const Error error = open_error(path, mode);
+      CHECK(error.code == ErrorCode::corrupt);
+      CHECK_MESSAGE(
+          contains(error.message, "the file is missing, but its log " + path + "-wal has"),
+          error.message);
+      CHECK(contains(error.message, "or remove " + path + "-wal to begin an empty database"));
+    }
+    CHECK_FALSE(std::filesystem::exists(path));
+    CHECK(read_file(path + "-wal") == leftover.log);
+    CHECK(read_file(path + ".tally") == leftover.record);
+    std::filesystem::remove(path + "-wal");
+    CHECK(open_database(path).size() == 0);
+  }
+
+  TEST_CASE("files of a database that are not regular are refused without waiting for them") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db";
+    for (const char* ending : {"", "-wal", "-shm", "-journal", ".tally"}) {
+      for (const bool is_pipe : {true, false}) {
+        const std::string file = path + ending;
+        std::filesystem::remove(path);
+        if (*ending != '\0') {
+          Rng rng(4);
+          REQUIRE(open_database(path).insert(random_rows(rng, 2)));
+        }
+        std::filesystem::remove(file);
+        REQUIRE((is_pipe ? ::mkfifo(file.c_str(), 0600) : ::mkdir(file.c_str(), 0700)) == 0);
+        for (const OpenMode mode : {OpenMode::read_only, OpenMode::read_write, OpenMode::create}) {
+          const Error error = open_error(path, mode);
+          CHECK(error.code == ErrorCode::io);
+          CHECK(contains(error.message, file + ": "));
+          CHECK_MESSAGE(contains(error.message, "expected a regular file"), error.message);
+        }
+        CHECK(verify_database(path).error().code == ErrorCode::io);
+        std::filesystem::remove(file);
+      }
+    }
   }
 
   TEST_CASE("a changed byte in a log is reported with the number of lost rows, without a record") {

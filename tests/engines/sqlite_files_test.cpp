@@ -218,7 +218,7 @@ TEST_SUITE("unit") {
     REQUIRE(::mkfifo((directory / "pipe").c_str(), 0600) == 0);
     opened = internal::open_for_reading(directory / "pipe");
     REQUIRE(!opened.has_value());
-    CHECK(contains(opened.error().message, "is not a regular file"));
+    CHECK(contains(opened.error().message, "pipe: expected a regular file"));
   }
 
   TEST_CASE("a file in a directory that does not exist cannot be created") {
