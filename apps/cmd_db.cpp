@@ -116,6 +116,7 @@ constexpr std::array kComparisons = {
 
 Result<ExitCode> run_info(const DbOptions& options) {
   const Database database = MNEME_TRY(Database::inspect(options.url));
+  note_record_flaw(database);
   const Comparison* comparison = nullptr;
   if (!options.robot.empty()) {
     const Robot robot = MNEME_TRY(load_named_robot(options.robot, options.robot_options));

@@ -150,6 +150,7 @@ Result<ExitCode> run_problem_lesson(const LearnOptions& options) {
   if (!memory.kind) memory.kind = default_kind_of_paths(robot).name;
   Database database =
       MNEME_TRY(Database::open(options.db, make_signature(robot), OpenMode::create, options.kept));
+  note_record_flaw(database);
   ProblemLesson lesson = options.lesson;
   static_cast<LearnRun&>(lesson) = options.job;
   const auto summary = MNEME_TRY(learn_with_progress(problems, memory, database, lesson));
@@ -193,6 +194,7 @@ Result<ExitCode> run_learn(const LearnOptions& options) {
   }
   Database database =
       MNEME_TRY(Database::open(options.db, make_signature(robot), OpenMode::create, options.kept));
+  note_record_flaw(database);
   LearnJob job = options.job;
   if (options.sharing.is_worker) job.shared = {options.db, options.sharing.lease_s};
   const LearnSummary summary =

@@ -57,7 +57,7 @@ ExitCode report(const UpkeepOptions& options, const std::vector<Damage>& damages
 }
 
 Result<ExitCode> run_verify(const UpkeepOptions& options) {
-  if (const auto unknown = describe_missing_record(options.url)) print_note(*unknown);
+  if (const auto unknown = describe_record_flaw(options.url)) print_note(*unknown);
   return verify_database(options.url,
                          options.is_report ? VerifyMode::report : VerifyMode::quarantine)
       .map([&](const std::vector<Damage>& damages) { return report(options, damages); });

@@ -105,11 +105,17 @@ Result<PlacedRobot> load_placed_robot(const std::string& robot, const RobotOptio
   return placed;
 }
 
+void note_record_flaw(const Database& database) {
+  const DatabaseInfo info = database.info();
+  if (!info.record_flaw.empty()) print_note(fmt::format("{}: {}", info.url, info.record_flaw));
+}
+
 Result<Database> open_memory(const std::string& url, const Robot& robot,
                              const SolveSettings& settings, const DatabaseSettings& kept) {
   const bool can_insert = settings.learn_budget_s > 0 || settings.remember_after.has_value();
   const auto mode = can_insert ? OpenMode::create : OpenMode::read_only;
   Result<Database> database = Database::open(url, make_signature(robot), mode, kept);
+  if (database) note_record_flaw(*database);
   if (database &&
       compare_robots(database->signature(), make_signature(robot)) == RobotDifference::shapes) {
     print_note(fmt::format(

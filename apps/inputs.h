@@ -54,6 +54,9 @@ struct PlacedRobot {
                                                     const RobotOptions& options,
                                                     const std::string& scene);
 
+/// Notes why losses of rows of a database would not be found, if its record is there but unusable.
+void note_record_flaw(const Database& database);
+
 /// Opens the database at `url` for planning: for writing only if planning may add to it.
 [[nodiscard]] Result<Database> open_memory(const std::string& url, const Robot& robot,
                                            const SolveSettings& settings,

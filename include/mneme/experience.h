@@ -68,6 +68,9 @@ struct DatabaseInfo {
   std::int64_t generation = 0;  ///< number of changes so far
   std::int64_t tombstones = 0;  ///< rows set aside (searches skip them): damaged, or superseded in
                                 ///< a merge
+  std::string record_flaw;      ///< why losses of the last rows of a file would not be found: its
+                                ///< FILE.tally is damaged, of another database, or read-only; empty
+                                ///< for a sound one, and where there is none
 };
 
 /// Settings of an open database.

@@ -25,9 +25,10 @@ enum class VerifyMode {
 [[nodiscard]] Result<std::vector<Damage>> verify_database(const std::string& url,
                                                           VerifyMode mode = VerifyMode::report);
 
-/// Describes what verify_database() cannot find because a file's record of its last rows is
-/// missing, as beside a copy. Returns nothing for a file with its record, and for a server.
-[[nodiscard]] std::optional<std::string> describe_missing_record(const std::string& url);
+/// Describes why losses of a file's last rows would not be found: the record beside it is missing,
+/// as beside a copy, damaged, or of another database. Returns nothing for a file with its record,
+/// and for a server.
+[[nodiscard]] std::optional<std::string> describe_record_flaw(const std::string& url);
 
 /// Adds the rows of `from` to `into`, which is created if missing. Rows with equal kind, key and
 /// content are merged. Idempotent; the result does not depend on the order of merges. Works in

@@ -181,7 +181,7 @@ Result<int> create_schema(Connection& connection, const RobotSignature& robot) {
   MNEME_TRY(create_tables(connection, false));
   MNEME_TRY(mark(connection));
   MNEME_TRY(write_signature(connection, robot));
-  MNEME_TRY(write_head(connection, StoreState{}));
+  MNEME_TRY(write_head(connection, StoreState{.epoch = next_epoch(nullptr)}));
   MNEME_TRY(transaction.commit());
   return 0;
 }

@@ -9,8 +9,10 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -207,8 +209,12 @@ Result<void> migrate(Connection& connection, bool is_file) {
 
 class SqliteStore final : public Store {
  public:
-  SqliteStore(Connection connection, OpenMode mode, std::optional<std::string> loss)
-      : connection_(std::move(connection)), mode_(mode), loss_(std::move(loss)) {}
+  SqliteStore(Connection connection, OpenMode mode, std::optional<std::string> loss,
+              std::string record_flaw)
+      : connection_(std::move(connection)),
+        mode_(mode),
+        loss_(std::move(loss)),
+        record_flaw_(std::move(record_flaw)) {}
   SqliteStore(const SqliteStore&) = delete;
   SqliteStore& operator=(const SqliteStore&) = delete;
   ~SqliteStore() override {
@@ -228,7 +234,10 @@ class SqliteStore final : public Store {
 
   Result<void> create(const RobotSignature& robot) override {
     const auto version = MNEME_TRY(create_schema(connection_, robot));
-    if (version == 0) record_state(connection_.lasting_path(), StoreState{});
+    if (version == 0) {
+      const auto head = MNEME_TRY(read_head(connection_));
+      record_state(connection_.lasting_path(), head);
+    }
     return prepare_for_writing(connection_);
   }
 
@@ -253,6 +262,7 @@ class SqliteStore final : public Store {
   Result<std::int64_t> bytes() override { return bytes_on_disk(connection_.lasting_path()); }
 
   const std::optional<std::string>& loss() const override { return loss_; }
+  const std::string& record_flaw() const override { return record_flaw_; }
 
   Result<void> check_structure(std::vector<Damage>& damages) override {
     auto statement = MNEME_TRY(connection_.prepare("PRAGMA integrity_check"));
@@ -290,6 +300,7 @@ class SqliteStore final : public Store {
   Connection connection_;
   OpenMode mode_;
   std::optional<std::string> loss_;
+  std::string record_flaw_;
   std::int64_t cookie_ = -1;
   int version_ = 0;
 };
@@ -298,6 +309,25 @@ class SqliteStore final : public Store {
 Result<int> identify_once(Connection& connection) {
   const auto transaction = MNEME_TRY(Transaction::begin(connection, Transaction::Kind::read));
   return identify(connection);
+}
+
+/// Why the record beside an open file of schema `version` is of no use; empty if it is of use. A
+/// record of another database is dropped.
+std::string drop_unusable_record(Connection& connection, int version, bool is_writer,
+                                 std::optional<StateRecord>& record) {
+  std::optional<StoreState> head;
+  if (version == kSchemaVersion) {
+    if (auto found = read_head(connection)) head = *found;
+  }
+  auto flaw = describe_unusable_record(connection.path(), record, head ? &*head : nullptr);
+  if (flaw) record.reset();
+  const std::string file = record_path(connection.path());
+  if (!flaw && is_writer && ::access(file.c_str(), F_OK) == 0 &&
+      ::access(file.c_str(), W_OK) != 0) {
+    flaw = fmt::format("{} cannot be written: {}", file, std::generic_category().message(errno));
+  }
+  if (!flaw) return {};
+  return fmt::format("{}: whether the last rows of the file were lost is not known", *flaw);
 }
 
 /// Rows that are missing in an open file of schema `version`; nothing for kOldSchema, which kept no
@@ -351,13 +381,14 @@ Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, OpenMo
   const bool is_new = !std::filesystem::exists(path, error);
   // A file that was deleted on purpose begins anew.
   if (is_new && is_writer) std::filesystem::remove(record_path(path), error);
-  const auto record = is_new ? std::nullopt : read_record(path);
+  auto record = is_new ? std::nullopt : read_record(path);
   auto loss = describe_damaged_log(path, record);
   if (loss && check == LossCheck::refuse) return refuse_loss(path, *loss);
   auto connection = MNEME_TRY(is_writer ? open_for_writing(path, mode == OpenMode::create)
                                         : open_for_reading(path));
   // Identify before writing: another program's file must stay unchanged.
   const auto version = MNEME_TRY(identify_once(connection));
+  const std::string record_flaw = drop_unusable_record(connection, version, is_writer, record);
   if (!loss) loss = find_missing_rows(connection, version, record);
   if (loss && check == LossCheck::refuse) return refuse_loss(path, *loss);
   if (version == kOldSchema) {
@@ -365,7 +396,7 @@ Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, OpenMo
   }
   // A new file needs its page size before it enters WAL mode, which fixes it.
   if (is_writer && version != 0) MNEME_TRY(prepare_for_writing(connection));
-  return std::make_unique<SqliteStore>(std::move(connection), mode, std::move(loss));
+  return std::make_unique<SqliteStore>(std::move(connection), mode, std::move(loss), record_flaw);
 }
 
 }  // namespace mneme::internal

@@ -322,6 +322,7 @@ DatabaseInfo Database::info() const {
   info.schema_version = state_->schema_version;
   info.generation = state_->last_state.generation;
   info.tombstones = state_->last_state.tombstone_count;
+  info.record_flaw = state_->store->record_flaw();
   return info;
 }
 

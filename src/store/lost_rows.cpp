@@ -47,6 +47,19 @@ struct Descriptor {
   }
 };
 
+/// True if a record cannot be an earlier state of a file with the head `head`. The epoch of a file
+/// begins with the time of its creation in microseconds and counts up by one.
+bool is_of_another(const StoreState& record, const StoreState& head) {
+  constexpr std::uint64_t kMostSteps = 100;
+  const auto first = static_cast<std::uint64_t>(std::min(record.epoch, head.epoch));
+  const auto last = static_cast<std::uint64_t>(std::max(record.epoch, head.epoch));
+  if (last - first > kMostSteps) return true;
+  if (record.epoch != head.epoch || record.generation > head.generation) return false;
+  return record.generation == head.generation
+             ? record != head
+             : record.last_row > head.last_row || record.last_tombstone > head.last_tombstone;
+}
+
 }  // namespace
 
 std::string real_path(const std::string& path) {
@@ -95,6 +108,22 @@ std::optional<StateRecord> read_record(const std::string& path) {
   content.time = record[kRecordSize - 3];
   content.is_settled = record[kRecordSize - 2] == 1;
   return record == to_record(content) ? std::optional(content) : std::nullopt;
+}
+
+std::optional<std::string> describe_unusable_record(const std::string& path,
+                                                    const std::optional<StateRecord>& record,
+                                                    const StoreState* head) {
+  const std::string file = record_path(path);
+  if (record) {
+    const bool is_foreign = head != nullptr && is_of_another(record->state, *head);
+    return is_foreign ? std::optional(file + " is of another database") : std::nullopt;
+  }
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  if (error) return std::nullopt;
+  if (size == 0) return file + " is empty";
+  if (size == sizeof(Record)) return file + " is damaged";
+  return fmt::format("{} is damaged: it has {} bytes, expected {}", file, size, sizeof(Record));
 }
 
 std::optional<std::string> describe_missing_rows(const std::string& path,

@@ -36,6 +36,12 @@ void settle_record(const std::string& path);
 /// Nothing if the record is missing or damaged.
 [[nodiscard]] std::optional<StateRecord> read_record(const std::string& path);
 
+/// Why a record that exists tells nothing about a file with the head `head`: it is damaged, or of
+/// another database. Nothing for a record that is sound or missing. `record` must have been read
+/// before the head; null for a head that is not known.
+[[nodiscard]] std::optional<std::string> describe_unusable_record(
+    const std::string& path, const std::optional<StateRecord>& record, const StoreState* head);
+
 /// Compares a file's head with the record, which must have been read before it. Returns what is
 /// missing, in words; nothing if the head is as new as the record.
 [[nodiscard]] std::optional<std::string> describe_missing_rows(

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 
@@ -223,6 +224,11 @@ std::array<std::int64_t, kHeadSize> to_numbers(const StoreState& state) {
 StoreState to_state(std::span<const std::int64_t, kHeadSize> numbers) {
   return {numbers[0], numbers[1], numbers[2], numbers[3],
           numbers[4], numbers[5], numbers[6], numbers[7]};
+}
+
+std::int64_t next_epoch(const StoreState* old_head) {
+  if (old_head != nullptr) return old_head->epoch + 1;
+  return std::chrono::system_clock::now().time_since_epoch() / std::chrono::microseconds(1);
 }
 
 std::int64_t checksum_of(const Tombstone& tombstone) {

@@ -107,6 +107,9 @@ inline constexpr int kHeadSize = 8;
 [[nodiscard]] std::array<std::int64_t, kHeadSize> to_numbers(const StoreState& state);
 [[nodiscard]] StoreState to_state(std::span<const std::int64_t, kHeadSize> numbers);
 
+/// The epoch after that of `old_head`; if `old_head` is null, an epoch that was never used.
+[[nodiscard]] std::int64_t next_epoch(const StoreState* old_head);
+
 /// Marks a row as dead: it stays stored but is not used.
 struct Tombstone {
   std::int64_t id = 0;

@@ -124,6 +124,12 @@ class Store {
   /// Acknowledged rows that the store no longer holds, in words, found when it was opened with
   /// LossCheck::note; nothing if there is no loss.
   [[nodiscard]] virtual const std::optional<std::string>& loss() const = 0;
+  /// Why losses of the store's last rows would not be noticed: its record is damaged, of another
+  /// database, or cannot be written. Empty if they would be, and for a copy without a record.
+  [[nodiscard]] virtual const std::string& record_flaw() const {
+    static const std::string none;
+    return none;
+  }
   /// Appends damage of the underlying files to `damages`.
   [[nodiscard]] virtual Result<void> check_structure(std::vector<Damage>& damages) = 0;
   /// Frees the space of deleted rows.

@@ -7,7 +7,6 @@
 #include "store/store.h"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <tuple>
 
@@ -94,11 +93,6 @@ Result<StoreState> recount(StoreTransaction& transaction) {
 }
 
 }  // namespace
-
-std::int64_t next_epoch(const StoreState* old_head) {
-  if (old_head != nullptr) return old_head->epoch + 1;
-  return std::chrono::system_clock::now().time_since_epoch() / std::chrono::microseconds(1);
-}
 
 Result<void> quarantine_rows(Store& store, std::span<const Damage> damages,
                              std::span<const std::int64_t> damaged_tombstones) {

@@ -35,9 +35,6 @@ using RowsVisitor = std::function<Result<void>(std::span<const Experience>)>;
 /// Deletes dead rows and frees their space. Returns their number.
 [[nodiscard]] Result<std::int64_t> compact_store(Store& store);
 
-/// The epoch after that of `old_head`; if `old_head` is null, an epoch that was never used.
-[[nodiscard]] std::int64_t next_epoch(const StoreState* old_head);
-
 /// Adds rows that `target` lacks, in one transaction, and counts them. The rows must be sound.
 [[nodiscard]] Result<void> merge_rows(Store& target, std::span<const Experience> rows,
                                       MergeSummary& summary);

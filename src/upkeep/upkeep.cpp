@@ -107,6 +107,10 @@ std::string advice_for(const std::string& url) {
   if (internal::engine_of(url) != internal::Engine::sqlite) {
     return "the server's files are damaged; repair them on the server";
   }
+  // SQLite would delete the log beside a missing or empty file.
+  std::error_code missing;
+  const auto size = std::filesystem::file_size(url, missing);
+  if (missing || size == 0) return "the file itself has no content; restore it from a copy";
   return "the file itself is damaged; to save what can be read: " + internal::saving_command(url);
 }
 
@@ -135,15 +139,23 @@ Result<std::vector<Damage>> verify_database(const std::string& url, VerifyMode m
   return found.damages;
 }
 
-std::optional<std::string> describe_missing_record(const std::string& url) {
-  const bool is_file = internal::engine_of(url) == internal::Engine::sqlite;
+std::optional<std::string> describe_record_flaw(const std::string& url) {
   std::error_code error;
-  const auto size = is_file ? std::filesystem::file_size(url, error) : 0;
-  if (error || size == 0 || internal::read_record(url)) return std::nullopt;
-  return fmt::format(
-      "{}: there is no {}, as beside a copy: whether the last rows of the file were lost is not "
-      "known. The next insertion writes it",
-      url, internal::record_path(url));
+  const bool is_file = internal::engine_of(url) == internal::Engine::sqlite &&
+                       std::filesystem::is_regular_file(url, error);
+  if (!is_file || std::filesystem::file_size(url, error) == 0) return std::nullopt;
+  const std::string record = internal::record_path(url);
+  std::string flaw;
+  if (!std::filesystem::exists(record, error)) {
+    flaw = fmt::format(
+        "there is no {}, as beside a copy: whether the last rows of the file were lost is not "
+        "known",
+        record);
+  } else if (const auto opened = internal::inspect_store(url)) {
+    flaw = opened->store->record_flaw();
+  }
+  if (flaw.empty()) return std::nullopt;
+  return fmt::format("{}: {}. The next insertion writes it", url, flaw);
 }
 
 Result<MergeSummary> merge_databases(const std::string& into, const std::string& from) {

@@ -39,6 +39,11 @@ TEST_SUITE("flow") {
     write_file(files / "copy.db", read_file(files.database()));
     const ProgramRun copied = require_run({"db", "verify", files / "copy.db"});
     CHECK(contains(copied.err, "there is no " + (files / "copy.db") + ".tally"));
+    write_file(files / "copy.db.tally", "short");
+    for (const char* command : {"verify", "info"}) {
+      const ProgramRun noted = require_run({"db", command, files / "copy.db"});
+      CHECK_MESSAGE(contains(noted.err, "is damaged: it has 5 bytes"), noted.err);
+    }
     write_file(files / "empty.db", "");
     CHECK(contains(run_program({"db", "verify", files / "empty.db"}).out, "is empty"));
 

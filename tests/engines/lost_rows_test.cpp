@@ -138,6 +138,46 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("a record that tells nothing is named with its flaw until the next insertion") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db", tally = path + ".tally";
+    Rng rng(7);
+    { REQUIRE(open_database(path).insert(random_rows(rng, 2))); }
+    { REQUIRE(open_database(directory / "b.db").insert(random_rows(rng, 2))); }
+    const std::string sound = read_file(tally);
+    const auto flaw_of = [&] {
+      return open_database(path, OpenMode::read_only).info().record_flaw;
+    };
+    CHECK(flaw_of().empty());
+    CHECK_FALSE(describe_record_flaw(path).has_value());
+    for (const auto& [bytes, flaw] :
+         {std::pair(std::string(), " is empty"),
+          {sound.substr(0, 50), " is damaged: it has 50 bytes, expected 104"},
+          {flipped_at(sound, 20, 1), " is damaged"},
+          {read_file(directory / "b.db.tally"), " is of another database"}}) {
+      write_file(tally, bytes);
+      CHECK_MESSAGE(flaw_of().starts_with(tally + flaw + ": "), flaw_of());
+      CHECK(contains(describe_record_flaw(path).value_or(""), tally + flaw + ": "));
+    }
+    std::filesystem::remove(tally);
+    CHECK(flaw_of().empty());
+    CHECK(contains(describe_record_flaw(path).value_or(""), "there is no " + tally));
+    write_file(tally, "");
+    REQUIRE(open_database(path).insert(random_rows(rng, 1)));
+    CHECK(flaw_of().empty());
+  }
+
+  TEST_CASE("the record of another database with more changes tells of no loss") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db";
+    Rng rng(8);
+    { REQUIRE(open_database(path).insert(random_rows(rng, 2))); }
+    const Leftover other = make_leftover(directory / "b.db");
+    write_file(path + ".tally", other.record);
+    CHECK(open_database(path, OpenMode::read_only).size() == 2);
+    CHECK(verify_database(path)->empty());
+  }
+
   TEST_CASE("a changed byte in a log is reported with the number of lost rows, without a record") {
     const TemporaryDirectory directory;
     Leftover leftover = make_leftover(directory / "sound.db");

@@ -4,6 +4,7 @@
 
 #include "experience/row_loader.h"
 #include "engines/fixtures.h"
+#include "engines/sqlite_store.h"
 
 #include <thread>
 
@@ -158,7 +159,10 @@ TEST_SUITE("unit") {
     fill(directory / "a.db");
     run_sql(directory / "a.db", "UPDATE mixture SET time = 'never' WHERE id = 2");
     run_sql(directory / "a.db", "DELETE FROM experience WHERE id = 3");
-    const RowLoader loader(directory / "a.db", arm_signature(), kMuch);
+    RowLoader loader(directory / "a.db", arm_signature(), kMuch);
+    auto connection = require(
+        internal::Connection::open(directory / "a.db", internal::Connection::Access::create));
+    loader.set_epoch(require(internal::read_head(connection)).epoch);
     const Error damaged = load_error(loader, 2);
     CHECK(damaged.code == ErrorCode::corrupt);
     CHECK(contains(damaged.message, "row 2 is damaged"));
