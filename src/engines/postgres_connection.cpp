@@ -121,12 +121,11 @@ Result<void> PostgresConnection::finish_connecting(Connecting how) {
                                : std::min(connect_timeout_s(connection_.get()), patience_.answer_s);
   const auto poll = is_first ? PQconnectPoll : PQresetPoll;
   if (PQstatus(connection_.get()) == CONNECTION_BAD) return error_of(nullptr);
-  Stopwatch since;
+  const Stopwatch since;
   for (auto state = PGRES_POLLING_WRITING; state != PGRES_POLLING_OK;
        state = poll(connection_.get())) {
     if (state == PGRES_POLLING_FAILED) return error_of(nullptr);
-    Stopwatch begun = since;  // bytes that trickle in do not prolong connecting
-    MNEME_TRY(wait(state == PGRES_POLLING_READING ? POLLIN : POLLOUT, timeout_s, begun));
+    MNEME_TRY(wait(state == PGRES_POLLING_READING ? POLLIN : POLLOUT, timeout_s, since));
   }
   is_lost_ = false;
   return PQsetnonblocking(connection_.get(), 1) == 0 ? Result<void>() : error_of(nullptr);
@@ -145,7 +144,7 @@ tl::unexpected<Error> PostgresConnection::lost(const std::string& why) {
   return fail(ErrorCode::io, "{}: {}", name_, why);
 }
 
-Result<void> PostgresConnection::wait(int events, double timeout_s, Stopwatch& since) {
+Result<void> PostgresConnection::wait(int events, double timeout_s, const Stopwatch& since) {
   constexpr int kSliceMs = 20;
   for (;;) {
     if (patience_.stop != nullptr && patience_.stop->load()) {
@@ -155,13 +154,10 @@ Result<void> PostgresConnection::wait(int events, double timeout_s, Stopwatch& s
     if (events == POLLOUT) socket.events = POLLOUT;
     const int ready = ::poll(&socket, 1, kSliceMs);
     if (ready < 0 && errno != EINTR) return lost("its socket cannot be read");
-    if (ready > 0) {
-      since = Stopwatch();
-      return {};
-    }
     if (since.elapsed_s() >= timeout_s) {
       return lost(fmt::format("the server did not answer within {:.1f} s", timeout_s));
     }
+    if (ready > 0) return {};
   }
 }
 
@@ -175,8 +171,7 @@ Result<void> PostgresConnection::send(const std::string& sql,
   return sent == 1 ? Result<void>() : error_of(nullptr);
 }
 
-Result<pg_result*> PostgresConnection::next_result() {
-  Stopwatch since;
+Result<pg_result*> PostgresConnection::next_result(const Stopwatch& since) {
   for (;;) {
     const int unsent = PQflush(connection_.get());
     if (unsent < 0) return error_of(nullptr);
@@ -196,13 +191,14 @@ tl::unexpected<Error> PostgresConnection::error_of(const pg_result* result) {
 
 Result<PostgresAnswer> PostgresConnection::query(const std::string& sql,
                                                  const std::vector<std::string>& parameters) {
+  const Stopwatch since;
   MNEME_TRY(send(sql, parameters));
-  pg_result* const result = MNEME_TRY(next_result());
+  pg_result* const result = MNEME_TRY(next_result(since));
   PostgresAnswer answer(result);
   const ExecStatusType status = PQresultStatus(result);
   Result<void> outcome;
   if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK) outcome = error_of(result);
-  const auto finished = finish_command();
+  const auto finished = finish_command(since);
   if (!outcome) return tl::unexpected(outcome.error());
   if (!finished) return tl::unexpected(finished.error());
   return answer;
@@ -221,7 +217,7 @@ Result<void> PostgresConnection::stream(
   Result<void> outcome;
   // All results must be read, also after an error.
   for (;;) {
-    pg_result* const result = MNEME_TRY(next_result());
+    pg_result* const result = MNEME_TRY(next_result(Stopwatch()));
     if (result == nullptr) return outcome;
     const PostgresAnswer answer(result);
     if (!outcome) continue;
@@ -235,7 +231,7 @@ Result<void> PostgresConnection::stream(
 }
 
 Result<void> PostgresConnection::put_copy(std::string_view data) {
-  Stopwatch since;
+  const Stopwatch since;
   for (;;) {
     // A COPY ends with an empty piece.
     const int sent =
@@ -252,12 +248,13 @@ Result<void> PostgresConnection::put_copy(std::string_view data) {
 
 Result<void> PostgresConnection::copy_in(const std::string& sql, std::string_view data) {
   if (is_lost_) return lost("the connection was lost");
+  const Stopwatch since;
   if (PQsendQuery(connection_.get(), sql.c_str()) == 0) return error_of(nullptr);
-  pg_result* const begun = MNEME_TRY(next_result());
+  pg_result* const begun = MNEME_TRY(next_result(since));
   const PostgresAnswer owner(begun);
   if (PQresultStatus(begun) != PGRES_COPY_IN) {
     const auto refused = error_of(begun);
-    (void)finish_command();
+    (void)finish_command(since);
     return refused;
   }
   constexpr std::size_t kPieceSize = 1 << 16;
@@ -265,13 +262,13 @@ Result<void> PostgresConnection::copy_in(const std::string& sql, std::string_vie
     MNEME_TRY(put_copy(data.substr(0, kPieceSize)));
   }
   MNEME_TRY(put_copy({}));
-  return finish_command();
+  return finish_command(Stopwatch());
 }
 
-Result<void> PostgresConnection::finish_command() {
+Result<void> PostgresConnection::finish_command(const Stopwatch& since) {
   Result<void> outcome;
   for (;;) {
-    pg_result* const result = MNEME_TRY(next_result());
+    pg_result* const result = MNEME_TRY(next_result(since));
     if (result == nullptr) return outcome;
     const PostgresAnswer owner(result);
     if (outcome && PQresultStatus(result) != PGRES_COMMAND_OK) outcome = error_of(result);

@@ -66,10 +66,10 @@ class PostgresRow {
 /// Numbers as the text of an array parameter.
 [[nodiscard]] std::string array_of(std::span<const std::int64_t> numbers);
 
-/// One connection to a server. No call waits for ever: a server that stops answering ends the call
-/// with an error, and the next revive() connects anew. Not thread-safe. Errors name the URL without
-/// its password. Code `corrupt`: damage that the server reports, or tables that differ from
-/// mneme's. Code `io`: all other errors.
+/// One connection to a server. No call waits for ever: a server that does not answer in time, even
+/// one that sends single bytes, ends the call with an error, and the next revive() connects anew.
+/// Not thread-safe. Errors name the URL without its password. Code `corrupt`: damage that the
+/// server reports, or tables that differ from mneme's. Code `io`: all other errors.
 class PostgresConnection {
  public:
   /// `url` is passed to libpq unchanged, with its TLS options, roles and search path. Default
@@ -107,14 +107,15 @@ class PostgresConnection {
   [[nodiscard]] tl::unexpected<Error> error_of(const pg_result* result);
   [[nodiscard]] tl::unexpected<Error> lost(const std::string& why);
   Result<void> finish_connecting(Connecting how);
-  /// Waits until the socket is readable or, if `events` says so, writable; `since` begins anew when
-  /// something came.
-  Result<void> wait(int events, double timeout_s, Stopwatch& since);
+  /// Waits until the socket is readable or, if `events` says so, writable. Bytes that trickle in do
+  /// not prolong `timeout_s`, which counts from `since`.
+  Result<void> wait(int events, double timeout_s, const Stopwatch& since);
   Result<void> send(const std::string& sql, const std::vector<std::string>& parameters);
-  /// The next result of what was sent, null after the last one. Its owner is the caller.
-  Result<pg_result*> next_result();
+  /// The next result of what was sent, null after the last one. Its owner is the caller. `since`:
+  /// the begin of the wait for it.
+  Result<pg_result*> next_result(const Stopwatch& since);
   Result<void> put_copy(std::string_view data);
-  Result<void> finish_command();
+  Result<void> finish_command(const Stopwatch& since);
 
   std::string name_;
   ServerPatience patience_;

@@ -93,7 +93,7 @@ enum class LossCheck {
 
 /// How long calls wait for a server.
 struct ServerPatience {
-  double answer_s = 10;  ///< seconds without a sign of life during a call
+  double answer_s = 10;  ///< seconds from the begin of a call to its answer, of streams to each row
   /// Set by another thread to end waiting calls within 20 ms, and all later ones at once; may be
   /// null.
   const std::atomic<bool>* stop = nullptr;

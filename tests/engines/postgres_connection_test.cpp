@@ -4,6 +4,12 @@
 #include "engines/postgres_server.h"
 #include "support/support.h"
 
+#include <sys/un.h>
+#include <array>
+#include <chrono>
+#include <cstring>
+#include <thread>
+
 namespace mneme::test {
 
 TEST_SUITE("unit") {
@@ -21,6 +27,67 @@ TEST_SUITE("unit") {
 
 using internal::PostgresAnswer;
 using internal::PostgresConnection;
+
+namespace {
+
+/// A server that lets one client in and then sends one byte of an answer every 20 ms, `most` of
+/// them: the answer is longer.
+class DrippingServer {
+ public:
+  explicit DrippingServer(int most) : socket_(::socket(AF_UNIX, SOCK_STREAM, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const std::string path = directory_ / ".s.PGSQL.5432";
+    std::memcpy(address.sun_path, path.data(), path.size());
+    REQUIRE(::bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0);
+    REQUIRE(::listen(socket_, 1) == 0);
+    thread_ = std::thread([this, most] { serve(most); });
+  }
+  DrippingServer(const DrippingServer&) = delete;
+  DrippingServer& operator=(const DrippingServer&) = delete;
+  ~DrippingServer() {
+    thread_.join();
+    ::close(socket_);
+  }
+  [[nodiscard]] std::string url() const {
+    return "postgresql://mneme@/postgres?host=" + (directory_ / "");
+  }
+
+ private:
+  void serve(int most) const {
+    const int client = ::accept(socket_, nullptr, nullptr);
+    std::array<char, 4096> request;
+    const auto hear = [&] { (void)!::recv(client, request.data(), request.size(), 0); };
+    const auto say = [&](std::string_view bytes) {
+      return ::send(client, bytes.data(), bytes.size(), MSG_NOSIGNAL) > 0;
+    };
+    hear();
+    using namespace std::string_view_literals;
+    say("R\0\0\0\10\0\0\0\0Z\0\0\0\5I"sv);  // welcome, and ready
+    hear();
+    say("T\0\1\0\0"sv);  // columns of 65 kB
+    for (int i = 0; i < most && say("\1"sv); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    ::close(client);
+  }
+
+  TemporaryDirectory directory_;
+  int socket_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("single bytes of an answer do not prolong the wait for it") {
+    const DrippingServer server(500);
+    PostgresConnection connection =
+        require(PostgresConnection::open(server.url(), {.answer_s = 0.2}));
+    const Error error = require_error(connection.query("SELECT 1"));
+    CHECK_MESSAGE(contains(error.message, "the server did not answer within 0.2 s"), error.message);
+  }
+}
 
 TEST_SUITE("unit") {
   TEST_CASE("numbers, texts and bytes come back as they were sent") {
