@@ -119,11 +119,6 @@ Result<std::vector<std::shared_ptr<const Cell>>> load_cells(const ServeOptions& 
   return cells;
 }
 
-void note_lost_rows(const QueuedRows& rows) {
-  const std::int64_t lost = rows.lost + rows.waiting;
-  if (lost > 0) print_note(fmt::format("{} remembered rows were lost: {}", lost, rows.failure));
-}
-
 Result<ExitCode> run_serve(const ServeOptions& options) {
   const auto shown = MNEME_TRY(load_shown(options));
   // Plans of the page must be those of its problem: with its group and its fixed joints.
@@ -144,7 +139,9 @@ Result<ExitCode> run_serve(const ServeOptions& options) {
   std::fflush(stdout);
   stop_signal.wait();
   service.stop();
-  if (database != nullptr) note_lost_rows(database->queued_rows());
+  if (database == nullptr) return ExitCode::done;
+  const std::string lost = describe_lost_rows(database->queued_rows());
+  if (!lost.empty()) print_note(lost);
   return ExitCode::done;
 }
 

@@ -150,4 +150,14 @@ void store_remembered(Database& database, const std::string& what) {
   if (rows.lost > 0) print_note(fmt::format("{} not remembered: {}", what, rows.failure));
 }
 
+std::string describe_lost_rows(const QueuedRows& rows) {
+  const std::int64_t lost = rows.lost + rows.waiting;
+  if (lost == 0) return "";
+  // A first insertion that is still under way has no error yet.
+  const std::string reason = !rows.failure.empty()
+                                 ? rows.failure
+                                 : "the database had not stored them when the process ended";
+  return fmt::format("{} remembered rows were lost: {}", lost, reason);
+}
+
 }  // namespace mneme::app

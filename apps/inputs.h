@@ -68,4 +68,7 @@ void remove_database(const std::string& file);
 /// Waits until what was remembered is stored; notes what is not. `what`: such as "the path was".
 void store_remembered(Database& database, const std::string& what);
 
+/// How many queued rows a process loses that ends now, and why; empty for none.
+[[nodiscard]] std::string describe_lost_rows(const QueuedRows& rows);
+
 }  // namespace mneme::app

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "inputs.h"
 #include "apps/run_program.h"
 
 #include <fmt/format.h>
@@ -55,6 +56,16 @@ std::string large_request() {
       "{{\"start\": [0,0,0,0,0,0,0,0], \"goal\": [1,0,0,0,0,0,0,0], \"settings\": {{\"timeout\": "
       "50}}, \"obstacles\": [{{\"name\": \"m\", \"type\": \"mesh\", \"triangles\": [{}]}}]}}",
       numbers);
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("rows that are lost at the end are told with a reason, also before any error") {
+    CHECK(app::describe_lost_rows({.stored = 3}).empty());
+    CHECK(app::describe_lost_rows({.waiting = 20}) ==
+          "20 remembered rows were lost: the database had not stored them when the process ended");
+    CHECK(app::describe_lost_rows({.waiting = 2, .lost = 3, .failure = "disk full"}) ==
+          "5 remembered rows were lost: disk full");
+  }
 }
 
 TEST_SUITE("flow") {
