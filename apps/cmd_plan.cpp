@@ -301,6 +301,15 @@ void print_answer(const PlanOptions& options, const LoadedPlan& loaded, const So
   }
 }
 
+/// True if all queued rows were made and stored and none of them is new. Rows are made within
+/// milliseconds; one that waits longer, such as for a locked file, counts as new.
+bool teaches_nothing(Database& database) {
+  constexpr double kWait_s = 0.5;
+  const bool is_done = database.flush(kWait_s).has_value();
+  const QueuedRows rows = database.queued_rows();
+  return is_done && rows.stored == 0 && rows.lost == 0;
+}
+
 /// Plans a file with stages instead of goals.
 Result<ExitCode> run_stages(const PlanOptions& options) {
   const bool has_goal = options.goal || !options.goal_poses.empty();
@@ -351,7 +360,8 @@ Result<ExitCode> run_plan(const PlanOptions& options) {
   PlanRecorder recorder;
   if (options.files.needs_recorder()) settings.plan.observer = &recorder;
   Database* database = loaded.database ? &*loaded.database : nullptr;
-  const SolveResult result = MNEME_TRY(solve(loaded.problem, database, settings));
+  SolveResult result = MNEME_TRY(solve(loaded.problem, database, settings));
+  if (result.remembered.is_queued) result.remembered.is_queued = !teaches_nothing(*database);
 
   // An error of the trajectory is reported last: the path is still valid.
   const auto timed = time_path(options, loaded, settings, result.plan.path);

@@ -467,6 +467,18 @@ TEST_SUITE("unit") {
     CHECK(Json::parse(small.out)["path"] == Json::parse(again.out)["path"]);
   }
 
+  TEST_CASE("a path that teaches nothing is not called queued") {
+    const PlanarFiles files;
+    // Local samplers are learned for pairs of obstacles.
+    write_file(files / "one.yaml",
+               "robot: planar8\nstart: [0.1, 0, 0, 0, 0, 0, 0, 0]\n"
+               "goal: [1.5, 0.2, 0, 0, 0, 0, 0, 0]\nscene: {circles: {a: [3.5, 3.5, 0.3]}}\n");
+    const ProgramRun run = require_run({"plan", files / "one.yaml", "--remember-after", "0",
+                                        "--kind", "pairs", "--db", files / "new.db", "--json"});
+    CHECK(Json::parse(run.out)["remembered"] == 0);
+    CHECK_FALSE(std::filesystem::exists(files / "new.db"));
+  }
+
   TEST_CASE("a picture replaces the old one whole and leaves no temporary file") {
     const PlanarFiles files;
     write_file(files / "p.svg", std::string(1 << 20, 'x'));
