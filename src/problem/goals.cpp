@@ -291,6 +291,10 @@ std::optional<std::string> describe_fault(const Robot& robot, const PoseGoal& go
   if (!goal.pose.translation.allFinite() || !rotation.allFinite()) {
     return fmt::format("expected a pose of link \"{}\" of finite numbers", goal.link);
   }
+  if (!(goal.pose.translation.norm() <= kFarthestShape)) {
+    return fmt::format("expected a pose of link \"{}\" within {} m of the root link's origin",
+                       goal.link, kFarthestShape);
+  }
   if (!(rotation.transpose() * rotation).isIdentity(1e-6) || rotation.determinant() < 0) {
     return fmt::format("the rotation for link \"{}\" is invalid: expected orthonormal columns",
                        goal.link);

@@ -168,6 +168,11 @@ TEST_SUITE("unit") {
     CHECK(failure("{lift: 0, spin: 0}") ==
           ":6: key goal.spin: expected a joint of the planning group (lift, turn, grip), got "
           "\"spin\"");
+    for (const char* far : {"1e308", "20000", "-1e5"}) {
+      CHECK(
+          failure(fmt::format("{{link: arm, position: [{}, 0, 0]}}", far)) ==
+          ":6: key goal: expected a pose of link \"arm\" within 10000 m of the root link's origin");
+    }
     CHECK(pose("quat_xyzw: [0, 0, 0, 0]") ==
           ":6: key goal.quat_xyzw: expected a quaternion of length 1, got one of length 0");
     CHECK(pose("quat_xyzw: [0, 0, 0, 2]") ==
