@@ -3,7 +3,7 @@
 #include "pipeline/improve.h"
 
 #include "base/threads.h"
-#include "pipeline/informed_box.h"
+#include "planning/informed_box.h"
 
 #include <algorithm>
 #include <utility>

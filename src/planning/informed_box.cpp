@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/informed_box.h"
+#include "planning/informed_box.h"
 
 #include "base/as_index.h"
 #include "path/rest_to_rest.h"
