@@ -4,7 +4,7 @@
 /// The sampler of one query that uses memory.
 #pragma once
 
-#include "pipeline/sampled_components.h"
+#include "memory/sampled_components.h"
 #include "pipeline/memory_steps.h"
 #include "pipeline/resolve_goals.h"
 

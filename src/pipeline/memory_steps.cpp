@@ -3,7 +3,7 @@
 #include "pipeline/memory_steps.h"
 
 #include "base/threads.h"
-#include "pipeline/sampled_components.h"
+#include "memory/sampled_components.h"
 
 #include <algorithm>
 

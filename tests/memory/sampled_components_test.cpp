@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pipeline/sampled_components.h"
+#include "memory/sampled_components.h"
 #include "support/planar_memory.h"
 
 namespace mneme::test {
