@@ -6,6 +6,7 @@
 
 #include "mneme/planning.h"
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,14 @@ namespace mneme::internal {
 /// kSolidClearance: then make_query_checker() checks these pairs by exact geometry.
 [[nodiscard]] bool is_clear_by_exact_geometry(const CollisionChecker& checker,
                                               const Configuration& q);
+
+/// True if refuse_query() accepts `q`, a start or a goal. Names nothing, so it takes microseconds.
+[[nodiscard]] bool is_valid_end(const CollisionChecker& checker, const Configuration& q);
+
+/// As mneme::drop_invalid_goals(). `goals` are those of the query from number `first` on.
+[[nodiscard]] std::vector<std::string> drop_invalid_goals(const CollisionChecker& checker,
+                                                          std::vector<Configuration>& goals,
+                                                          bool are_ends_clear, std::size_t first);
 
 /// As make_query_checker(). `names` are those of the start and of each goal in notes.
 [[nodiscard]] Result<QueryChecker> make_query_checker(const Robot& robot, const Scene& scene,

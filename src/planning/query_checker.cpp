@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/planning.h"
 
+#include "base/threads.h"
 #include "path/waypoints.h"
 #include "planning/end_contacts.h"
 
@@ -86,6 +87,7 @@ Result<QueryChecker> check_ends(const CollisionChecker& plain, const CheckerSett
   QueryChecker result{plain, {}, true};
   std::optional<Scene> checked_scene;
   const auto judge = [&](const Configuration& q, const std::string& end) {
+    internal::poll_interrupt();
     const bool is_configuration = !robot.describe_violation(q, "");
     if (is_configuration && internal::is_clear(result.checker, q)) return;
     result.are_ends_clear = false;

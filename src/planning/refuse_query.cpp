@@ -3,6 +3,7 @@
 #include "mneme/planning.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 #include "planning/end_contacts.h"
 
 #include <fmt/format.h>
@@ -188,14 +189,20 @@ std::optional<PlanResult> refuse_query(const CollisionChecker& checker, const Pl
   return std::nullopt;
 }
 
-std::vector<std::string> drop_invalid_goals(const CollisionChecker& checker,
-                                            std::vector<Configuration>& goals,
-                                            bool are_ends_clear) {
+bool internal::is_valid_end(const CollisionChecker& checker, const Configuration& q) {
+  return !checker.robot().describe_violation(q, "") && !find_tilt(checker, q) &&
+         is_clear(checker, q);
+}
+
+std::vector<std::string> internal::drop_invalid_goals(const CollisionChecker& checker,
+                                                      std::vector<Configuration>& goals,
+                                                      bool are_ends_clear, std::size_t first) {
   if (goals.size() == 1) return {};
   std::vector<std::string> notes;
   std::vector<Configuration> kept;
   for (std::size_t i = 0; i < goals.size(); ++i) {
-    const std::string what = name_of_goal(i, goals.size());
+    poll_interrupt();
+    const std::string what = name_of_goal(first + i, goals.size());
     if (auto problem = find_problem(checker, goals[i], what, are_ends_clear, false)) {
       notes.push_back(*std::move(problem) + "; this goal is ignored");
     } else {
@@ -205,6 +212,12 @@ std::vector<std::string> drop_invalid_goals(const CollisionChecker& checker,
   if (kept.empty()) return {};
   goals = std::move(kept);
   return notes;
+}
+
+std::vector<std::string> drop_invalid_goals(const CollisionChecker& checker,
+                                            std::vector<Configuration>& goals,
+                                            bool are_ends_clear) {
+  return internal::drop_invalid_goals(checker, goals, are_ends_clear, 0);
 }
 
 }  // namespace mneme
