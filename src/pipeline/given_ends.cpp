@@ -3,6 +3,7 @@
 #include "pipeline/given_ends.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 #include "path/waypoints.h"
 #include "pipeline/end_exit.h"
 #include "planning/end_contacts.h"
@@ -192,14 +193,20 @@ Path GivenEnds::completed(const Robot& robot, Path path) const {
   return path;
 }
 
-GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker, PlanQuery& ends) {
+GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker, PlanQuery& ends,
+                           std::size_t first) {
   GivenEnds given;
   EndMover mover(query, checker);
   if (auto inside = mover.find_inside(ends.start, "start", given.notes)) {
     given.start = std::exchange(ends.start, *std::move(inside));
   }
+  // The search has half of the time, at least, unless the first goal takes longer.
+  const double least_left_s = 0.5 * query.settings.plan.timeout_s;
   for (std::size_t i = 0; i < ends.goals.size() && !query.is_over(); ++i) {
-    const std::string name = ends.goals.size() == 1 ? "goal" : fmt::format("goal {}", i + 1);
+    poll_interrupt();
+    if (i > 0 && query.remaining_s() < least_left_s) break;
+    const bool is_only = query.problem.goals.size() <= 1 && ends.goals.size() == 1;
+    const std::string name = is_only ? "goal" : fmt::format("goal {}", first + i + 1);
     if (auto inside = mover.find_inside(ends.goals[i], name, given.notes)) {
       given.goals.push_back({*inside, std::exchange(ends.goals[i], *inside)});
     }

@@ -6,6 +6,7 @@
 
 #include "pipeline/query.h"
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,9 +31,9 @@ struct GivenEnds {
 
 /// Replaces start and goals of `ends` that violate a limit, cone or distance, within the tolerances
 /// of the settings, by valid configurations nearby. The straight motion between an end and its
-/// replacement only reduces the violation and adds no other. Other ends stay. Cost: milliseconds
-/// per replaced end.
+/// replacement only reduces the violation and adds no other. Other ends stay. `first` is the number
+/// of the first goal in the query, from 0. Cost: milliseconds per replaced end.
 [[nodiscard]] GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker,
-                                         PlanQuery& ends);
+                                         PlanQuery& ends, std::size_t first = 0);
 
 }  // namespace mneme::internal

@@ -2,14 +2,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/moving_ends.h"
 
-#include "path/waypoints.h"
 #include "base/fail.h"
+#include "base/threads.h"
+#include "path/waypoints.h"
 #include "replay/proven_motions.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 namespace mneme::internal {
@@ -95,10 +98,11 @@ struct RunUp {
 };
 
 /// The run-ups that are free. If there are none, `fault` says why for the last goal; otherwise
-/// `notes` do for the others. Without an end velocity there are none and no fault.
+/// `notes` do for the others. Without an end velocity there are none and no fault. Ends once half
+/// of the time limit is over, or the call is cancelled.
 Result<std::vector<RunUp>> find_run_ups(const Problem& problem, const SolveSettings& settings,
                                         const RateLimits& limits, std::string& fault,
-                                        std::vector<std::string>& notes) {
+                                        std::vector<std::string>& notes, double& used_s) {
   std::vector<RunUp> run_ups;
   if (problem.end_velocity.empty()) return run_ups;
   if (!problem.pose_goals.empty()) {
@@ -106,13 +110,28 @@ Result<std::vector<RunUp>> find_run_ups(const Problem& problem, const SolveSetti
                 "end velocity: expected configurations as goals, got a pose; inverse kinematics "
                 "finds configurations for it");
   }
+  constexpr double kShare = 0.5;
+  constexpr std::ptrdiff_t kMostNoted = 64;
+  std::optional<Stopwatch> stopwatch;  // the first goal also prepares the scene
   for (const Configuration& goal : problem.goals) {
+    const auto number = &goal - problem.goals.data() + 1;
+    if (is_set(settings.plan.cancel)) break;
+    if (stopwatch && stopwatch->elapsed_s() >= kShare * settings.plan.timeout_s) {
+      notes.push_back(fmt::format(
+          "the goals from goal {} on are ignored: half of the time limit was over before their "
+          "run-ups were checked",
+          number));
+      break;
+    }
     Rest rest = MNEME_TRY(find_rest(problem, settings, limits, goal, false));
     fault = std::move(rest.fault);
-    const auto number = &goal - problem.goals.data() + 1;
     if (fault.empty()) run_ups.push_back({std::move(rest.q), goal});
-    if (!fault.empty()) notes.push_back(fmt::format("goal {} is ignored: {}", number, fault));
+    if (!fault.empty() && number <= kMostNoted) {
+      notes.push_back(fmt::format("goal {} is ignored: {}", number, fault));
+    }
+    if (!stopwatch) stopwatch.emplace();
   }
+  if (stopwatch) used_s = stopwatch->elapsed_s();
   if (!run_ups.empty()) fault.clear();
   return run_ups;
 }
@@ -123,7 +142,14 @@ void add_run_up(const Robot& robot, const std::vector<RunUp>& run_ups, SolveResu
     return *std::ranges::min_element(
         run_ups, {}, [&](const RunUp& run_up) { return robot.distance(run_up.from, q); });
   };
-  for (Configuration& goal : result.goals) goal = run_up_from(goal).goal;
+  // Goals are in the order of their run-ups, unless they were found near them.
+  auto next = run_ups.begin();
+  for (Configuration& goal : result.goals) {
+    const auto same =
+        std::find_if(next, run_ups.end(), [&](const RunUp& run_up) { return run_up.from == goal; });
+    if (same != run_ups.end()) next = same + 1;
+    goal = same != run_ups.end() ? same->goal : run_up_from(goal).goal;
+  }
   Path& path = result.plan.path;
   if (path.empty()) return;
   const RunUp& last = run_up_from(robot.normalized(path.back()));
@@ -134,7 +160,7 @@ void add_run_up(const Robot& robot, const std::vector<RunUp>& run_ups, SolveResu
 
 Result<SolveResult> solve_moving(
     const Problem& problem, const SolveSettings& settings,
-    const std::function<Result<SolveResult>(const Problem&)>& solve_at_rest) {
+    const std::function<Result<SolveResult>(const Problem&, const SolveSettings&)>& solve_at_rest) {
   const RateLimits limits = settings.plan.limits != nullptr
                                 ? *settings.plan.limits
                                 : MNEME_TRY(find_rate_limits(problem.robot));
@@ -148,11 +174,15 @@ Result<SolveResult> solve_moving(
   }
   std::string fault;
   std::vector<std::string> notes;
-  const auto run_ups = MNEME_TRY(find_run_ups(problem, settings, limits, fault, notes));
+  double used_s = 0;
+  const auto run_ups = MNEME_TRY(find_run_ups(problem, settings, limits, fault, notes, used_s));
+  if (is_set(settings.plan.cancel)) return refused(settings, PlanStatus::cancelled, "cancelled");
   if (!fault.empty()) return refused(settings, PlanStatus::invalid_goal, std::move(fault));
   if (!run_ups.empty()) resting.goals.clear();
   for (const RunUp& run_up : run_ups) resting.goals.push_back(run_up.from);
-  SolveResult result = MNEME_TRY(solve_at_rest(resting));
+  SolveSettings rest = settings;
+  rest.plan.timeout_s = std::max(0.0, settings.plan.timeout_s - used_s);
+  SolveResult result = MNEME_TRY(solve_at_rest(resting, rest));
   std::ranges::move(notes, std::back_inserter(result.notes));
   if (!run_ups.empty()) add_run_up(problem.robot, run_ups, result);
   Path& path = result.plan.path;

@@ -10,13 +10,13 @@
 
 namespace mneme::internal {
 
-/// Plans, by `solve_at_rest`, from where the robot can stop to where it has to start for the goal,
-/// both on the straight line of the velocity there, and adds these motions to the path. The result
-/// is PlanStatus::invalid_start or invalid_goal if limits prevent such a motion, or it is not
-/// proven free; a note names goals without one beside others. Error: an end velocity with pose
-/// goals.
+/// Plans, by `solve_at_rest` within the time that is left, from where the robot can stop to where
+/// it has to start for the goal, both on the straight line of the velocity there, and adds these
+/// motions to the path. The result is PlanStatus::invalid_start or invalid_goal if limits prevent
+/// such a motion, or it is not proven free; a note names goals without one beside others. Error: an
+/// end velocity with pose goals.
 [[nodiscard]] Result<SolveResult> solve_moving(
     const Problem& problem, const SolveSettings& settings,
-    const std::function<Result<SolveResult>(const Problem&)>& solve_at_rest);
+    const std::function<Result<SolveResult>(const Problem&, const SolveSettings&)>& solve_at_rest);
 
 }  // namespace mneme::internal

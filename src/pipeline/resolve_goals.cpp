@@ -5,8 +5,11 @@
 #include "base/threads.h"
 #include "planning/end_contacts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <iterator>
+#include <span>
 #include <utility>
 
 namespace mneme::internal {
@@ -30,7 +33,8 @@ Result<CellChecker> make_checker(const Query& query, const PlanQuery& ends,
 }
 
 /// Replaces ends that are barely outside by configurations nearby.
-Result<GivenEnds> move_inside(const Query& query, CellChecker& made, PlanQuery& ends) {
+Result<GivenEnds> move_inside(const Query& query, CellChecker& made, PlanQuery& ends,
+                              std::size_t first) {
   const SolveSettings& settings = query.settings;
   const bool has_tolerance = settings.start_tolerance > 0 || settings.allow_at_ends > 0 ||
                              !query.problem.scene.end_contacts.empty();
@@ -43,7 +47,7 @@ Result<GivenEnds> move_inside(const Query& query, CellChecker& made, PlanQuery& 
   if (is_clear_end(ends.start) && std::ranges::all_of(ends.goals, is_clear_end)) {
     return GivenEnds{};
   }
-  GivenEnds given = move_ends_inside(query, made.checked.checker, ends);
+  GivenEnds given = move_ends_inside(query, made.checked.checker, ends, first);
   if (!given.empty()) made = MNEME_TRY(make_checker(query, ends, given));
   return given;
 }
@@ -109,6 +113,10 @@ Result<void> enter_contact(const Query& query, CellChecker& made, PlanQuery& end
   return {};
 }
 
+void add_notes(std::vector<std::string> notes, ResolvedQuery& resolved) {
+  std::ranges::move(notes, std::back_inserter(resolved.notes));
+}
+
 /// Explains in `refusal` why no configuration was found for the poses.
 void explain_missing_goals(const ResolvedQuery& resolved, PlanResult& refusal) {
   const Query& query = resolved.query;
@@ -123,26 +131,31 @@ void explain_missing_goals(const ResolvedQuery& resolved, PlanResult& refusal) {
   }
 }
 
-}  // namespace
+/// Goals that are examined at a time: by exact geometry, for contact that may be entered, and with
+/// a reason for each that is ignored. Problems with few goals are one block.
+constexpr std::size_t kBlock = 64;
 
-Result<ResolvedQuery> resolve_goals(const Query& query) {
+/// The start and the goals of the block from number `first` on.
+PlanQuery block_of(const Problem& problem, std::size_t first) {
+  const std::span<const Configuration> goals = std::span(problem.goals).subspan(first);
+  const auto block = goals.first(std::min(kBlock, goals.size()));
+  return {problem.start, {block.begin(), block.end()}};
+}
+
+/// Resolves a block of goals, the first one with the problem's poses. `made` is its checker.
+Result<ResolvedQuery> resolve_block(const Query& query, CellChecker made, std::size_t first) {
   const Problem& problem = query.problem;
-  PlanQuery ends{problem.start, problem.goals};
-  const Stopwatch preparing;
-  CellChecker made =
-      MNEME_TRY(find_or_make_checker(problem.robot, problem.scene, query.checker_settings(), ends));
-  const double preparation_time_s = preparing.elapsed_s();
-  query.stopwatch = Stopwatch();
-  GivenEnds given = MNEME_TRY(move_inside(query, made, ends));
+  PlanQuery ends = block_of(problem, first);
+  GivenEnds given = MNEME_TRY(move_inside(query, made, ends, first));
   std::optional<PoseGoalSource> further_goals;
-  const bool has_start = !problem.robot.describe_violation(ends.start, "start");
-  if (!problem.pose_goals.empty() && has_start) {
+  const bool wants_poses = !problem.pose_goals.empty() && first == 0;
+  if (wants_poses && !problem.robot.describe_violation(ends.start, "start")) {
     MNEME_TRY(resolve_poses(query, made, ends, further_goals));
     if (ends.goals.empty()) {
       MNEME_TRY(enter_contact(query, made, ends, given, further_goals->blocked()));
     }
   }
-  const bool are_ends_clear = made.checked.are_ends_clear && problem.pose_goals.empty();
+  const bool are_ends_clear = made.checked.are_ends_clear && !wants_poses;
   const bool has_exact_pairs = !made.checked.notes.empty();
   ResolvedQuery resolved{query,
                          std::move(ends),
@@ -153,22 +166,109 @@ Result<ResolvedQuery> resolve_goals(const Query& query) {
                          {},
                          has_exact_pairs,
                          {},
-                         preparation_time_s};
-  const auto add_notes = [&](std::vector<std::string> notes) {
-    std::ranges::move(notes, std::back_inserter(resolved.notes));
-  };
-  add_notes(resolved.given.notes);
-  add_notes(std::move(made.checked.notes));
+                         0};
+  add_notes(resolved.given.notes, resolved);
+  add_notes(std::move(made.checked.notes), resolved);
   const bool has_poses = resolved.further_goals.has_value();
   // Without any goal the refusal explains it.
   if (has_poses && !resolved.ends.goals.empty()) {
-    add_notes(resolved.further_goals->describe_unreached());
+    add_notes(resolved.further_goals->describe_unreached(), resolved);
   }
-  add_notes(drop_invalid_goals(resolved.checker, resolved.ends.goals, are_ends_clear));
+  add_notes(drop_invalid_goals(resolved.checker, resolved.ends.goals, are_ends_clear, first),
+            resolved);
   resolved.refusal = refuse_query(resolved.checker, resolved.ends, are_ends_clear);
   if (has_poses && resolved.refusal && resolved.ends.goals.empty() &&
       resolved.refusal->status == PlanStatus::invalid_goal) {
     explain_missing_goals(resolved, *resolved.refusal);
+  }
+  return resolved;
+}
+
+/// Adds the valid ones of the goals from number `first` on, for a tenth of the time left: planning
+/// begins with those that were checked by then.
+void add_valid_goals(std::size_t first, ResolvedQuery& resolved) {
+  constexpr double kShare = 0.1;
+  const Query& query = resolved.query;
+  const std::vector<Configuration>& goals = query.problem.goals;
+  const double limit_s = kShare * query.remaining_s();
+  const Stopwatch stopwatch;
+  std::size_t ignored = 0, next = first;
+  for (; next < goals.size(); ++next) {
+    if (next % kBlock == 0) {
+      poll_interrupt();
+      if (stopwatch.elapsed_s() >= limit_s) break;
+    }
+    if (is_valid_end(resolved.checker, goals[next])) {
+      resolved.ends.goals.push_back(goals[next]);
+    } else {
+      ++ignored;
+    }
+  }
+  if (ignored > 0) {
+    resolved.notes.push_back(
+        fmt::format("{} of the goals from goal {} on are ignored: they are in contact, or outside "
+                    "of limits or constraints",
+                    ignored, first + 1));
+  }
+  if (next < goals.size()) {
+    resolved.notes.push_back(fmt::format(
+        "the goals from goal {} on are ignored: a tenth of the time limit was over before they "
+        "were checked",
+        next + 1));
+  }
+}
+
+/// Resolves further blocks until one has a goal, where the first block has none.
+Result<ResolvedQuery> resolve_further(ResolvedQuery none) {
+  const Query& query = none.query;
+  const std::size_t count = query.problem.goals.size();
+  std::size_t first = kBlock;
+  for (; first < count && !query.is_over(); first += kBlock) {
+    QueryChecker checked = MNEME_TRY(
+        make_query_checker(none.checker, query.checker_settings(), block_of(query.problem, first)));
+    // A cell belongs to its checker.
+    auto cell = checked.notes.empty() ? none.cell : nullptr;
+    ResolvedQuery found =
+        MNEME_TRY(resolve_block(query, {std::move(checked), std::move(cell)}, first));
+    if (found.refusal) continue;
+    found.notes.insert(found.notes.begin(),
+                       fmt::format("goals 1 to {} are ignored: {}", first, none.refusal->message));
+    found.has_exact_pairs = found.has_exact_pairs || none.has_exact_pairs;
+    add_valid_goals(first + kBlock, found);
+    return found;
+  }
+  if (first < count && is_set(query.settings.plan.cancel)) {
+    none.refusal->status = PlanStatus::cancelled;
+    none.refusal->message = "cancelled";
+  } else if (first < count) {
+    none.refusal->status = PlanStatus::timeout;
+    none.refusal->message =
+        fmt::format("no valid goal among the first {} of {} within the time limit: {}", first,
+                    count, none.refusal->message);
+  } else {
+    none.refusal->message += fmt::format("; no other of the {} goals is valid either", count);
+  }
+  return none;
+}
+
+}  // namespace
+
+Result<ResolvedQuery> resolve_goals(const Query& query) {
+  const Problem& problem = query.problem;
+  const Stopwatch preparing;
+  CellChecker made = MNEME_TRY(find_or_make_checker(
+      problem.robot, problem.scene, query.checker_settings(), block_of(problem, 0)));
+  const double preparation_time_s = preparing.elapsed_s();
+  query.stopwatch = Stopwatch();
+  ResolvedQuery resolved = MNEME_TRY(resolve_block(query, std::move(made), 0));
+  resolved.preparation_time_s = preparation_time_s;
+  if (problem.goals.size() <= kBlock) return resolved;
+  if (!resolved.refusal) {
+    add_valid_goals(kBlock, resolved);
+  } else if (resolved.refusal->status == PlanStatus::invalid_goal) {
+    Result<ResolvedQuery> further = resolve_further(std::move(resolved));
+    if (further) further->preparation_time_s = preparation_time_s;
+    return further;
   }
   return resolved;
 }

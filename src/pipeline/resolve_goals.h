@@ -33,8 +33,9 @@ struct ResolvedQuery {
 };
 
 /// Makes the checker, starts the time limit, finds configurations for the problem's poses, drops
-/// goals in contact, and checks the ends. Errors: a scene that cannot be checked; those of
-/// PoseGoalSource::make().
+/// goals in contact, and checks the ends. Of many goals it examines some until one is valid, and
+/// adds those that are found valid within a tenth of the time limit. Errors: a scene that cannot be
+/// checked; those of PoseGoalSource::make().
 [[nodiscard]] Result<ResolvedQuery> resolve_goals(const Query& query);
 /// Returns a result without a plan.
 [[nodiscard]] SolveResult describe(const ResolvedQuery& resolved);

@@ -176,9 +176,10 @@ Result<SolveResult> solve_as_given(const Problem& problem, Database* database,
 Result<SolveResult> solve(const Problem& problem, Database* database,
                           const SolveSettings& settings) {
   if (problem.is_moving()) {
-    return internal::solve_moving(problem, settings, [&](const Problem& resting) {
-      return solve(resting, database, settings);
-    });
+    return internal::solve_moving(problem, settings,
+                                  [&](const Problem& resting, const SolveSettings& left) {
+                                    return solve(resting, database, left);
+                                  });
   }
   const auto stricter =
       settings.allow_at_ends > 0 ? without_allowed_contact(problem) : std::nullopt;

@@ -3,8 +3,11 @@
 
 // Goals that are poses, from problem to path.
 #include "goal/posed_robots.h"
+#include "planning/small_worlds.h"
 
+#include <algorithm>
 #include <atomic>
+#include <memory>
 #include <string>
 
 namespace mneme::test {
@@ -17,6 +20,27 @@ Problem posed_problem(const Configuration& at) {
   problem.scene.obstacles.push_back({"post", {Cylinder{at_post, 0.05, 0.8}}});
   problem.pose_goals = {pose_at(problem.robot, kHand, at)};
   return problem;
+}
+
+/// Many goals of a planar arm beside a circle, at angles of its first joint. Those around 1.5 are
+/// in contact.
+Problem problem_of_many(int count, double first, double last) {
+  Problem problem{.name = "",
+                  .robot = thick_arm({1, 1, 0.5}),
+                  .robot_path = "",
+                  .scene = make_circle_scene("world", {{0, 2, 0.5}}),
+                  .start = {-1, 0.1, 0.1},
+                  .goals = {},
+                  .warnings = {}};
+  for (int i = 0; i < count; ++i) {
+    problem.goals.push_back({first + (last - first) * i / std::max(1, count - 1), 0.1, 0.1});
+  }
+  return problem;
+}
+
+bool has_note(const SolveResult& result, const std::string& text) {
+  return std::ranges::any_of(
+      result.notes, [&](const std::string& note) { return note.find(text) != std::string::npos; });
 }
 
 SolveResult solve_soundly(const Problem& problem, const SolveSettings& settings) {
@@ -89,6 +113,70 @@ TEST_SUITE("flow") {
     const SolveResult noted = solve_soundly(problem, {});
     REQUIRE(noted.notes.size() == 1);
     CHECK(noted.notes[0].starts_with("goal pose 1: no configuration from "));
+  }
+}
+
+TEST_SUITE("flow") {
+  TEST_CASE("of many goals the valid ones are planned to, and the others are counted") {
+    SolveSettings settings;
+    settings.plan.timeout_s = 600;
+    // The first hundred are in contact.
+    Problem problem = problem_of_many(100, 1.4, 1.6);
+    const Problem free = problem_of_many(300, -0.5, 0.5);
+    problem.goals.insert(problem.goals.end(), free.goals.begin(), free.goals.end());
+    problem.goals.push_back(problem.goals.front());
+    const SolveResult result = solve_soundly(problem, settings);
+    REQUIRE_MESSAGE(result.plan.is_solved(), result.plan.message);
+    CHECK(result.goals.size() == 300);
+    CHECK(std::ranges::count(problem.goals, result.plan.path.back()) == 1);
+    CHECK(has_note(result, "goals 1 to 64 are ignored: goal 1 is in contact"));
+    CHECK(has_note(result, "goal 100 is in contact"));
+    CHECK(has_note(result, "1 of the goals from goal 129 on are ignored"));
+    CHECK(result.notes.size() < 50);
+  }
+
+  TEST_CASE("many goals in contact are refused with the first contact") {
+    SolveSettings settings;
+    settings.plan.timeout_s = 600;
+    const SolveResult result = solve_soundly(problem_of_many(500, 1.4, 1.6), settings);
+    CHECK(result.plan.status == PlanStatus::invalid_goal);
+    CHECK_MESSAGE(result.plan.message.starts_with("goal 1 is in contact: "), result.plan.message);
+    CHECK(result.plan.message.find("no other of the 500 goals is valid") != std::string::npos);
+  }
+
+  TEST_CASE("many goals are looked at within the time limit, and no longer than wanted") {
+    SolveSettings settings;
+    SUBCASE("out of time, with valid goals") {
+      settings.plan.timeout_s = 0;
+      const SolveResult result = solve_soundly(problem_of_many(20000, -0.5, 0.5), settings);
+      CHECK(result.plan.status == PlanStatus::timeout);
+      CHECK(result.goals.size() == 64);
+      CHECK(has_note(result, "the goals from goal 65 on are ignored"));
+    }
+    SUBCASE("out of time, with goals in contact") {
+      settings.plan.timeout_s = 0;
+      const SolveResult result = solve_soundly(problem_of_many(20000, 1.4, 1.6), settings);
+      CHECK(result.plan.status == PlanStatus::timeout);
+      CHECK(result.plan.message.starts_with("no valid goal among the first 64 of 20000"));
+    }
+    SUBCASE("cancelled") {
+      const std::atomic<bool> cancel = true;
+      settings.plan.cancel = &cancel;
+      const SolveResult result = solve_soundly(problem_of_many(20000, -0.5, 0.5), settings);
+      CHECK(result.plan.status == PlanStatus::cancelled);
+    }
+    SUBCASE("out of time, with run-ups") {
+      settings.plan.timeout_s = 0;
+      Problem problem = problem_of_many(20000, -0.5, 0.5);
+      problem.end_velocity = {0.01, 0, 0};
+      TrajectorySettings timing;
+      timing.acceleration_limit = 2;
+      settings.plan.limits =
+          std::make_shared<const RateLimits>(find_rate_limits(problem.robot, timing).value());
+      const SolveResult result = solve_soundly(problem, settings);
+      CHECK(result.plan.status == PlanStatus::timeout);
+      CHECK(has_note(result, "the goals from goal 2 on are ignored"));
+    }
   }
 }
 
