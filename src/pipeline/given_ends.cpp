@@ -10,6 +10,7 @@
 #include "robot/joint_space.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -54,6 +55,29 @@ class EndMover {
     std::optional<Configuration> inside = find_free(given, *nearest);
     if (inside) describe(given, touches, name, notes);
     return inside;
+  }
+
+  /// Why find_inside() has found nothing for a start that the tolerances allow. Empty for other
+  /// starts: what refuse_query() says of them is the reason.
+  [[nodiscard]] std::string describe_failure(const Configuration& start) {
+    const auto is_far_beyond = [&](const OrientationConstraint& constraint) {
+      return tilt(robot_, constraint, start) > constraint.angle + tolerances_.angle;
+    };
+    if (!is_near_limits(robot_, start, tolerances_) ||
+        std::ranges::any_of(checker_.constraints(), is_far_beyond)) {
+      return {};
+    }
+    const std::optional<Configuration> nearest = keep_limits_and_cones(start);
+    if (!nearest) return {};
+    const auto refused = refuse_query(checker_, {*nearest, {*nearest}});
+    if (*nearest == start) {
+      if (!refused || !exit_->may_leave(exit_->find_touches(start))) return {};
+      return refused->message +
+             ". A path may begin in this contact, but no straight motion of the joints leaves it";
+    }
+    return fmt::format("{} ({}, which start-tolerance allows)",
+                       refused ? refused->message : "start: no straight motion leads it inside",
+                       fmt::join(describe_excess(start), ", "));
   }
 
  private:
@@ -141,20 +165,27 @@ class EndMover {
     return std::nullopt;
   }
 
-  void describe(const Configuration& given, const std::vector<Touch>& touches,
-                const std::string& name, std::vector<std::string>& notes) const {
+  /// The limits and cones that `given` does not keep.
+  [[nodiscard]] std::vector<std::string> describe_excess(const Configuration& given) const {
+    std::vector<std::string> found;
     for (const LimitExcess& beyond : find_excess(robot_, given)) {
       const Joint& joint = robot_.group_joint(beyond.joint);
-      notes.push_back(fmt::format(
-          "{}: joint '{}' is {:.2g} {} beyond its limit; the first motion leads it inside", name,
-          joint.name, beyond.excess, joint.type == JointType::prismatic ? "m" : "rad"));
+      found.push_back(fmt::format("joint '{}' is {:.2g} {} beyond its limit", joint.name,
+                                  beyond.excess, joint.type == JointType::prismatic ? "m" : "rad"));
     }
     for (const OrientationConstraint& constraint : checker_.constraints()) {
       const double excess = tilt(robot_, constraint, given) - constraint.angle;
       if (excess <= 0) continue;
-      notes.push_back(fmt::format(
-          "{}: {} is tilted by {:.2g} rad beyond its cone; the first motion leads it inside", name,
-          constraint.link, excess));
+      found.push_back(
+          fmt::format("{} is tilted by {:.2g} rad beyond its cone", constraint.link, excess));
+    }
+    return found;
+  }
+
+  void describe(const Configuration& given, const std::vector<Touch>& touches,
+                const std::string& name, std::vector<std::string>& notes) const {
+    for (const std::string& excess : describe_excess(given)) {
+      notes.push_back(fmt::format("{}: {}; the first motion leads it inside", name, excess));
     }
     for (const Touch& touch : touches) {
       notes.push_back(
@@ -199,6 +230,8 @@ GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker, 
   EndMover mover(query, checker);
   if (auto inside = mover.find_inside(ends.start, "start", given.notes)) {
     given.start = std::exchange(ends.start, *std::move(inside));
+  } else {
+    given.start_failure = mover.describe_failure(ends.start);
   }
   // The search has half of the time, at least, unless the first goal takes longer.
   const double least_left_s = 0.5 * query.settings.plan.timeout_s;

@@ -21,6 +21,8 @@ struct GivenEnds {
   std::optional<Configuration> start;
   std::vector<Goal> goals;
   std::vector<std::string> notes;  ///< for people: a sentence about each exception
+  /// Why a start within the tolerances has no replacement; empty if there is no such start.
+  std::string start_failure = {};
 
   [[nodiscard]] bool empty() const { return !start && goals.empty(); }
   /// Names of the start and of each goal of `ends` in notes, which tell replaced ones from given.

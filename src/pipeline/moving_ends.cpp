@@ -4,6 +4,7 @@
 
 #include "base/fail.h"
 #include "base/threads.h"
+#include "check/end_motions.h"
 #include "path/waypoints.h"
 #include "replay/proven_motions.h"
 
@@ -82,6 +83,11 @@ Result<Rest> find_rest(const Problem& problem, const SolveSettings& settings,
                        const RateLimits& limits, const Configuration& end, bool is_start) {
   const Robot& robot = problem.robot;
   if (auto violation = robot.describe_violation(end, is_start ? "start" : "goal")) {
+    if (is_start && is_near_limits(robot, end, end_tolerances(settings))) {
+      *violation +=
+          "; start-tolerance does not apply to a start with a velocity, because the robot cannot "
+          "stop inside the limits";
+    }
     return Rest{end, *std::move(violation)};
   }
   const auto rest = is_start ? stopping_point(robot, end, problem.start_velocity, limits)

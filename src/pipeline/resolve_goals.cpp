@@ -181,6 +181,10 @@ Result<ResolvedQuery> resolve_block(const Query& query, CellChecker made, std::s
       resolved.refusal->status == PlanStatus::invalid_goal) {
     explain_missing_goals(resolved, *resolved.refusal);
   }
+  if (!resolved.given.start_failure.empty() && resolved.refusal &&
+      resolved.refusal->status == PlanStatus::invalid_start) {
+    resolved.refusal->message = resolved.given.start_failure;
+  }
   return resolved;
 }
 

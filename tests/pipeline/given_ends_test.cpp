@@ -140,6 +140,21 @@ TEST_SUITE("flow") {
     CHECK(status_of(problem, {}) == PlanStatus::invalid_start);
   }
 
+  TEST_CASE("a start that the tolerance allows is refused for its contact") {
+    Problem problem = planar_world({0, 0, 0}, {-1, 0.3, 0.2}, {});
+    problem.start[2] = problem.robot.group_joint(2).lower - 0.01;
+    const Transform last = problem.robot.link_poses(problem.start).back();
+    problem.scene = make_circle_scene("world", {{last.translation.x(), last.translation.y(), 0.3}});
+    const auto result = solve(problem, nullptr, {});
+    CHECK(result->plan.status == PlanStatus::invalid_start);
+    const std::string& message = result->plan.message;
+    CHECK_MESSAGE(message.starts_with("start is in contact: "), message);
+    CHECK_MESSAGE(message.find("'circle_1'") != std::string::npos, message);
+    CHECK_MESSAGE(message.find("0.01 rad beyond its limit, which start-tolerance allows") !=
+                      std::string::npos,
+                  message);
+  }
+
   TEST_CASE("a link that may touch an obstacle at the ends does so there alone") {
     const double radius = thick_arm({1, 1, 0.5}).links().back().capsules.front().radius;
     Problem problem = planar_world({0, 0, 0}, {-1, 0.3, 0.2}, {{2.25, 0.3 + radius - 8e-3, 0.3}});
