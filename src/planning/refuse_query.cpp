@@ -33,7 +33,8 @@ double least_radius(const Robot& robot, const std::string& name) {
   return least;
 }
 
-std::string describe(const Robot& robot, const Contact& contact) {
+/// `has_exact`: the link has exact geometry, and the contact is of its spheres.
+std::string describe(const Robot& robot, const Contact& contact, bool has_exact) {
   const std::string_view kind = contact.is_self ? "link" : "obstacle";
   if (is_near(contact)) {
     return fmt::format("link '{}' is {:.2g} m from {} '{}'", contact.link, contact.distance, kind,
@@ -43,8 +44,9 @@ std::string describe(const Robot& robot, const Contact& contact) {
   const double depth = -contact.distance;
   const bool is_deeper = depth >= least_radius(robot, contact.link) ||
                          (contact.is_self && depth >= least_radius(robot, contact.other));
-  return fmt::format("link '{}' touches {} '{}' by {}{}", contact.link, kind, contact.other,
-                     is_deeper ? "at least " : "", millimetres(depth));
+  return fmt::format("link '{}' touches {} '{}'{} by {}{}", contact.link, kind, contact.other,
+                     has_exact ? " with spheres" : "", is_deeper ? "at least " : "",
+                     millimetres(depth));
 }
 
 std::string describe(const ExactContact& behind) {
@@ -78,6 +80,23 @@ bool can_be_finer(const Robot& robot, const Contact& contact) {
     const std::string& name = approximated.object.name;
     return name == contact.link || (contact.is_self && name == contact.other);
   });
+}
+
+/// The way out for an attached object; empty for other contacts.
+std::string advise_on_held(const Robot& robot, const Contact& contact) {
+  if (can_be_finer(robot, contact)) return {};
+  return fmt::format(
+      ". What the robot holds may leave contact after the start and enter it before the goal "
+      "within `--allow-at-ends`, or farther with `allow: [{{pair: [{}, {}], at_ends: METRES}}]`",
+      contact.link, contact.other);
+}
+
+std::string advise_on_held(const Robot& robot, const std::vector<Contact>& contacts) {
+  for (const Contact& contact : contacts) {
+    if (is_near(contact)) continue;
+    if (std::string advice = advise_on_held(robot, contact); !advice.empty()) return advice;
+  }
+  return {};
 }
 
 /// The way out for links of the robot that also touch where all joints are zero, if there are any:
@@ -120,12 +139,13 @@ Refusal describe_contacts(const CollisionChecker& checker, const Configuration& 
     const bool can_help = behind && can_be_finer(checker.robot(), contacts[i]);
     room = can_help ? std::min(room, (behind->distance - margin) / behind->approximated_links) : 0;
     if (i >= kMostNamed) continue;
-    text += (i == 0 ? "" : ", ") + describe(checker.robot(), contacts[i]) +
+    text += (i == 0 ? "" : ", ") + describe(checker.robot(), contacts[i], behind.has_value()) +
             (behind ? describe(*behind) : "");
   }
   if (contacts.size() > kMostNamed)
     text += fmt::format(" and {} more", contacts.size() - kMostNamed);
-  return {std::move(text), advise(room) + advise_at_rest(checker, contacts)};
+  return {std::move(text), advise(room) + advise_on_held(checker.robot(), contacts) +
+                               advise_at_rest(checker, contacts)};
 }
 
 /// Describes the contacts of `q`, a valid configuration, if any.

@@ -206,8 +206,8 @@ TEST_SUITE("flow") {
           require_solve(below_a_plate(-0.001, whose), strict()).plan.message;
       INFO(message);
       CHECK(message.starts_with("start is in contact: link '" + name_of(whose, "forearm") +
-                                "' touches obstacle 'plate' by "));
-      CHECK(message.ends_with("; the exact geometry touches, too)"));
+                                "' touches obstacle 'plate' with spheres by "));
+      CHECK(message.find("; the exact geometry touches, too)") != std::string::npos);
     }
   }
 

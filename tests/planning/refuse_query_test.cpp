@@ -70,7 +70,8 @@ TEST_SUITE("unit") {
     const Box above{{Eigen::Matrix3d::Identity(), {1.4, 0, 0.202}}, {0.5, 0.1, 0.1}};
     const std::string message = refuse(above);
     INFO(message);
-    CHECK(message.starts_with("start is in contact: link 'l1' touches obstacle 'shelf' by "));
+    CHECK(message.starts_with(
+        "start is in contact: link 'l1' touches obstacle 'shelf' with spheres by "));
     CHECK(contains(
         message, fmt::format(" mm (the spheres stick out by up to {:.2g} mm; the exact geometry is "
                              "2 mm away). Try finer spheres (`mneme robot spheres --excess "
@@ -95,8 +96,10 @@ TEST_SUITE("unit") {
         require(refuse_query(checker, {Configuration{0, 0}, {Configuration{0, 1}}}));
     INFO(refused.message);
     CHECK(refused.message.starts_with("start is in contact: link 'rod' touches obstacle 'wall'"));
-    CHECK(refused.message.ends_with(
-        "(the spheres stick out by up to 15 mm; the exact geometry is 2 mm away)"));
+    CHECK(contains(refused.message,
+                   "(the spheres stick out by up to 15 mm; the exact geometry is 2 mm away). What "
+                   "the robot holds may leave contact"));
+    CHECK(refused.message.ends_with("`allow: [{pair: [rod, wall], at_ends: METRES}]`"));
   }
 
   TEST_CASE("invalid goals are ignored with a note, unless all are") {
