@@ -8,6 +8,7 @@
 #include "base/as_index.h"
 #include "base/check_ranges.h"
 #include "base/fail.h"
+#include "check/end_motions.h"
 #include "planning/end_contacts.h"
 #include "task/alternatives.h"
 #include "task/task_memory.h"
@@ -489,11 +490,9 @@ void TaskSearch::remember(TaskResult& result) const {
   if (!run_.settings.solve.remember_after) return;
   std::vector<Configuration> anchors;
   for (const Candidate& candidate : best_->candidates) anchors.push_back(candidate.anchor);
-  if (const auto stored = memory_.remember(anchors, run_.task.name); !stored) {
-    result.notes.push_back("the choices were not remembered: " + stored.error().message);
-  } else {
-    result.is_remembered = *stored;
-  }
+  const auto stored = memory_.remember(anchors, run_.task.name);
+  if (!stored) result.notes.push_back("the choices were not remembered: " + stored.error().message);
+  result.is_remembered = stored.value_or(false);
 }
 
 /// Refuses a start from which no motion may begin: before any search, as solve() does.
@@ -566,6 +565,15 @@ TaskSettings completed(TaskSettings settings) {
   return settings;
 }
 
+/// A start barely beyond limits is led inside by a move, as by solve(), and by no other stage.
+std::optional<std::string> find_start_violation(const Task& task, const EndTolerances& near) {
+  auto violation = task.robot.describe_violation(task.start, "start");
+  const bool is_near = violation && is_near_limits(task.robot, task.start, near);
+  if (is_near && task.stages.front().kind == StageKind::move) return std::nullopt;
+  if (is_near) *violation += "; start-tolerance allows that where the first stage is a move";
+  return violation;
+}
+
 }  // namespace
 
 Result<TaskResult> solve_task(const Task& task, Database* database, const TaskSettings& given) {
@@ -573,10 +581,10 @@ Result<TaskResult> solve_task(const Task& task, Database* database, const TaskSe
   MNEME_TRY(check_settings(given.solve));
   MNEME_TRY(check_task(task));
   const TaskSettings settings = completed(given);
-  if (const auto violation = task.robot.describe_violation(task.start, "start")) {
+  if (auto violation = find_start_violation(task, end_tolerances(settings.solve))) {
     TaskResult refused;
     refused.status = PlanStatus::invalid_start;
-    refused.message = *violation;
+    refused.message = *std::move(violation);
     return refused;
   }
   return TaskSearch(task, database, settings, MNEME_TRY(internal::make_groups(task))).solve();

@@ -233,6 +233,34 @@ TEST_SUITE("flow") {
     CHECK(refused("[0, -0.785]", "").find("start: there are 2 values") == 0);
   }
 
+  TEST_CASE("a start barely beyond a limit is led inside by a move, and by no other stage") {
+    const std::string move = "{name: go, move: [0.5, -0.785, 0, -2.356, 0, 1.571, 0.785]}";
+    const std::string line =
+        "{name: up, line: {direction: [0, 0, 1], distance: 0.05, link: panda_hand}}";
+    const auto task_of = [&](const std::string& first, const std::string& second) {
+      return make_task(replaced(kCell, "1.571, 0.785]", "1.571, 2.9676]") + "stages:\n  - " +
+                       first + "\n  - " + second + "\n");
+    };
+    const Task task = task_of(move, line);
+    const TaskResult result = solved(task);
+    check_plan(task, result);
+    CHECK(result.stages.front().path.front() == task.start);
+    CHECK_FALSE(task.robot.describe_violation(result.stages.front().path[1], ""));
+    REQUIRE_FALSE(result.notes.empty());
+    CHECK(result.notes[0].find("stage 'go': start: joint 'panda_joint7' is 0.000") == 0);
+    const auto motion = time_task(task, result, {}, find_rate_limits(task.robot).value());
+    REQUIRE_MESSAGE(motion.has_value(), (motion ? "" : motion.error().message));
+    CHECK(motion->trajectory.at(0).position == task.start);
+
+    const TaskResult refused = solved(task_of(line, move));
+    CHECK(refused.status == PlanStatus::invalid_start);
+    CHECK(refused.message.find("start: joint 'panda_joint7'") == 0);
+    CHECK(refused.message.find("where the first stage is a move") != std::string::npos);
+    TaskSettings strict;
+    strict.solve.start_tolerance = 0;
+    CHECK(solved(task, nullptr, strict).status == PlanStatus::invalid_start);
+  }
+
   TEST_CASE("drops count the alternatives that the task has, not their configurations") {
     // No grasp can be lifted: a lid is 6 cm above the cup.
     const std::string lid =
