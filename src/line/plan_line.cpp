@@ -7,6 +7,7 @@
 #include "base/as_index.h"
 #include "base/check_ranges.h"
 #include "base/fail.h"
+#include "check/end_motions.h"
 #include "check/link_distances.h"
 #include "line/line_search.h"
 #include "robot/kinematics.h"
@@ -55,6 +56,9 @@ class LinePlan {
     MNEME_TRY(check());
     if (const auto violation = robot_.describe_violation(from_, "start")) {
       result_.reason = *violation;
+      if (internal::is_near_limits(robot_, from_, EndTolerances())) {
+        result_.reason += "; a line leads no start inside its limits: plan a motion there first";
+      }
       return std::move(result_);
     }
     MNEME_TRY(find_ends());
@@ -214,7 +218,7 @@ class LinePlan {
       check_exactly(from_);
       if (checker_.is_valid(std::span<const double>(from_))) return {from_};
       const JointVector q = internal::to_vector(from_);
-      result_.reason = "the line cannot start: " + describe_contact(q, q);
+      result_.reason = "the line cannot start: " + describe_contact(q, q) + advise_on_held();
       return {};
     }
     IkSettings settings;
@@ -320,6 +324,24 @@ class LinePlan {
                          nearest.is_self ? "link" : "obstacle", nearest.other);
     }
     return "links come too close to each other";
+  }
+
+  /// The way out where a held object touches anything at the start.
+  [[nodiscard]] std::string advise_on_held() const {
+    const auto is_held = [&](const std::string& name) {
+      return std::ranges::any_of(robot_.attached(), [&](const ApproximatedObject& attached) {
+        return attached.object.name == name;
+      });
+    };
+    for (const Contact& contact : checker_.contacts(robot_.normalized(from_))) {
+      const std::string& held = is_held(contact.link) ? contact.link : contact.other;
+      if (!is_held(held)) continue;
+      return fmt::format(
+          "; a line of a task may leave the contact of a held object: make this line the first "
+          "stage of one, or put ['{}', '{}'] into `allow`",
+          held, held == contact.link ? contact.other : contact.link);
+    }
+    return {};
   }
 
   /// Tells a line that leaves the reach from a singularity on it.

@@ -275,6 +275,23 @@ TEST_SUITE("unit") {
     CHECK_MESSAGE(contains(result.reason, "'ball'"), result.reason);
   }
 
+  TEST_CASE("a line whose start a held object cannot leave names the way out") {
+    AttachedObject part{
+        "part", kHand, {Sphere{{0, 0, 0.2}, 0.05}}, {}, {"panda_leftfinger", "panda_rightfinger"}};
+    const Robot robot = attach(shipped_robot("panda"), {part}).value();
+    const Transform hand = pose_at(robot, kHand, kReady).pose;
+    const Vec3 below = hand * Vec3(0, 0, 0.3);
+    const Scene scene{"cell", {{"table", {Sphere{below, 0.06}}}}};
+    const LineResult result =
+        require_line(require_checker(robot, scene), line_by(kHand, Vec3(0, 0, 0.1)), kReady);
+    CHECK_FALSE(result.is_whole());
+    CHECK_MESSAGE(
+        result.reason.find("contact of link 'part' with obstacle 'table'; a line of a task") !=
+            std::string::npos,
+        result.reason);
+    CHECK_MESSAGE(result.reason.find("['part', 'table']") != std::string::npos, result.reason);
+  }
+
   TEST_CASE("a start at which spheres alone touch is checked by exact geometry") {
     const Box plate{{Eigen::Matrix3d::Identity(), {0, 0, 0.2}}, {0.1, 0.1, 0.01}};
     const auto robot = require(attach(shipped_robot("panda"), {{"plate", kHand, {plate}}}));
@@ -383,6 +400,9 @@ TEST_SUITE("unit") {
     };
     CHECK(reason_of({0, -0.785, 0, 3, 0, 1.571, 0.785}).starts_with("start: joint 'panda_joint4'"));
     CHECK(reason_of({0, 0}).starts_with("start: there are 2 values"));
+    const std::string barely = reason_of({0, -0.785, 0, -2.356, 0, 1.571, 2.9676});
+    CHECK(barely.starts_with("start: joint 'panda_joint7'"));
+    CHECK(barely.ends_with("plan a motion there first"));
   }
 
   TEST_CASE("constraints are refused") {
