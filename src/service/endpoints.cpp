@@ -386,8 +386,8 @@ Answer Endpoints::check(const Call& call) {
 
 Result<Answer> Endpoints::check_in_turn(const Call& call) {
   const CheckRequest request = MNEME_TRY(read_check_request(call.body, context()));
-  const auto checker =
-      MNEME_TRY(CollisionChecker::make(robot_, request.scene, {std::nullopt, request.margin}));
+  const auto checker = MNEME_TRY(CollisionChecker::make(
+      request.problem.robot, request.problem.scene, {std::nullopt, request.margin}));
   Json states = Json::array();
   std::size_t contacts = 0;
   for (const Configuration& q : request.configurations) {

@@ -374,15 +374,13 @@ IkRequest read_ik(const Input& input, const RequestContext& context) {
 }
 
 CheckRequest read_check(const Input& input, const RequestContext& context) {
-  input.allow_keys({"robot", "joints", "frame", "scene", "obstacles", "circles", "allow",
-                    "configurations", "margin"});
-  check_robot(input, context.robot);
-  CheckRequest request;
-  request.scene = read_scene_of_request(input, kSource, context);
-  if (!input.find("scene")) {
-    request.scene = moved(read_frame(input, context.robot), std::move(request.scene));
-  }
-  request.scene = with_allowed(input, std::move(request.scene));
+  input.allow_keys({"robot", "joints", "frame", "scene", "obstacles", "circles", "attached",
+                    "allow", "configurations", "margin"});
+  // The configurations take the place of start and goals.
+  ProblemOptions options;
+  options.start = read_near(input, context.robot);
+  options.goal = Configuration();
+  CheckRequest request{read_problem_of_request(input, options, context), {}};
   const Input configurations = input.at("configurations");
   for (const Input& q : configurations.items()) request.configurations.push_back(q.numbers());
   if (request.configurations.size() > kMostConfigurations) {

@@ -51,7 +51,7 @@ struct TaskRequest {
                                                     const RequestContext& context);
 
 struct CheckRequest {
-  Scene scene;
+  Problem problem;  ///< robot and scene
   std::vector<Configuration> configurations;
   double margin = 0;
 };

@@ -163,6 +163,26 @@ TEST_SUITE("flow") {
     CHECK(states[2].contains("message"));
   }
 
+  TEST_CASE("attached objects are checked as those of plans") {
+    const RunningService running;
+    const auto client = running.client();
+    const std::vector<double> straight(8, 0.0);
+    Json body = {{"circles", {{14, 0, 0.2}}}, {"configurations", Json::array({straight})}};
+    CHECK(post(*client, "/v1/check", body).body["states"][0]["valid"] == true);
+    body["attached"] = {{{"name", "rod"},
+                         {"link", "link_8"},
+                         {"type", "sphere"},
+                         {"p", {4, 0, 0}},
+                         {"radius", 0.5}}};
+    const Reply reply = post(*client, "/v1/check", body);
+    REQUIRE_MESSAGE(reply.status == 200, reply.body.dump());
+    const Json& state = reply.body["states"][0];
+    CHECK(state["valid"] == false);
+    CHECK(state["contacts"][0]["link"] == "rod");
+    body["allow"] = Json::array({Json::array({"rod", "circle_1"})});
+    CHECK(post(*client, "/v1/check", body).body["states"][0]["valid"] == true);
+  }
+
   TEST_CASE("a trace is kept for whoever asks for one") {
     ServiceSettings settings;
     settings.traces = 1;
