@@ -36,13 +36,14 @@ struct ConvertOptions {
   std::string output = "-";
   std::string format;
   std::string robot;
+  RobotOptions robot_options;
   std::string frame;
 };
 
 Result<FramedScene> read_scene(const ConvertOptions& options) {
   Result<FramedScene> scene = extract_scene(options.input);
   if (!scene || options.robot.empty()) return scene;
-  const Robot robot = MNEME_TRY(load_named_robot(options.robot));
+  const Robot robot = MNEME_TRY(load_named_robot(options.robot, options.robot_options));
   return in_root_frame(*scene, robot).map([&](Scene moved) {
     return FramedScene{std::move(moved), robot.links().front().name, scene->files};
   });
@@ -224,6 +225,7 @@ void add_convert(CLI::App& group, Action& action) {
              "format (default compact if the file ends in .json, otherwise scene)");
   command.add_option("--robot", options->robot,
                      "move the scene into the frame of this robot's root link: URDF file or name");
+  add_robot_flags(command, options->robot_options);
   command.add_option("--frame", options->frame, "frame of a scene that names none");
 }
 
