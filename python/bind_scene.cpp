@@ -270,6 +270,20 @@ void bind_text(SceneClass& scene) {
         return to_compact_json({self, ""});
       },
       "Returns the text of a compact file with this scene, without start and goal.");
+  scene.def("_part_count", [](const Scene& self) {
+    std::size_t count = 0;
+    for (const Obstacle& obstacle : self.obstacles) {
+      for (const Shape& shape : obstacle.shapes) {
+        count += std::visit(
+            [](const auto& one) -> std::size_t {
+              if constexpr (requires { one.parts; }) return one.parts->list().size();
+              return 1;
+            },
+            shape);
+      }
+    }
+    return count;
+  });
   scene.def(py::pickle([](const Scene& self) { return py::make_tuple(to_yaml(self)); },
                        [](const py::tuple& state) {
                          return unwrap(parse_scene(state[0].cast<std::string>(), "pickled scene"));

@@ -13,6 +13,7 @@ from ._mneme import PoseGoal
 from ._solutions import Solutions
 
 _GRACE_S = 0.4  # for the answer to a plan with a time limit
+_LEAST_S_PER_PART = 8e-6  # to write, send and read a point, triangle or cube of a scene, on fast machines
 
 
 class Busy(Exception):
@@ -124,10 +125,37 @@ for _name in ("status", "path_length", "total_time_s", "planning_time_s", "retri
 _SCENE_KEYS = ("circles", "obstacles", "allow")
 
 
+class _Json(str):
+    """The text of a value in JSON. Parsing a large scene to write it again would take longer than planning."""
+
+
+def _members(compact):
+    """Returns the keys and values of the only problem in the text of a compact file, which indents them by 3 spaces."""
+    begin = compact.index('\n "problems": [') + len('\n "problems": [')
+    members = compact[begin:compact.rindex("\n  }\n ]")].split('\n   "')[1:]
+    pairs = (member.rstrip(",").split('": ', 1) for member in members)
+    # Each number of a cloud has a line.
+    return {key: _Json(value.replace("\n      ", "")) for key, value in pairs}
+
+
 def _scene_keys(scene):
     """Returns a Scene as keys of a request."""
-    compact = json.loads(scene.to_compact_json())["problems"][0]
-    return {key: compact[key] for key in _SCENE_KEYS if key in compact}
+    members = _members(scene.to_compact_json())
+    return {key: members[key] for key in _SCENE_KEYS if key in members}
+
+
+def _text(body):
+    """Returns a body as JSON, in bytes."""
+    pairs = (f"{json.dumps(key)}:{value if isinstance(value, _Json) else json.dumps(value)}" for key, value in body.items())
+    return ("{" + ",".join(pairs) + "}").encode()
+
+
+def _check_size(scene, end):
+    """Raises TimeoutError if writing the scene takes longer than until `end`, a time.monotonic()."""
+    count = scene._part_count()
+    if time.monotonic() + _LEAST_S_PER_PART * count > end:
+        raise TimeoutError(f"timed out: writing the {count} points, triangles and cubes of the scene takes longer than "
+                           "the time limit; upload the scene with put_scene() and name its id")
 
 
 def _configuration(q):
@@ -197,9 +225,19 @@ class Client:
         """
         if problem is None and (start is None or goals is None):
             raise TypeError("plan() takes a problem, or start and goals")
+        begin = time.monotonic()
+        limit_s = math.inf
+        if settings.get("timeout") is not None:
+            for name in ("timeout", "improve"):
+                if not isinstance(settings.get(name), (int, float, np.generic, type(None))):
+                    raise TypeError(f"Client.plan: {name}={settings[name]!r} is not a number of seconds")
+            limit_s = settings["timeout"] + (settings.get("improve") or 0) + _GRACE_S
+        for sent in (scene, None if problem is None else problem.scene):
+            if sent is not None and not isinstance(sent, str):
+                _check_size(sent, begin + limit_s)
         body = {}
         if problem is not None:
-            body = {**json.loads(problem.to_compact_json(""))["problems"][0], "robot": problem.robot.name,
+            body = {**_members(problem.to_compact_json("")), "robot": problem.robot.name,
                     "joints": problem.robot.joint_names}
         if scene is not None:
             body = {key: body[key] for key in body if key not in _SCENE_KEYS}
@@ -221,13 +259,7 @@ class Client:
                                 "such as {} or {'dt': 0.01}")
             body["trajectory"] = _settings(trajectory)
         body.update(settings=_settings(settings), trace=trace, clearance=clearance, remember=remember)
-        limit_s = None
-        if settings.get("timeout") is not None:
-            for name in ("timeout", "improve"):
-                if not isinstance(settings.get(name), (int, float, np.generic, type(None))):
-                    raise TypeError(f"Client.plan: {name}={settings[name]!r} is not a number of seconds")
-            limit_s = settings["timeout"] + (settings.get("improve") or 0) + _GRACE_S
-        return RemotePlan(self.ask("POST", "/v1/plan", body, timeout_s=limit_s), self)
+        return RemotePlan(self.ask("POST", "/v1/plan", body, timeout_s=begin + limit_s - time.monotonic()), self)
 
     def inverse_kinematics(self, goals, *, near=None, scene=None, margin=0.0, **settings):
         """Returns free configurations that reach any of the PoseGoals, nearest to `near` (default: zeros) first.
@@ -287,9 +319,9 @@ class Client:
 
         timeout_s: seconds for all attempts. Default: the client's for each attempt.
         """
-        data = None if body is None else json.dumps(body)
         begin = time.monotonic()
         end = math.inf if timeout_s is None else begin + timeout_s
+        data = None if body is None else _text(body)
         while True:
             deadline = min(end, time.monotonic() + self._timeout_s)
             response, text = self._connections.exchange(method, path, data, self._headers, deadline)

@@ -142,6 +142,9 @@ class Connections:
                 # The service has closed this connection, which was idle for too long, before it took the request.
                 connection.close()
                 answer = self._try(connection, method, path, data, headers, deadline)
+        except ConnectionError as failure:
+            connection.close()
+            raise make_error("io", f"{self._url}: the service closed the connection without an answer: {failure}") from failure
         except BaseException:
             # A late answer must not be taken for the answer of the next request.
             connection.close()

@@ -383,9 +383,34 @@ def test_a_connection_that_was_idle_for_too_long_is_made_anew():
 def test_a_request_that_was_taken_is_not_sent_again():
     with Scripted(Scripted.answer_once_and_reset) as service, mneme.Client(service.url) as client:
         assert client.health() == {"status": "ok"}
-        with pytest.raises(ConnectionResetError):
-            client.health()
+        code, message = raised(client.health)
+        assert code == "io" and "closed the connection without an answer" in message
         assert service.requests == 2
+
+
+@pytest.mark.parametrize("reset", [False, True])
+def test_a_peer_that_closes_at_once_is_an_error(reset, problem):
+    def close(service, connection):
+        if reset:
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+
+    with Scripted(close) as service, mneme.Client(service.url) as client:
+        code, message = raised(lambda: client.plan(problem))
+    assert code == "io" and message.startswith(f"{service.url}: ")
+
+
+def test_a_scene_that_cannot_be_written_within_the_time_limit_is_refused_before(problem):
+    scene = mneme.Scene()
+    scene.add_points("cloud", np.full((500000, 3), 20.5), radius=0.01)
+    with Scripted() as service, mneme.Client(service.url) as client:
+        with pytest.raises(TimeoutError, match="the 500000 points.* put_scene"):
+            client.plan(problem, scene=scene, timeout=0.5)
+
+
+def test_a_body_has_the_values_of_compact_files(problem):
+    for compact in (problem.to_compact_json("robot"), problem.scene.to_compact_json()):
+        wanted = json.loads(compact)["problems"][0]
+        assert json.loads(mneme._client._text(mneme._client._members(compact))) == wanted
 
 
 def test_a_service_that_stays_busy_is_said_to_be():
