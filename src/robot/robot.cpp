@@ -154,12 +154,13 @@ void warn_of_virtual_joint(const Robot::Parts& parts, const RobotOptions& option
 }
 
 /// Pairs of links that may touch.
-Result<internal::LinkPairs> find_allowed(const Robot::Parts& parts, const RobotOptions& options) {
+Result<internal::LinkPairs> find_allowed(const Robot::Parts& parts, std::span<const int> group,
+                                         const RobotOptions& options) {
   auto named = parts.allowed_pairs.value_or(NamedPairs());
   named.insert(named.end(), options.allowed_pairs.begin(), options.allowed_pairs.end());
   internal::LinkPairs pairs = MNEME_TRY(find_pairs(parts.links, named, "allowed to touch"));
   if (parts.allowed_pairs) return pairs;
-  const auto neighbours = internal::find_neighbours(parts.links, parts.joints);
+  const auto neighbours = internal::find_neighbours(parts.links, parts.joints, group);
   pairs.insert(pairs.end(), neighbours.begin(), neighbours.end());
   return pairs;
 }
@@ -231,7 +232,7 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
     MNEME_TRY(set_fixed_values(sorted.joints, model.group, options.fixed_values, sorted.warnings));
     warn_of_wide_limits(sorted.joints, sorted.warnings);
     warn_of_followers(sorted.joints, model.group, sorted.warnings);
-    model.allowed_pairs = MNEME_TRY(find_allowed(sorted, options));
+    model.allowed_pairs = MNEME_TRY(find_allowed(sorted, model.group, options));
     model.exact_pairs =
         MNEME_TRY(find_pairs(sorted.links, sorted.exact_pairs, "checked by exact geometry"));
     model.links = std::move(sorted.links);

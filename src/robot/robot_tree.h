@@ -43,9 +43,11 @@ struct PartsFault {
 using LinkPairs = std::vector<std::pair<int, int>>;
 
 /// Returns the pairs of links with shapes that a joint joins directly or through links without
-/// shapes: each link and the nearest link with shapes that carries it. Links and joints are in tree
-/// order. A link that is fixed to a neighbour is no neighbour.
-[[nodiscard]] LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints);
+/// shapes: each link and the nearest link with shapes that carries it, unless more than
+/// `most_moving` joints that move lie between them. Links and joints are in tree order. A link that
+/// is fixed to a neighbour is no neighbour.
+[[nodiscard]] LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,
+                                        std::span<const int> group, int most_moving = 1);
 
 /// Returns pairs of links with shapes, first < second, that move relative to each other, except
 /// `allowed` ones (in any order). Joints that do not move weld links into bodies. Only pairs whose

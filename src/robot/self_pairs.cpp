@@ -23,15 +23,20 @@ std::vector<int> weld(std::span<const Link> links, std::span<const Joint> joints
 
 }  // namespace
 
-LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints) {
+LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,
+                          std::span<const int> group, int most_moving) {
+  const std::vector<bool> is_moving = find_moving(joints, group);
   LinkPairs neighbours;
   for (std::size_t link = 1; link < links.size(); ++link) {
     if (!has_shapes(links[link])) continue;
     int above = joints[link - 1].parent_link;
+    int moving = is_moving[link - 1] ? 1 : 0;
     while (above > 0 && !has_shapes(links[as_index(above)])) {
+      moving += is_moving[as_index(above - 1)] ? 1 : 0;
       above = joints[as_index(above - 1)].parent_link;
     }
-    if (has_shapes(links[as_index(above)])) neighbours.emplace_back(above, static_cast<int>(link));
+    const bool is_near = moving <= most_moving && has_shapes(links[as_index(above)]);
+    if (is_near) neighbours.emplace_back(above, static_cast<int>(link));
   }
   return neighbours;
 }

@@ -6,9 +6,11 @@
 #include "base/fail.h"
 #include "check/link_distances.h"
 #include "robot/kinematics.h"
+#include "robot/robot_tree.h"
 #include "spheres/approximate_robot.h"
 
 #include <algorithm>
+#include <climits>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -20,7 +22,7 @@ using internal::as_index, internal::LinkDistances, internal::PosedLinks;
 using Pair = std::pair<int, int>;
 
 /// The robot with all independent joints in its planning group. It checks all pairs of links that
-/// move against each other, except adjacent ones. Continuous joints take the values of one turn.
+/// move against each other. Continuous joints take the values of one turn.
 Result<Robot> make_whole(Robot::Parts parts) {
   RobotOptions options;
   for (Joint& joint : parts.joints) {
@@ -30,7 +32,7 @@ Result<Robot> make_whole(Robot::Parts parts) {
     joint.lower = -std::numbers::pi;
     joint.upper = std::numbers::pi;
   }
-  parts.allowed_pairs.reset();
+  parts.allowed_pairs.emplace();
   parts.exact_pairs.clear();
   if (!options.joints.empty()) return make_robot(std::move(parts), options);
   return fail(ErrorCode::invalid,
@@ -151,7 +153,11 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
   const Robot robot = MNEME_TRY(make_whole(parts));
   const std::vector<Pair> pairs = pairs_with_shapes(robot);
   std::vector<Record> records;
-  for (const Pair& pair : robot.self_pairs()) records.push_back({pair});
+  const auto adjacent =
+      internal::find_neighbours(robot.links(), robot.joints(), robot.group(), INT_MAX);
+  for (const Pair& pair : robot.self_pairs()) {
+    if (std::ranges::find(adjacent, pair) == adjacent.end()) records.push_back({pair});
+  }
   const LinkDistances links(robot);
   const Configuration rest = robot.normalized(Configuration(as_index(robot.joint_count()), 0.0));
   const PosedLinks at_rest = links.posed(robot.link_poses(rest));

@@ -282,6 +282,19 @@ Result<RobotSpheres> approximate_robot(Robot::Parts parts, const SphereSettings&
 
 namespace {
 
+/// The pairs that may touch if there is no SRDF. make_usable() adds pairs that always touch.
+Result<std::vector<std::pair<std::string, std::string>>> find_adjacent_pairs(
+    const Robot::Parts& parts) {
+  constexpr PairSettings kNoContacts{.samples = 1};
+  return derive_allowed_pairs(parts, kNoContacts).map([](const std::vector<AllowedPair>& allowed) {
+    std::vector<std::pair<std::string, std::string>> pairs;
+    for (const AllowedPair& pair : allowed) {
+      if (pair.reason == AllowedReason::adjacent) pairs.emplace_back(pair.first, pair.second);
+    }
+    return pairs;
+  });
+}
+
 /// A warning if the group moves no collision geometry: mostly a URDF with <visual> alone.
 std::vector<std::string> describe_missing_shapes(const Robot& robot) {
   const std::vector<bool> is_moving = internal::find_moving_links(robot);
@@ -297,7 +310,7 @@ std::vector<std::string> describe_missing_shapes(const Robot& robot) {
 /// make_robot. Pairs that always touch are allowed, and pairs of which often only the spheres do
 /// are checked by exact geometry: few configurations would be valid otherwise. An SRDF that does
 /// not allow a pair that always touches is a warning.
-Result<Robot> make_usable(Robot::Parts parts, RobotOptions options,
+Result<Robot> make_usable(Robot::Parts parts, RobotOptions options, bool has_srdf,
                           std::vector<std::string>& notes) {
   auto robot = make_robot(parts, options);
   if (!robot) return robot;
@@ -310,7 +323,7 @@ Result<Robot> make_usable(Robot::Parts parts, RobotOptions options,
   std::ranges::move(missing, std::back_inserter(parts.warnings));
   for (const auto& pair : inseparable.always) {
     options.allowed_pairs.push_back(pair);
-    (parts.allowed_pairs ? parts.warnings : notes)
+    (has_srdf ? parts.warnings : notes)
         .push_back(fmt::format("links '{}' and '{}' touch in every configuration; this pair is not "
                                "checked",
                                pair.first, pair.second));
@@ -342,13 +355,16 @@ Result<ApproximatedRobot> load_approximated_robot(const std::string& path,
   MNEME_TRY(internal::choose_group(parts, options).map_error(with_path));
   const auto has_solids = [](const Link& link) { return !link.solids.empty(); };
   std::vector<std::string> notes;
+  const bool has_srdf = parts.allowed_pairs.has_value();
   if (std::ranges::any_of(parts.links, has_solids)) {
     RobotSpheres made = MNEME_TRY(
         approximate_robot(std::move(parts), settings, on_approximated).map_error(with_path));
     notes = std::move(made.notes);
     parts = std::move(made.parts);
+    if (!has_srdf) parts.allowed_pairs = MNEME_TRY(find_adjacent_pairs(parts).map_error(with_path));
   }
-  Robot robot = MNEME_TRY(make_usable(std::move(parts), options, notes).map_error(with_path));
+  Robot robot =
+      MNEME_TRY(make_usable(std::move(parts), options, has_srdf, notes).map_error(with_path));
   return ApproximatedRobot{std::move(robot), std::move(notes)};
 }
 

@@ -178,9 +178,11 @@ TEST_SUITE("unit") {
     CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 2}, {0, 3}, {1, 3}});
   }
 
-  TEST_CASE("links that links without shapes join are neighbours, but not two that one carries") {
+  TEST_CASE("links are neighbours through links without shapes, unless two joints move between") {
     Robot::Parts parts = test::make_chain(4);
     parts.links[1].spheres.clear();
+    CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 2}, {0, 3}, {0, 4}, {2, 4}});
+    parts.joints[0].type = JointType::fixed;
     CHECK(pairs_of(test::require_robot(parts)) == Pairs{{0, 3}, {0, 4}, {2, 4}});
     parts.joints[3].parent_link = 1;
     // Fingers 2, with 3 on it, and 4 of a palm without shapes.
@@ -196,9 +198,10 @@ TEST_SUITE("unit") {
     Robot::Parts parts = test::make_chain(4);
     parts.joints[1].mimic = test::follow(0);
     CHECK(pairs_of(test::require_robot(parts, test::plan_for({"j1"}))) ==
-          Pairs{{0, 2}, {0, 3}, {0, 4}});
+          Pairs{{0, 2}, {0, 3}, {0, 4}, {1, 3}, {1, 4}});
     parts.joints[1].mimic = test::follow(0, 0);
-    CHECK(pairs_of(test::require_robot(parts, test::plan_for({"j1"}))).empty());
+    CHECK(pairs_of(test::require_robot(parts, test::plan_for({"j1"}))) ==
+          Pairs{{0, 2}, {0, 3}, {0, 4}});
   }
 
   TEST_CASE("with a list of allowed pairs neighbours are checked like others") {
