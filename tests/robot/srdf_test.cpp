@@ -253,17 +253,17 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("types of virtual joints and foreign attributes are tolerated by name") {
-    for (const auto& [text, finding] :
+    for (const auto& [xml, what] :
          {std::pair("<virtual_joint name='v' type='revolute' parent_frame='w' child_link='l0'/>",
                     "<virtual_joint>: the type 'revolute', which counts as floating"),
           std::pair("<group name='g' color='red'><joint name='j1'/></group>",
                     "unknown attribute 'color' of <group>")}) {
+      const std::string text = xml, finding = what;
       const Robot::Parts parts = applied(text);
       REQUIRE(parts.warnings.size() == 1);
       CHECK_MESSAGE(contains(parts.warnings[0], finding), parts.warnings[0]);
       Robot::Parts strict = test::make_chain(1);
-      CHECK_FALSE(apply_srdf("<robot name='chain'>" + std::string(text) + "</robot>", "a.srdf",
-                             strict, true)
+      CHECK_FALSE(apply_srdf("<robot name='chain'>" + text + "</robot>", "a.srdf", strict, true)
                       .has_value());
     }
     Robot::Parts root = test::make_chain(1);
