@@ -30,7 +30,7 @@ std::vector<std::string> robot_files() {
 
 void check_contacts(const std::string& path) {
   INFO(path);
-  const ApproximatedRobot loaded = require(load_approximated_robot(path));
+  const auto loaded = require(load_approximated_robot(path));
   const Robot& robot = loaded.robot;
   FclRobot oracle(robot);
   const std::vector<LinkPair> pairs = require(pairs_to_check(path, robot, oracle));

@@ -6,6 +6,7 @@
 #include "mneme/spheres.h"
 
 #include "goal/posed_robots.h"
+#include "pipeline/notes.h"
 #include "planning/small_worlds.h"
 
 #include <algorithm>
@@ -24,11 +25,6 @@ SolveResult require_checked(const Problem& problem, const SolveSettings& setting
 
 PlanStatus status_of(const Problem& problem, const SolveSettings& settings) {
   return solve(problem, nullptr, settings).value().plan.status;
-}
-
-bool has_note(const SolveResult& result, const std::string& text) {
-  return std::ranges::any_of(result.notes,
-                             [&](const std::string& note) { return contains(note, text); });
 }
 
 Problem make_problem(Robot robot, Scene scene, Configuration start, Configuration goal) {

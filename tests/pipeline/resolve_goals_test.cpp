@@ -3,6 +3,7 @@
 
 // Goals that are poses, from problem to path.
 #include "goal/posed_robots.h"
+#include "pipeline/notes.h"
 #include "planning/small_worlds.h"
 
 #include <algorithm>
@@ -36,11 +37,6 @@ Problem problem_of_many(int count, double first, double last) {
     problem.goals.push_back({first + (last - first) * i / std::max(1, count - 1), 0.1, 0.1});
   }
   return problem;
-}
-
-bool has_note(const SolveResult& result, const std::string& text) {
-  return std::ranges::any_of(
-      result.notes, [&](const std::string& note) { return note.find(text) != std::string::npos; });
 }
 
 SolveResult solve_soundly(const Problem& problem, const SolveSettings& settings) {
