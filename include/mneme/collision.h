@@ -317,7 +317,7 @@ class CollisionChecker {
   /// The limbs that walk() can pull. Empty for a robot of more than 32 joints.
   [[nodiscard]] std::vector<LimbInfo> limbs() const;
 
-  /// Returns all contacts at `q`, in double precision by code that the kernels do not share.
+  /// Returns all contacts at `q`, in double precision, without the kernels. Throws Interrupted.
   [[nodiscard]] std::vector<Contact> contacts(std::span<const double> q) const;
   /// Returns the contacts of obstacles with links that no joint of the group moves: all checks
   /// ignore them.

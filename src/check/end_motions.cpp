@@ -3,6 +3,7 @@
 #include "check/end_motions.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 #include "robot/kinematics.h"
 
 #include <algorithm>
@@ -35,6 +36,11 @@ std::vector<LimitExcess> find_excess(const Robot& robot, std::span<const double>
   return found;
 }
 
+const Touch* find_same_pair(std::span<const Touch> touches, const Touch& touch) {
+  const auto found = std::ranges::lower_bound(touches, touch.pair(), {}, &Touch::pair);
+  return found != touches.end() && found->pair() == touch.pair() ? &*found : nullptr;
+}
+
 bool is_near_limits(const Robot& robot, std::span<const double> q,
                     const EndTolerances& tolerances) {
   const auto is_finite = [](double value) { return std::isfinite(value); };
@@ -53,6 +59,7 @@ EndMotions::EndMotions(const Robot& robot, const Scene& scene, double margin,
       links_(robot),
       shapes_(obstacle_shapes(robot, scene)),
       pairs_(link_pairs(robot, scene)) {
+  std::ranges::sort(pairs_, {}, [](const LinkPair& p) { return std::pair(p.first, p.second); });
   for (const EndContact& contact : scene.end_contacts) add_named(contact, scene);
 }
 
@@ -75,6 +82,7 @@ std::vector<Touch> EndMotions::touching(std::span<const double> q, double extra)
   std::vector<Touch> found;
   for (int link = 0; link < links_.link_count(); ++link) {
     if (links_.shapes(link).empty() || !links_.is_moving(link)) continue;
+    poll_interrupt();
     const auto first = std::ssize(found);
     for (const ObstacleShape& shape : shapes_) {
       const double gap = links_.between(posed, link, shape, margin_ + extra) - margin_;
@@ -85,7 +93,9 @@ std::vector<Touch> EndMotions::touching(std::span<const double> q, double extra)
       found.back().distance = std::min(found.back().distance, gap);
     }
   }
+  int last_polled = -1;
   for (const LinkPair& pair : pairs_) {
+    if (std::exchange(last_polled, pair.first) != pair.first) poll_interrupt();
     const double gap = links_.between(posed, pair, extra);
     if (gap < extra) found.push_back({pair.first, pair.second, true, gap});
   }
@@ -97,14 +107,15 @@ void EndMotions::check_exactly(std::span<const Touch> touches) {
     return robot_.links()[as_index(link)].approximation.has_value();
   };
   for (const Touch& touch : touches) {
-    for (ObstacleShape& shape : shapes_) {
-      const bool is_meant = !touch.is_self && shape.obstacle == touch.other;
-      if (is_meant && is_approximated(touch.link)) shape.exact_links.push_back(touch.link);
+    if (touch.is_self || !is_approximated(touch.link)) continue;
+    for (ObstacleShape& shape :
+         std::ranges::equal_range(shapes_, touch.other, {}, &ObstacleShape::obstacle)) {
+      shape.exact_links.push_back(touch.link);
     }
-    for (LinkPair& pair : pairs_) {
-      const bool is_meant = touch.is_self && pair.first == touch.link && pair.second == touch.other;
-      if (is_meant) pair.is_exact = is_approximated(pair.first) || is_approximated(pair.second);
-    }
+  }
+  for (LinkPair& pair : pairs_) {
+    if (find_same_pair(touches, {pair.first, pair.second, true}) == nullptr) continue;
+    pair.is_exact = is_approximated(pair.first) || is_approximated(pair.second);
   }
 }
 
@@ -171,9 +182,8 @@ bool EndMotions::is_left_by(const Configuration& end, const Configuration& insid
     const PosedLinks posed = links_.posed(robot_.link_poses(q));
     std::vector<Touch> still_open;
     for (const Touch& now : touching(q, extra)) {
-      const auto before =
-          std::ranges::find_if(open, [&](const Touch& touch) { return touch.is_same_pair(now); });
-      if (before == open.end() || now.distance < before->distance - kRounding) return false;
+      const Touch* before = find_same_pair(open, now);
+      if (before == nullptr || now.distance < before->distance - kRounding) return false;
       const auto stretch = stretch_of(now);
       const bool is_far = stretch && travel(at_end, posed, now) > *stretch;
       if (now.distance < 0 && (is_far || i == steps)) return false;

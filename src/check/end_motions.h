@@ -10,6 +10,7 @@
 
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace mneme::internal {
@@ -33,10 +34,11 @@ struct Touch {
   bool is_self = false;  ///< True if `other` is a link.
   double distance = 0;   ///< metres beyond the margin; negative in contact
 
-  [[nodiscard]] bool is_same_pair(const Touch& touch) const {
-    return link == touch.link && other == touch.other && is_self == touch.is_self;
-  }
+  [[nodiscard]] auto pair() const { return std::tuple(is_self, link, other); }
 };
+/// Returns the contact of this pair among `touches`, as EndMotions::touching() returns them;
+/// nullptr if there is none.
+[[nodiscard]] const Touch* find_same_pair(std::span<const Touch> touches, const Touch& touch);
 
 /// Decides which contacts at the ends of a path its first and last motion may leave. Double
 /// precision. Const and parallel-safe.
@@ -46,9 +48,11 @@ class EndMotions {
   EndMotions(const Robot& robot, const Scene& scene, double margin,
              const EndTolerances& tolerances);
 
-  /// Returns all pairs closer than `extra` metres, beyond the margin, at `q`.
+  /// Returns all pairs closer than `extra` metres, beyond the margin, at `q`, in the order of
+  /// Touch::pair(). Throws Interrupted.
   [[nodiscard]] std::vector<Touch> touching(std::span<const double> q, double extra = 0) const;
-  /// Checks these pairs by exact geometry from now on, where a link is approximated by spheres.
+  /// Checks these pairs, as touching() returns them, by exact geometry from now on, where a link
+  /// is approximated by spheres.
   void check_exactly(std::span<const Touch> touches);
   /// True if a path may begin (`is_start`) or end in this contact.
   [[nodiscard]] bool may_leave(const Touch& touch, bool is_start) const;

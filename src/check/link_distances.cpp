@@ -4,6 +4,7 @@
 
 #include "base/as_index.h"
 #include "base/fail.h"
+#include "base/threads.h"
 #include "check/free_cells.h"
 #include "robot/kinematics.h"
 
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cassert>
 #include <limits>
+#include <utility>
 
 namespace mneme::internal {
 namespace {
@@ -100,11 +102,12 @@ std::vector<LinkPair> link_pairs(const Robot& robot, const Scene& scene) {
     if (is_approximated(*first) || is_approximated(*second))
       exact_pairs.push_back(std::minmax(*first, *second));
   }
+  std::ranges::sort(exact_pairs);
   std::vector<LinkPair> pairs;
   pairs.reserve(robot.self_pairs().size());
   for (const auto& [first, second] : robot.self_pairs()) {
     const std::pair<int, int> pair = std::minmax(first, second);
-    const bool is_exact = std::ranges::find(exact_pairs, pair) != exact_pairs.end();
+    const bool is_exact = std::ranges::binary_search(exact_pairs, pair);
     pairs.push_back({first, second, is_exact});
   }
   return pairs;
@@ -279,6 +282,7 @@ std::vector<Contact> find_scene_contacts(const Robot& robot, const LinkDistances
   std::vector<Contact> contacts;
   for (int link = 0; link < links.link_count(); ++link) {
     if (links.is_moving(link) != of_moving) continue;
+    poll_interrupt();
     int touched = -1;
     for (const ObstacleShape& shape : obstacles) {
       const double gap = links.between(posed, link, shape, margin);
@@ -302,7 +306,9 @@ std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& link
   const PosedLinks posed = links.posed(robot.link_poses(q));
   std::vector<Contact> contacts = find_scene_contacts(robot, links, posed, scene, margin, true);
   const auto name = [&](int link) { return robot.links()[as_index(link)].name; };
+  int last_polled = -1;
   for (const LinkPair& pair : link_pairs(robot, scene)) {
+    if (std::exchange(last_polled, pair.first) != pair.first) poll_interrupt();
     const double gap = links.between(posed, pair, 0);
     if (gap < 0) contacts.push_back({name(pair.first), name(pair.second), true, gap});
   }

@@ -160,7 +160,7 @@ class LinkDistances {
                            std::span<const LinkPair> pairs);
 
 /// Returns all pairs in contact at `q`: moving links, inflated by `margin`, with obstacles, then
-/// links with links.
+/// links with links. Throws Interrupted.
 [[nodiscard]] std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& links,
                                                  const Scene& scene, std::span<const double> q,
                                                  double margin);

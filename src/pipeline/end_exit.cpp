@@ -18,10 +18,8 @@ std::vector<Touch> EndExit::find_touches(const Configuration& q) {
   const std::vector<Touch> spheres = motions_.touching(q);
   motions_.check_exactly(spheres);
   std::vector<Touch> touches = motions_.touching(q, kSolidClearance);
-  std::erase_if(touches, [&](const Touch& touch) {
-    return std::ranges::none_of(spheres,
-                                [&](const Touch& sphere) { return sphere.is_same_pair(touch); });
-  });
+  std::erase_if(touches,
+                [&](const Touch& touch) { return find_same_pair(spheres, touch) == nullptr; });
   return touches;
 }
 

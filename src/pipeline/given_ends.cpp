@@ -100,13 +100,13 @@ class EndMover {
   std::optional<Configuration> find_free(const Configuration& given, const Configuration& nearest) {
     if (is_inside(given, nearest)) return nearest;
     for (const double share : kShares) {
-      if (query_.is_over()) return std::nullopt;
+      poll_interrupt();
       const auto moved = move_out(nearest, share * stretch());
       if (moved && is_inside(given, *moved)) return moved;
     }
     for (const double sigma : kSigmas) {
       const std::vector<float> sigmas = joint_deviations(robot_, sigma);
-      for (int i = 0; i < kSamples && !query_.is_over(); ++i) {
+      for (int i = 0; i < kSamples; ++i) {
         Configuration q = nearest;
         for (std::size_t j = 0; j < q.size(); ++j) q[j] += double{sigmas[j] * rng_.bell()};
         if (is_inside(given, robot_.normalized(q))) return robot_.normalized(q);
@@ -235,7 +235,7 @@ GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker, 
   }
   // The search has half of the time, at least, unless the first goal takes longer.
   const double least_left_s = 0.5 * query.settings.plan.timeout_s;
-  for (std::size_t i = 0; i < ends.goals.size() && !query.is_over(); ++i) {
+  for (std::size_t i = 0; i < ends.goals.size(); ++i) {
     poll_interrupt();
     if (i > 0 && query.remaining_s() < least_left_s) break;
     const bool is_only = query.problem.goals.size() <= 1 && ends.goals.size() == 1;

@@ -34,7 +34,7 @@ struct GivenEnds {
 /// Replaces start and goals of `ends` that violate a limit, cone or distance, within the tolerances
 /// of the settings, by valid configurations nearby. The straight motion between an end and its
 /// replacement only reduces the violation and adds no other. Other ends stay. `first` is the number
-/// of the first goal in the query, from 0. Cost: milliseconds per replaced end.
+/// of the first goal in the query, from 0. Cost: milliseconds per replaced end. Throws Interrupted.
 [[nodiscard]] GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker,
                                          PlanQuery& ends, std::size_t first = 0);
 

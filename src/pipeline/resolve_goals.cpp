@@ -117,17 +117,20 @@ void add_notes(std::vector<std::string> notes, ResolvedQuery& resolved) {
   std::ranges::move(notes, std::back_inserter(resolved.notes));
 }
 
+/// Turns `refusal` into that of a query that is over: cancelled, or late, with `message`.
+void end_early(const Query& query, std::string message, PlanResult& refusal) {
+  const bool is_cancelled = is_set(query.settings.plan.cancel);
+  refusal.status = is_cancelled ? PlanStatus::cancelled : PlanStatus::timeout;
+  refusal.message = is_cancelled ? "cancelled" : std::move(message);
+}
+
 /// Explains in `refusal` why no configuration was found for the poses.
 void explain_missing_goals(const ResolvedQuery& resolved, PlanResult& refusal) {
   const Query& query = resolved.query;
-  if (!query.is_over()) {
-    refusal.message = resolved.further_goals->describe_failure();
-  } else if (is_set(query.settings.plan.cancel)) {
-    refusal.status = PlanStatus::cancelled;
-    refusal.message = "cancelled";
+  if (query.is_over()) {
+    end_early(query, "no configuration for the poses of the goal within the time limit", refusal);
   } else {
-    refusal.status = PlanStatus::timeout;
-    refusal.message = "no configuration for the poses of the goal within the time limit";
+    refusal.message = resolved.further_goals->describe_failure();
   }
 }
 
@@ -142,7 +145,8 @@ PlanQuery block_of(const Problem& problem, std::size_t first) {
   return {problem.start, {block.begin(), block.end()}};
 }
 
-/// Resolves a block of goals, the first one with the problem's poses. `made` is its checker.
+/// Resolves a block of goals, the first one with the problem's poses. `made` is its checker. Throws
+/// Interrupted.
 Result<ResolvedQuery> resolve_block(const Query& query, CellChecker made, std::size_t first) {
   const Problem& problem = query.problem;
   PlanQuery ends = block_of(problem, first);
@@ -157,16 +161,13 @@ Result<ResolvedQuery> resolve_block(const Query& query, CellChecker made, std::s
   }
   const bool are_ends_clear = made.checked.are_ends_clear && !wants_poses;
   const bool has_exact_pairs = !made.checked.notes.empty();
-  ResolvedQuery resolved{query,
-                         std::move(ends),
-                         std::move(given),
-                         std::move(made.checked.checker),
-                         std::move(made.cell),
-                         std::move(further_goals),
-                         {},
-                         has_exact_pairs,
-                         {},
-                         0};
+  ResolvedQuery resolved{.query = query,
+                         .ends = std::move(ends),
+                         .given = std::move(given),
+                         .checker = std::move(made.checked.checker),
+                         .cell = std::move(made.cell),
+                         .further_goals = std::move(further_goals),
+                         .has_exact_pairs = has_exact_pairs};
   add_notes(resolved.given.notes, resolved);
   add_notes(std::move(made.checked.notes), resolved);
   const bool has_poses = resolved.further_goals.has_value();
@@ -186,6 +187,35 @@ Result<ResolvedQuery> resolve_block(const Query& query, CellChecker made, std::s
     resolved.refusal->message = resolved.given.start_failure;
   }
   return resolved;
+}
+
+/// resolve_block(), or nothing if the query is over before. What can be refused at once is refused
+/// with its reason, however short the limit is.
+std::optional<Result<ResolvedQuery>> resolve_in_time(const Query& query, CellChecker made,
+                                                     std::size_t first) {
+  constexpr double kAtOnce = 0.05;  // seconds
+  const Stopwatch stopwatch;
+  const auto is_over = [&] { return query.is_over() && stopwatch.elapsed_s() > kAtOnce; };
+  const InterruptScope scope(is_over);
+  try {
+    return resolve_block(query, std::move(made), first);
+  } catch (const Interrupted&) {
+    if (!is_over()) throw;  // a scope of the caller is over
+    return std::nullopt;
+  }
+}
+
+/// Resolves the first block.
+Result<ResolvedQuery> resolve_first(const Query& query, const CellChecker& made) {
+  if (auto resolved = resolve_in_time(query, made, 0)) return *std::move(resolved);
+  PlanResult late;
+  end_early(query, "the time limit was over before start and goals were examined", late);
+  return ResolvedQuery{.query = query,
+                       .ends = block_of(query.problem, 0),
+                       .checker = made.checked.checker,
+                       .cell = made.cell,
+                       .has_exact_pairs = !made.checked.notes.empty(),
+                       .refusal = std::move(late)};
 }
 
 /// Adds the valid ones of the goals from number `first` on, for a tenth of the time left: planning
@@ -232,8 +262,9 @@ Result<ResolvedQuery> resolve_further(ResolvedQuery none) {
         make_query_checker(none.checker, query.checker_settings(), block_of(query.problem, first)));
     // A cell belongs to its checker.
     auto cell = checked.notes.empty() ? none.cell : nullptr;
-    ResolvedQuery found =
-        MNEME_TRY(resolve_block(query, {std::move(checked), std::move(cell)}, first));
+    auto resolved = resolve_in_time(query, {std::move(checked), std::move(cell)}, first);
+    if (!resolved) break;
+    ResolvedQuery found = MNEME_TRY(*std::move(resolved));
     if (found.refusal) continue;
     found.notes.insert(found.notes.begin(),
                        fmt::format("goals 1 to {} are ignored: {}", first, none.refusal->message));
@@ -241,14 +272,11 @@ Result<ResolvedQuery> resolve_further(ResolvedQuery none) {
     add_valid_goals(first + kBlock, found);
     return found;
   }
-  if (first < count && is_set(query.settings.plan.cancel)) {
-    none.refusal->status = PlanStatus::cancelled;
-    none.refusal->message = "cancelled";
-  } else if (first < count) {
-    none.refusal->status = PlanStatus::timeout;
-    none.refusal->message =
-        fmt::format("no valid goal among the first {} of {} within the time limit: {}", first,
-                    count, none.refusal->message);
+  if (first < count) {
+    end_early(query,
+              fmt::format("no valid goal among the first {} of {} within the time limit: {}", first,
+                          count, none.refusal->message),
+              *none.refusal);
   } else {
     none.refusal->message += fmt::format("; no other of the {} goals is valid either", count);
   }
@@ -260,11 +288,11 @@ Result<ResolvedQuery> resolve_further(ResolvedQuery none) {
 Result<ResolvedQuery> resolve_goals(const Query& query) {
   const Problem& problem = query.problem;
   const Stopwatch preparing;
-  CellChecker made = MNEME_TRY(find_or_make_checker(
+  const CellChecker made = MNEME_TRY(find_or_make_checker(
       problem.robot, problem.scene, query.checker_settings(), block_of(problem, 0)));
   const double preparation_time_s = preparing.elapsed_s();
   query.stopwatch = Stopwatch();
-  ResolvedQuery resolved = MNEME_TRY(resolve_block(query, std::move(made), 0));
+  ResolvedQuery resolved = MNEME_TRY(resolve_first(query, made));
   resolved.preparation_time_s = preparation_time_s;
   if (problem.goals.size() <= kBlock) return resolved;
   if (!resolved.refusal) {

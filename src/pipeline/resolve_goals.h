@@ -20,16 +20,16 @@ namespace mneme::internal {
 struct ResolvedQuery {
   const Query& query;
   PlanQuery ends;
-  GivenEnds given;  ///< original ends, where `ends` has replacements
+  GivenEnds given = {};  ///< original ends, where `ends` has replacements
   CollisionChecker checker;
   std::shared_ptr<StaticCell> cell;  ///< of the checker, for replay; may be null
   /// Source of further goals, if the problem has poses.
-  std::optional<PoseGoalSource> further_goals;
+  std::optional<PoseGoalSource> further_goals = {};
   /// For people: exceptions at the ends, pairs that are checked by exact geometry, ignored goals.
-  std::vector<std::string> notes;
-  bool has_exact_pairs = false;       ///< True if checker.scene() has more exact pairs.
-  std::optional<PlanResult> refusal;  ///< set if start or goals cannot be planned
-  double preparation_time_s = 0;      ///< making the checker; the time limit begins after it
+  std::vector<std::string> notes = {};
+  bool has_exact_pairs = false;            ///< True if checker.scene() has more exact pairs.
+  std::optional<PlanResult> refusal = {};  ///< set if start or goals cannot be planned
+  double preparation_time_s = 0;           ///< making the checker; the time limit begins after it
 };
 
 /// Makes the checker, starts the time limit, finds configurations for the problem's poses, drops

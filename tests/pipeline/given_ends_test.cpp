@@ -10,7 +10,9 @@
 #include "planning/small_worlds.h"
 
 #include <algorithm>
+#include <chrono>
 #include <string>
+#include <thread>
 
 namespace mneme::test {
 namespace {
@@ -67,7 +69,8 @@ struct Placing {
     goal.pose.translation = {x, y, 0.22 - depth};
     const auto reached =
         require(InverseKinematics::make(problem.robot, kHand))
-            .solve(goal, kReady, {.position_tolerance = 1e-5, .rotation_tolerance = 1e-4});
+            .solve(goal, kReady,
+                   {.position_tolerance = 1e-5, .rotation_tolerance = 1e-4, .is_over = {}});
     REQUIRE(!reached.solutions.empty());
     return reached.solutions.front();
   }
@@ -149,6 +152,36 @@ TEST_SUITE("flow") {
     CHECK_MESSAGE(message.find("0.01 rad beyond its limit, which start-tolerance allows") !=
                       std::string::npos,
                   message);
+  }
+
+  TEST_CASE("many held bodies in contact are examined with looks at the clock") {
+    Problem problem = planar_world({0, 0, 0}, {-1, 0.3, 0.2}, {});
+    std::vector<AttachedObject> bodies;
+    const auto links = problem.robot.links();
+    for (std::size_t i = 0; i < 60; ++i) {
+      bodies.push_back({"body" + std::to_string(i), links[i % 3].name, {Sphere{{0, 0, 0}, 5}}});
+    }
+    problem.robot = require(attach(problem.robot, bodies));
+    int polls = 0;
+    {
+      const InterruptScope counting([&] { return ++polls < 0; });
+      CHECK(status_of(problem, {}) == PlanStatus::invalid_start);
+    }
+    CHECK(polls > 100);
+    int seen = 0;
+    {
+      const InterruptScope ending([&] { return ++seen >= polls / 2; });
+      CHECK_THROWS_AS(static_cast<void>(solve(problem, nullptr, {})), Interrupted);
+    }
+    SolveSettings settings;
+    settings.plan.timeout_s = 0;
+    const InterruptScope slow([] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      return false;
+    });
+    const PlanResult late = require(solve(problem, nullptr, settings)).plan;
+    CHECK(late.status == PlanStatus::timeout);
+    CHECK_MESSAGE(contains(late.message, "before start and goals were examined"), late.message);
   }
 
   TEST_CASE("a link that may touch an obstacle at the ends does so there alone") {
