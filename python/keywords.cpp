@@ -18,7 +18,7 @@ void Keywords::apply_memory(MemorySettings& settings) {
   if (arguments_.contains("kind") && !arguments_["kind"].is_none()) {
     const py::object given = arguments_["kind"];
     if (!py::isinstance<py::str>(given)) fail_type("kind", given, "the name of a kind of memory");
-    settings.kind = unwrap(find_memory_kind(given.cast<std::string>()))->name;
+    settings.kind = unwrap(find_memory_kind(to_utf8(given)))->name;
   }
   apply(settings);
 }
@@ -28,7 +28,7 @@ void Keywords::apply_memory_mode(MemoryMode& mode) {
   if (!arguments_.contains("memory")) return;
   const py::object given = arguments_["memory"];
   if (!py::isinstance<py::str>(given)) fail_type("memory", given, "'auto', 'off' or 'paper'");
-  mode = unwrap(parse_memory_mode(given.cast<std::string>()));
+  mode = unwrap(parse_memory_mode(to_utf8(given)));
 }
 
 std::string describe_memory_keywords() {

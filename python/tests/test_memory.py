@@ -151,6 +151,9 @@ def test_a_kind_of_memory_is_chosen_by_name(robot, problem, memory):
         assert all(name in message for name in mneme.kind_names())
         with pytest.raises(TypeError, match="kind"):
             call(kind=3)
+    for setting in ("kind", "memory"):
+        code, message = raised(mneme.plan, problem, memory, **{setting: "\udcff"})
+        assert code == "invalid" and "udcff" in message
 
 
 def test_learning_again_skips_what_is_known(robot, learned, problem):
