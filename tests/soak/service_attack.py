@@ -88,6 +88,7 @@ class Attacks:
     def attached(self):
         count = self.rng.choice([10, 250, 500, 3000])
         kind = self.rng.choice([{"type": "box", "p": [0.1, 0, 0], "size": [3, 3, 3]},
+                                {"type": "box", "p": [0.1, 0, 0], "size": [29, 29, 29]},
                                 {"type": "sphere", "p": [0.1, 0, 0], "radius": 0.001}])
         bodies = [dict(name=f"t{i}", link=f"link_{1 + i % 8}", **kind) for i in range(count)]
         return request("POST", "/v1/plan", {"start": START, "goal": [0.1] + START[1:], "attached": bodies,
