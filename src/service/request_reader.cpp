@@ -6,6 +6,8 @@
 #include <boost/beast/core/string.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace mneme::internal {
 namespace {
 
@@ -16,9 +18,10 @@ std::string_view text_of(const boost::beast::flat_buffer& bytes) {
 }
 
 /// Says why a head, or the beginning of one, may be read in two ways; empty if it cannot. A line
-/// ends by CR LF, and a value does not go on in the next line (RFC 9112, 2.2 and 5.2).
-std::string_view find_head_flaw(std::string_view head) {
-  for (std::size_t i = 0; i < head.size(); ++i) {
+/// ends by CR LF, and a value does not go on in the next line (RFC 9112, 2.2 and 5.2). Looks from
+/// byte `begin` on.
+std::string_view find_head_flaw(std::string_view head, std::size_t begin = 0) {
+  for (std::size_t i = begin; i < head.size(); ++i) {
     const char c = head[i], before = i == 0 ? ' ' : head[i - 1];
     if (c == '\0') return "expected a head without NUL";
     if ((c == '\n') != (before == '\r')) return "expected lines of the head to end with CR LF";
@@ -70,16 +73,18 @@ RequestReader::RequestReader(const RequestLimits& limits) : limits_(limits) {
   parser_.on_chunk_header(check_chunk_);
 }
 
-/// Beast gets the whole head at once: it joins folded lines, which are found before.
+/// Beast gets the whole head at once: it joins folded lines, which are found before. Each byte is
+/// looked at once, in whatever pieces the head arrives.
 std::optional<Answer> RequestReader::read_head(boost::beast::flat_buffer& bytes) {
   const std::string_view text = text_of(bytes);
-  const std::size_t end = text.find(kHeadEnd);
+  const std::size_t end = text.find(kHeadEnd, seen_ - std::min(seen_, kHeadEnd.size() - 1));
   const bool is_whole = end != std::string_view::npos;
   const std::size_t size = is_whole ? end + kHeadEnd.size() : text.size();
   if (size > limits_.head_bytes) return refuse(http::error::header_limit);
-  if (const auto flaw = find_head_flaw(text.substr(0, size)); !flaw.empty()) {
+  if (const auto flaw = find_head_flaw(text.substr(0, size), seen_); !flaw.empty()) {
     return refuse_request(flaw);
   }
+  seen_ = size;
   if (!is_whole) return std::nullopt;
   boost::system::error_code error;
   parse(bytes, size, error);

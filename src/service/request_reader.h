@@ -69,6 +69,7 @@ class RequestReader {
   };
 
   RequestLimits limits_;
+  std::size_t seen_ = 0;    ///< bytes of the head that arrived before, without a flaw
   std::string_view bytes_;  ///< those being parsed
   CheckChunk check_chunk_{*this};
   http::request_parser<http::string_body> parser_;
