@@ -4,6 +4,7 @@
 
 #include "base/as_index.h"
 #include "planning/end_contacts.h"
+#include "robot/kinematics.h"
 
 #include <fmt/format.h>
 
@@ -32,13 +33,12 @@ class Reach {
  public:
   Reach(const Robot& robot, const std::string& link) {
     const Joint* first = nullptr;
-    for (int at = *robot.find_link(link); robot.links()[as_index(at)].parent_joint >= 0;) {
-      first = &robot.joints()[as_index(robot.links()[as_index(at)].parent_joint)];
+    for (const int i : joints_to(robot, *robot.find_link(link))) {
+      first = &robot.joints()[as_index(i)];
       radius_ += first->origin.translation.norm();
       if (first->type == JointType::prismatic) {
         radius_ += std::max(std::abs(first->lower), std::abs(first->upper));
       }
-      at = first->parent_link;
     }
     if (first == nullptr || first->type == JointType::prismatic) return;
     // The origin of the first joint itself does not move.
@@ -54,6 +54,13 @@ class Reach {
   double radius_ = 0;
 };
 
+/// The direction of a line in the root link's frame.
+Vec3 line_direction(const Robot& robot, const Stage& line,
+                    const std::vector<Transform>& link_poses) {
+  if (line.along.empty()) return line.direction;
+  return link_poses[as_index(*robot.find_link(line.along))].rotation * line.direction;
+}
+
 }  // namespace
 
 Alternatives::Alternatives(TaskRun& run, DropCounts& drops, const Group& group, const Group* next,
@@ -66,7 +73,7 @@ Alternatives::Alternatives(TaskRun& run, DropCounts& drops, const Group& group, 
       touched_(world_),
       near_(std::move(near)) {
   if (auto ready = make_ready(); !ready) {
-    drop(ready.error().first, ready.error().second);
+    drop(ready.error());
     return;
   }
   list_alternatives();
@@ -110,12 +117,13 @@ tl::expected<World, Failure> Alternatives::applied(const World& world, int i,
 }
 
 /// Applies contact that the group allows, and the stages between the move and its line.
-tl::expected<void, std::pair<int, Failure>> Alternatives::make_ready() {
+tl::expected<void, Alternatives::StageFailure> Alternatives::make_ready() {
   World world = with_touch(world_->world);
-  const auto check = [&](int i) -> tl::expected<void, std::pair<int, Failure>> {
+  const auto check = [&](int i) -> tl::expected<void, StageFailure> {
     auto checked = check_world(world, run_);
-    if (!checked)
-      return tl::unexpected(std::pair(i, Failure{DropReason::world, checked.error().message}));
+    if (!checked) {
+      return tl::unexpected(StageFailure{i, {DropReason::world, checked.error().message}});
+    }
     touched_ = *std::move(checked);
     return {};
   };
@@ -127,7 +135,7 @@ tl::expected<void, std::pair<int, Failure>> Alternatives::make_ready() {
     if (!group_.is_line_anchor || i == *group_.anchor) break;
     before_line_.emplace_back(i, touched_);
     auto next = applied(world, i, near_);
-    if (!next) return tl::unexpected(std::pair(i, next.error()));
+    if (!next) return tl::unexpected(StageFailure{i, next.error()});
     world = *std::move(next);
     if (auto checked = check(i); !checked) return checked;
   }
@@ -152,12 +160,8 @@ void Alternatives::list_alternatives() {
 Transform Alternatives::line_begin(int line, const Transform& X_end,
                                    const std::vector<Transform>& link_poses) const {
   const Stage& at = stage(line);
-  Vec3 direction = at.direction;
-  if (at.along == link_) {
-    direction = X_end.rotation * direction;
-  } else if (!at.along.empty()) {
-    direction = link_poses[as_index(*world_->world.robot.find_link(at.along))].rotation * direction;
-  }
+  const Vec3 direction = at.along == link_ ? Vec3(X_end.rotation * at.direction)
+                                           : line_direction(world_->world.robot, at, link_poses);
   Transform begin = X_end;
   begin.translation -= at.distance * direction;
   return begin;
@@ -348,7 +352,7 @@ std::optional<Candidate> Alternatives::next() {
       const auto [known, q] = std::move(pending_.front());
       pending_.pop_front();
       alternative_ = known;
-      try_configuration(known, q);
+      try_configuration(q);
       continue;
     }
     if (position_ == order_.size()) break;
@@ -438,31 +442,38 @@ void Alternatives::list_configurations(int alternative) {
   for (Configuration& q : solve_kinematics(alternative)) add(std::move(q));
 }
 
-tl::expected<Alternatives::LocalState, std::pair<int, Failure>> Alternatives::begin_at_line(
+/// Stage `i`, in which the group stays at `q`; the gripper may move.
+tl::expected<LocalStage, Alternatives::StageFailure> Alternatives::at_rest(
+    int i, const CheckedWorldPtr& world, const Configuration& q) {
+  LocalStage local{i, world, {q}};
+  if (stage(i).kind == StageKind::gripper) {
+    auto moved = move_gripper(run_, *world, stage(i), q);
+    if (!moved) return tl::unexpected(StageFailure{i, moved.error()});
+    local.gripper = *std::move(moved);
+  }
+  return local;
+}
+
+tl::expected<Alternatives::LocalState, Alternatives::StageFailure> Alternatives::begin_at_line(
     const Configuration& anchor) {
   const int line = *group_.anchor;
   const std::vector<Transform> poses = world_->world.robot.link_poses(anchor);
   const Transform X_end = poses[as_index(*world_->world.robot.find_link(link_))];
   auto followed = follow_line(
       run_, touched_, {link_, anchor, line_begin(line, X_end, poses), false, wants_reason(line)});
-  if (!followed) return tl::unexpected(std::pair(line, followed.error()));
-  LocalState state{followed->world, anchor, {}};
+  if (!followed) return tl::unexpected(StageFailure{line, followed.error()});
+  LocalState state{followed->world, anchor, {}, followed->path.front(), anchor};
   for (const auto& [i, world] : before_line_) {
-    const Configuration& begin = followed->path.front();
-    LocalStage local{i, world, {begin}};
-    if (stage(i).kind == StageKind::gripper) {
-      auto moved = move_gripper(run_, *world, stage(i), begin);
-      if (!moved) return tl::unexpected(std::pair(i, moved.error()));
-      local.gripper = *std::move(moved);
-    }
-    state.stages.push_back(std::move(local));
+    auto local = at_rest(i, world, state.begin);
+    if (!local) return tl::unexpected(local.error());
+    state.stages.push_back(*std::move(local));
   }
   state.stages.push_back(
       {line, followed->world, std::move(followed->path), -1, std::move(followed->touches)});
   return state;
 }
 
-void Alternatives::try_configuration(int alternative, const Configuration& anchor) {
+void Alternatives::try_configuration(const Configuration& anchor) {
   const Robot& robot = world_->world.robot;
   if (const auto violation = robot.describe_violation(anchor, "its goal")) {
     return drop(failing_stage(), {DropReason::reach, *violation});
@@ -475,47 +486,37 @@ void Alternatives::try_configuration(int alternative, const Configuration& ancho
     if (is_checked && !is_clear_by_exact_geometry(world_->checker, anchor)) {
       return drop_in_contact(failing_stage(), world_->checker, anchor);
     }
-    return run_from(0, {touched_, anchor, {}}, alternative, anchor, anchor);
+    return run_from(0, {touched_, anchor, {}, anchor, anchor});
   }
   auto state = begin_at_line(anchor);
-  if (!state) return drop(state.error().first, state.error().second);
-  const Configuration begin = state->stages.front().path.front();
+  if (!state) return drop(state.error());
   ++run_.states;
-  if (world_ != touched_ && !is_clear_by_exact_geometry(world_->checker, begin)) {
-    return drop_in_contact(failing_stage(), world_->checker, begin);
+  if (world_ != touched_ && !is_clear_by_exact_geometry(world_->checker, state->begin)) {
+    return drop_in_contact(failing_stage(), world_->checker, state->begin);
   }
   const auto line = std::ranges::find(group_.local, *group_.anchor);
-  run_from(as_index(static_cast<int>(line - group_.local.begin())) + 1, *std::move(state),
-           alternative, begin, anchor);
+  run_from(as_index(static_cast<int>(line - group_.local.begin())) + 1, *std::move(state));
 }
 
-void Alternatives::run_from(std::size_t position, LocalState state, int alternative,
-                            const Configuration& begin, const Configuration& anchor) {
+void Alternatives::run_from(std::size_t position, LocalState state) {
   for (; position < group_.local.size(); ++position) {
     const int i = group_.local[position];
-    if (stage(i).kind == StageKind::line) {
-      return run_line(position, state, alternative, begin, anchor);
-    }
-    LocalStage local{i, state.world, {state.q}};
-    if (stage(i).kind == StageKind::gripper) {
-      auto moved = move_gripper(run_, *state.world, stage(i), state.q);
-      if (!moved) return drop(i, moved.error());
-      local.gripper = *std::move(moved);
-    }
+    if (stage(i).kind == StageKind::line) return run_line(position, state);
+    auto local = at_rest(i, state.world, state.q);
+    if (!local) return drop(local.error());
     auto next = applied(state.world->world, i, state.q);
     if (!next) return drop(i, next.error());
     auto checked = check_world(*std::move(next), run_);
     if (!checked) return drop(i, {DropReason::world, checked.error().message});
     if (!may_stand(run_, *checked, state.q))
       return drop_in_contact(i, (*checked)->checker, state.q);
-    state.stages.push_back(std::move(local));
+    state.stages.push_back(*std::move(local));
     state.world = *std::move(checked);
   }
-  finish(std::move(state), alternative, begin, anchor);
+  finish(std::move(state));
 }
 
-void Alternatives::run_line(std::size_t position, const LocalState& state, int alternative,
-                            const Configuration& begin, const Configuration& anchor) {
+void Alternatives::run_line(std::size_t position, const LocalState& state) {
   const int i = group_.local[position];
   const Stage& at = stage(i);
   const World& world = state.world->world;
@@ -525,11 +526,7 @@ void Alternatives::run_line(std::size_t position, const LocalState& state, int a
   const bool has_choice = !ends.empty();
   if (!has_choice) {
     Transform end = poses[as_index(*world.robot.find_link(link))];
-    const Vec3 direction =
-        at.along.empty()
-            ? at.direction
-            : Vec3(poses[as_index(*world.robot.find_link(at.along))].rotation * at.direction);
-    end.translation += at.distance * direction;
+    end.translation += at.distance * line_direction(world.robot, at, poses);
     ends.push_back(end);
   }
   for (std::size_t choice = 0; choice < ends.size() && !run_.is_over(); ++choice) {
@@ -543,17 +540,16 @@ void Alternatives::run_line(std::size_t position, const LocalState& state, int a
     next.q = followed->path.back();
     next.stages.push_back({i, followed->world, std::move(followed->path),
                            has_choice ? static_cast<int>(choice) : -1});
-    run_from(position + 1, std::move(next), alternative, begin, anchor);
+    run_from(position + 1, std::move(next));
   }
 }
 
-void Alternatives::finish(LocalState state, int alternative, const Configuration& begin,
-                          const Configuration& anchor) {
+void Alternatives::finish(LocalState state) {
   Candidate candidate;
-  candidate.alternative = group_.anchor ? alternative : -1;
-  candidate.begin = begin;
+  candidate.alternative = group_.anchor ? alternative_ : -1;
+  candidate.begin = std::move(state.begin);
   candidate.end = state.q;
-  candidate.anchor = anchor;
+  candidate.anchor = std::move(state.anchor);
   World after = state.world->world;
   // The hand may touch what it takes or leaves in this group only.
   after.scene.end_contacts = run_.task.scene.end_contacts;

@@ -78,17 +78,24 @@ class Alternatives {
     std::optional<FloatingBody> hand;
     std::string what;  ///< what the object touches, where it is not free
   };
+  /// A choice of the anchor, followed up to some stage.
   struct LocalState {
     CheckedWorldPtr world;
     Configuration q;
     std::vector<LocalStage> stages;
+    Configuration begin, anchor;  ///< as of Candidate
+  };
+  /// Why a choice fails, and at which stage.
+  struct StageFailure {
+    int stage = 0;
+    Failure failure;
   };
 
   [[nodiscard]] const Stage& stage(int i) const;
   [[nodiscard]] bool wants_reason(int line) const;
   [[nodiscard]] int failing_stage() const { return group_.anchor.value_or(0); }
   [[nodiscard]] World with_touch(World world) const;
-  [[nodiscard]] tl::expected<void, std::pair<int, Failure>> make_ready();
+  [[nodiscard]] tl::expected<void, StageFailure> make_ready();
   [[nodiscard]] tl::expected<World, Failure> applied(const World& world, int i,
                                                      const Configuration& q) const;
   void list_alternatives();
@@ -108,16 +115,15 @@ class Alternatives {
   [[nodiscard]] std::vector<Configuration> solve_kinematics(int alternative);
   [[nodiscard]] Result<const InverseKinematics*> kinematics_of(const std::string& link);
   void drop(int stage, const Failure& failure) { drops_.add(stage, failure, alternative_); }
+  void drop(const StageFailure& failed) { drop(failed.stage, failed.failure); }
   void drop_in_contact(int stage, const CollisionChecker& checker, const Configuration& q);
-  void try_configuration(int alternative, const Configuration& anchor);
-  [[nodiscard]] tl::expected<LocalState, std::pair<int, Failure>> begin_at_line(
-      const Configuration& anchor);
-  void run_from(std::size_t position, LocalState state, int alternative, const Configuration& begin,
-                const Configuration& anchor);
-  void run_line(std::size_t position, const LocalState& state, int alternative,
-                const Configuration& begin, const Configuration& anchor);
-  void finish(LocalState state, int alternative, const Configuration& begin,
-              const Configuration& anchor);
+  void try_configuration(const Configuration& anchor);
+  [[nodiscard]] tl::expected<LocalStage, StageFailure> at_rest(int i, const CheckedWorldPtr& world,
+                                                               const Configuration& q);
+  [[nodiscard]] tl::expected<LocalState, StageFailure> begin_at_line(const Configuration& anchor);
+  void run_from(std::size_t position, LocalState state);
+  void run_line(std::size_t position, const LocalState& state);
+  void finish(LocalState state);
 
   TaskRun& run_;
   DropCounts& drops_;
