@@ -39,11 +39,14 @@ class EndMover {
         tolerances_(end_tolerances(query.settings)),
         rng_(derive_seed(query.settings.plan.seed, kEndsTask)) {}
 
+  enum class End { start, goal };
+
   /// Returns a configuration that replaces `given`, or nothing. Adds notes about the limits, cones
-  /// and distances that `given` does not keep.
-  std::optional<Configuration> find_inside(const Configuration& given, const std::string& name,
+  /// and distances that `given` does not keep; they call it `name`.
+  std::optional<Configuration> find_inside(End end, const Configuration& given,
+                                           const std::string& name,
                                            std::vector<std::string>& notes) {
-    is_start_ = name == "start";
+    is_start_ = end == End::start;
     exit_.emplace(checker_, tolerances_, is_start_, kEndStates);
     const bool is_out = robot_.describe_violation(given, "").has_value();
     if (is_out && !(is_start_ && is_near_limits(robot_, given, tolerances_))) return std::nullopt;
@@ -215,10 +218,9 @@ std::vector<std::string> GivenEnds::names(const PlanQuery& ends) const {
 }
 
 Path GivenEnds::completed(const Robot& robot, Path path) const {
-  constexpr double kSame = 1e-6;  // rounding to single precision
   if (path.empty()) return path;
   const auto reached = std::ranges::find_if(
-      goals, [&](const Goal& goal) { return robot.distance(goal.inside, path.back()) < kSame; });
+      goals, [&](const Goal& goal) { return is_same_end(robot, goal.inside, path.back()); });
   if (start) path.insert(path.begin(), *start);
   if (reached != goals.end()) path.push_back(reached->given);
   return path;
@@ -228,7 +230,7 @@ GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker, 
                            std::size_t first) {
   GivenEnds given;
   EndMover mover(query, checker);
-  if (auto inside = mover.find_inside(ends.start, "start", given.notes)) {
+  if (auto inside = mover.find_inside(EndMover::End::start, ends.start, "start", given.notes)) {
     given.start = std::exchange(ends.start, *std::move(inside));
   } else {
     given.start_failure = mover.describe_failure(ends.start);
@@ -240,7 +242,7 @@ GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker, 
     if (i > 0 && query.remaining_s() < least_left_s) break;
     const bool is_only = query.problem.goals.size() <= 1 && ends.goals.size() == 1;
     const std::string name = is_only ? "goal" : fmt::format("goal {}", first + i + 1);
-    if (auto inside = mover.find_inside(ends.goals[i], name, given.notes)) {
+    if (auto inside = mover.find_inside(EndMover::End::goal, ends.goals[i], name, given.notes)) {
       given.goals.push_back({*inside, std::exchange(ends.goals[i], *inside)});
     }
   }

@@ -31,6 +31,12 @@ struct GivenEnds {
   [[nodiscard]] Path completed(const Robot& robot, Path path) const;
 };
 
+/// True for ends that differ at most by rounding to single precision.
+[[nodiscard]] inline bool is_same_end(const Robot& robot, const Configuration& a,
+                                      const Configuration& b) {
+  return robot.distance(a, b) < 1e-6;
+}
+
 /// Replaces start and goals of `ends` that violate a limit, cone or distance, within the tolerances
 /// of the settings, by valid configurations nearby. The straight motion between an end and its
 /// replacement only reduces the violation and adds no other. Other ends stay. `first` is the number

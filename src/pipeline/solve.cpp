@@ -82,10 +82,11 @@ Result<void> search(const ResolvedQuery& resolved, KnownAnswer& known, SolveResu
 
 /// Adds a goal that was found while planning.
 void add_reached_goal(const Robot& robot, SolveResult& result) {
-  constexpr double kSame = 1e-6;  // rounding to single precision
   if (!result.plan.is_solved()) return;
   const Configuration& end = result.plan.path.back();
-  const auto is_end = [&](const Configuration& goal) { return robot.distance(goal, end) < kSame; };
+  const auto is_end = [&](const Configuration& goal) {
+    return internal::is_same_end(robot, goal, end);
+  };
   if (std::ranges::none_of(result.goals, is_end)) result.goals.push_back(end);
 }
 
