@@ -103,13 +103,18 @@ struct RunUp {
   Configuration from, goal;
 };
 
-/// The run-ups that are free. If there are none, `fault` says why for the last goal; otherwise
-/// `notes` do for the others. Without an end velocity there are none and no fault. Ends once half
-/// of the time limit is over, or the call is cancelled.
-Result<std::vector<RunUp>> find_run_ups(const Problem& problem, const SolveSettings& settings,
-                                        const RateLimits& limits, std::string& fault,
-                                        std::vector<std::string>& notes, double& used_s) {
-  std::vector<RunUp> run_ups;
+/// The run-ups of a problem. Without an end velocity there are none and no fault.
+struct RunUps {
+  std::vector<RunUp> free;
+  std::string fault;               ///< of the last goal, if no run-up is free
+  std::vector<std::string> notes;  ///< about goals that are ignored
+  double used_s = 0;               ///< of the time limit
+};
+
+/// Ends once half of the time limit is over, or the call is cancelled.
+Result<RunUps> find_run_ups(const Problem& problem, const SolveSettings& settings,
+                            const RateLimits& limits) {
+  RunUps run_ups;
   if (problem.end_velocity.empty()) return run_ups;
   if (!problem.pose_goals.empty()) {
     return fail(ErrorCode::invalid,
@@ -123,22 +128,23 @@ Result<std::vector<RunUp>> find_run_ups(const Problem& problem, const SolveSetti
     const auto number = &goal - problem.goals.data() + 1;
     if (is_set(settings.plan.cancel)) break;
     if (stopwatch && stopwatch->elapsed_s() >= kShare * settings.plan.timeout_s) {
-      notes.push_back(fmt::format(
+      run_ups.notes.push_back(fmt::format(
           "the goals from goal {} on are ignored: half of the time limit was over before their "
           "run-ups were checked",
           number));
       break;
     }
     Rest rest = MNEME_TRY(find_rest(problem, settings, limits, goal, false));
-    fault = std::move(rest.fault);
-    if (fault.empty()) run_ups.push_back({std::move(rest.q), goal});
-    if (!fault.empty() && number <= kMostNoted) {
-      notes.push_back(fmt::format("goal {} is ignored: {}", number, fault));
+    run_ups.fault = std::move(rest.fault);
+    if (run_ups.fault.empty()) {
+      run_ups.free.push_back({std::move(rest.q), goal});
+    } else if (number <= kMostNoted) {
+      run_ups.notes.push_back(fmt::format("goal {} is ignored: {}", number, run_ups.fault));
     }
     if (!stopwatch) stopwatch.emplace();
   }
-  if (stopwatch) used_s = stopwatch->elapsed_s();
-  if (!run_ups.empty()) fault.clear();
+  if (stopwatch) run_ups.used_s = stopwatch->elapsed_s();
+  if (!run_ups.free.empty()) run_ups.fault.clear();
   return run_ups;
 }
 
@@ -178,19 +184,18 @@ Result<SolveResult> solve_moving(
     if (!stop.fault.empty()) return refused(settings, PlanStatus::invalid_start, stop.fault);
     resting.start = stop.q;
   }
-  std::string fault;
-  std::vector<std::string> notes;
-  double used_s = 0;
-  const auto run_ups = MNEME_TRY(find_run_ups(problem, settings, limits, fault, notes, used_s));
+  RunUps run_ups = MNEME_TRY(find_run_ups(problem, settings, limits));
   if (is_set(settings.plan.cancel)) return refused(settings, PlanStatus::cancelled, "cancelled");
-  if (!fault.empty()) return refused(settings, PlanStatus::invalid_goal, std::move(fault));
-  if (!run_ups.empty()) resting.goals.clear();
-  for (const RunUp& run_up : run_ups) resting.goals.push_back(run_up.from);
+  if (!run_ups.fault.empty()) {
+    return refused(settings, PlanStatus::invalid_goal, std::move(run_ups.fault));
+  }
+  if (!run_ups.free.empty()) resting.goals.clear();
+  for (const RunUp& run_up : run_ups.free) resting.goals.push_back(run_up.from);
   SolveSettings rest = settings;
-  rest.plan.timeout_s = std::max(0.0, settings.plan.timeout_s - used_s);
+  rest.plan.timeout_s = std::max(0.0, settings.plan.timeout_s - run_ups.used_s);
   SolveResult result = MNEME_TRY(solve_at_rest(resting, rest));
-  std::ranges::move(notes, std::back_inserter(result.notes));
-  if (!run_ups.empty()) add_run_up(problem.robot, run_ups, result);
+  std::ranges::move(run_ups.notes, std::back_inserter(result.notes));
+  if (!run_ups.free.empty()) add_run_up(problem.robot, run_ups.free, result);
   Path& path = result.plan.path;
   const bool is_stopped = resting.start != problem.start;
   if (!path.empty() && is_stopped) path.insert(path.begin(), problem.start);
