@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/pipeline.h"
 
+#include "pipeline/query.h"
 #include "pipeline/trajectory_checker.h"
 #include "replay/proven_motions.h"
 
@@ -13,10 +14,9 @@ Result<internal::TrajectoryChecker> internal::make_trajectory_checker(const Prob
                                                                       const SolveSettings& settings,
                                                                       const Path& path) {
   // All waypoints count as goals, so that the same pairs as in solve() are checked exactly.
-  const CheckerSettings checked{settings.resolution, settings.margin, settings.isa,
-                                problem.constraints};
-  QueryChecker made =
-      MNEME_TRY(query_checker_of(problem.robot, problem.scene, checked, {problem.start, path}));
+  QueryChecker made = MNEME_TRY(query_checker_of(problem.robot, problem.scene,
+                                                 checker_settings_of(settings, problem.constraints),
+                                                 {problem.start, path}));
   // Even without verification of the path, corners must not cut through obstacles.
   const Verification wanted = settings.plan.verification();
   return TrajectoryChecker{std::move(made.checker),

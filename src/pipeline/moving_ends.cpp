@@ -6,6 +6,7 @@
 #include "base/threads.h"
 #include "check/end_motions.h"
 #include "path/waypoints.h"
+#include "pipeline/query.h"
 #include "replay/proven_motions.h"
 
 #include <fmt/format.h>
@@ -59,10 +60,9 @@ std::string describe_blocked(const CollisionChecker& checker, const EndMotion& m
 /// Empty if the motion is proven free.
 Result<std::string> find_fault(const Problem& problem, const SolveSettings& settings,
                                const EndMotion& motion) {
-  const CheckerSettings checked{settings.resolution, settings.margin, settings.isa,
-                                problem.constraints};
-  const QueryChecker made = MNEME_TRY(
-      query_checker_of(problem.robot, problem.scene, checked, {motion.from, {motion.to}}));
+  const QueryChecker made = MNEME_TRY(query_checker_of(
+      problem.robot, problem.scene, checker_settings_of(settings, problem.constraints),
+      {motion.from, {motion.to}}));
   const auto to_row = [&](const Configuration& q) {
     return to_floats(problem.robot.normalized(q));
   };

@@ -205,8 +205,13 @@ Result<void> check_primitives(const Problem& problem, const std::vector<KindSett
 
 }  // namespace
 
+CheckerSettings checker_settings_of(const SolveSettings& settings,
+                                    const std::vector<OrientationConstraint>& constraints) {
+  return {settings.resolution, settings.margin, settings.isa, constraints};
+}
+
 CheckerSettings Query::checker_settings() const {
-  return {settings.resolution, settings.margin, settings.isa, problem.constraints};
+  return checker_settings_of(settings, problem.constraints);
 }
 
 bool Query::is_over() const {

@@ -29,6 +29,10 @@ struct KindSettings {
   double replay = 0;
 };
 
+/// The settings of a checker for a query with these settings and constraints.
+[[nodiscard]] CheckerSettings checker_settings_of(
+    const SolveSettings& settings, const std::vector<OrientationConstraint>& constraints = {});
+
 /// Iterations of a search before anything dearer begins: asking memory, or other threads.
 inline constexpr std::uint64_t kAlone = 64;
 
