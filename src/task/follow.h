@@ -7,6 +7,7 @@
 #include "mneme/collision.h"
 #include "mneme/line.h"
 
+#include "pipeline/query.h"
 #include "task/floating_body.h"
 #include "task/world.h"
 
@@ -49,7 +50,7 @@ struct TaskRun {
   }
 
   [[nodiscard]] CheckerSettings checker_settings() const {
-    return {settings.solve.resolution, settings.solve.margin, settings.solve.isa, {}};
+    return checker_settings_of(settings.solve);
   }
   /// True if a pair of the world may touch at the end of a line: a held object or one that the
   /// scene names.
