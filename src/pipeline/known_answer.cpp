@@ -47,8 +47,8 @@ void KnownAnswer::ask_at_last() {
 
 void KnownAnswer::ask() {
   is_asked_ = true;
-  const auto kind = std::ranges::find_if(query_.kinds, [](const auto& k) { return k.replay > 0; });
-  if (kind != query_.kinds.end() && query_.settings.plan.timeout_s > 0) {
+  const KindSettings* kind = query_.replayed_kind();
+  if (kind != nullptr && query_.settings.plan.timeout_s > 0) {
     PlanResult replayed = replay(*kind);
     book(*kind);
     (replayed.is_solved() ? answer_.emplace() : in_vain_) = std::move(replayed);

@@ -134,9 +134,9 @@ Result<std::vector<KindSettings>> complete_kinds(const Robot& robot, const Datab
 /// Query::ask_after; `query` is complete otherwise.
 std::optional<std::uint64_t> ask_after(const Query& query, bool is_distance_given) {
   if (is_distance_given || !query.planner.walks) return std::nullopt;
-  const auto kind = std::ranges::find_if(query.kinds, [](const auto& k) { return k.replay > 0; });
-  const bool pays = kind != query.kinds.end() && query.may_change_memory() &&
-                    query.database->pays(kind->kind->version);
+  const KindSettings* kind = query.replayed_kind();
+  const bool pays =
+      kind != nullptr && query.may_change_memory() && query.database->pays(kind->kind->version);
   return pays ? 0 : kAlone;
 }
 
@@ -210,8 +210,9 @@ CheckerSettings checker_settings_of(const SolveSettings& settings,
   return {settings.resolution, settings.margin, settings.isa, constraints};
 }
 
-CheckerSettings Query::checker_settings() const {
-  return checker_settings_of(settings, problem.constraints);
+const KindSettings* Query::replayed_kind() const {
+  const auto kind = std::ranges::find_if(kinds, [](const auto& k) { return k.replay > 0; });
+  return kind == kinds.end() ? nullptr : &*kind;
 }
 
 bool Query::is_over() const {

@@ -52,11 +52,15 @@ struct Query {
   /// neither ask nor fill the memory.
   std::optional<std::uint64_t> ask_after = {};
 
+  /// The kind whose paths are replayed; null without one.
+  [[nodiscard]] const KindSettings* replayed_kind() const;
   /// Only a query that may change the memory changes how later ones are planned.
   [[nodiscard]] bool may_change_memory() const {
     return database != nullptr && settings.remember_after.has_value();
   }
-  [[nodiscard]] CheckerSettings checker_settings() const;
+  [[nodiscard]] CheckerSettings checker_settings() const {
+    return checker_settings_of(settings, problem.constraints);
+  }
   /// True once the time limit is reached or the call is cancelled.
   [[nodiscard]] bool is_over() const;
   /// Seconds left of the time limit, at least 0.
