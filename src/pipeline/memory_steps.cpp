@@ -6,6 +6,7 @@
 #include "memory/sampled_components.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace mneme::internal {
 namespace {
@@ -27,20 +28,18 @@ std::uint64_t lesson_seed(std::uint64_t seed, const PrimitiveRetrieval& primitiv
   return primitive.matches.empty() ? seed : derive_seed(seed, primitive.matches.size());
 }
 
-Result<void> insert_lesson(Database& database, const LocalPrimitive& primitive,
-                           LocalSampler sampler, const LearnSettings& settings,
-                           std::uint64_t seed) {
-  Experience row;
-  row.kind = primitive.kind;
-  row.key = primitive.key;
-  row.content = std::move(sampler);
-  row.provenance = {"mneme " + std::string(version()), describe(settings) + " budget", seed, {}};
-  std::vector<Experience> rows;
-  rows.push_back(std::move(row));
-  return database.insert(std::move(rows)).map([](const auto&) {});
+}  // namespace
+
+Provenance provenance_of(std::string settings, std::uint64_t seed) {
+  return {"mneme " + std::string(version()), std::move(settings), seed, {}};
 }
 
-}  // namespace
+std::vector<Experience> new_row(std::string_view kind, PrimitiveKey key,
+                                decltype(Experience::content) content, Provenance provenance) {
+  std::vector<Experience> rows(1);
+  rows.front() = {0, std::string(kind), std::move(key), std::move(content), std::move(provenance)};
+  return rows;
+}
 
 Result<std::vector<PrimitiveRetrieval>> decompose(const MemoryQuery& query,
                                                   const KindSettings& kind) {
@@ -75,8 +74,9 @@ Result<void> learn(const Query& query, const MemoryQuery& memory_query, const Ki
   if (learned.sampler.component_count() > 0) {
     primitive.is_learned = true;
     learned.sampler.is_complete = learned.time_s < budget_s && !is_set(settings.plan.cancel);
-    MNEME_TRY(insert_lesson(*query.database, primitive.primitive, std::move(learned.sampler),
-                            learning, seed));
+    MNEME_TRY(query.database->insert(new_row(primitive.primitive.kind, primitive.primitive.key,
+                                             std::move(learned.sampler),
+                                             provenance_of(describe(learning) + " budget", seed))));
     MNEME_TRY(retrieve(*query.database, kind, primitive));
   }
   learning_time_s += stopwatch.elapsed_s();

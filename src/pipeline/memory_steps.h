@@ -6,8 +6,11 @@
 
 #include "pipeline/query.h"
 
+#include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -26,6 +29,14 @@ namespace mneme::internal {
 [[nodiscard]] Result<void> learn(const Query& query, const MemoryQuery& memory_query,
                                  const KindSettings& kind, PrimitiveRetrieval& primitive,
                                  double& learning_time_s);
+
+/// The provenance of a row that this version of mneme makes. `settings` is for people.
+[[nodiscard]] Provenance provenance_of(std::string settings, std::uint64_t seed);
+
+/// Returns one row, for insertion.
+[[nodiscard]] std::vector<Experience> new_row(std::string_view kind, PrimitiveKey key,
+                                              decltype(Experience::content) content,
+                                              Provenance provenance);
 
 /// Retrieved components: all at once, or made when they are sampled.
 using Recalled = std::variant<GaussianMixture, std::shared_ptr<const ComponentSource>>;

@@ -4,6 +4,7 @@
 
 #include "base/fail.h"
 #include "path/push_off.h"
+#include "pipeline/memory_steps.h"
 
 #include <algorithm>
 #include <iterator>
@@ -36,10 +37,7 @@ Result<std::vector<Experience>> make_rows(const Solved& solved, const KindSettin
       MNEME_TRY(learn_from_paths(query, paths, {std::string(kind.kind->name), kind.max_gap}));
   for (Experience& row : rows) {
     if (row.is_path()) row.path().planning_states = solved.planning_states;
-    row.provenance = {"mneme " + std::string(version()),
-                      "solved problem " + solved.problem,
-                      solved.finish.seed,
-                      {}};
+    row.provenance = provenance_of("solved problem " + solved.problem, solved.finish.seed);
   }
   return rows;
 }

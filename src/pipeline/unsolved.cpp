@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pipeline/unsolved.h"
 
+#include "pipeline/memory_steps.h"
 #include "store/store.h"
 
 #include <fmt/format.h>
@@ -119,27 +120,21 @@ void remember_unsolved(const ResolvedQuery& resolved, const PlanResult& plan) {
   const bool may_remember = query.database != nullptr && query.settings.remember_after &&
                             query.settings.memory_mode == MemoryMode::automatic;
   if (!is_limit || !may_remember || plan.iterations < kLeastIterations) return;
-  Experience row;
-  row.kind = kUnsolvedRows;
   const Digest ends = digest_of_ends(query), scene = digest_of_scene(query.problem.scene);
-  row.key.assign(ends.begin(), ends.end());
-  for (const double number : scene) row.key.push_back(kSceneUnit * number);
+  PrimitiveKey key(ends.begin(), ends.end());
+  for (const double number : scene) key.push_back(kSceneUnit * number);
   const bool is_timeout = plan.status == PlanStatus::timeout;
-  row.key.push_back(is_timeout ? kSecondsUnit * query.settings.plan.timeout_s : 0);
-  row.key.push_back(kIterationsUnit * static_cast<double>(plan.iterations));
+  key.push_back(is_timeout ? kSecondsUnit * query.settings.plan.timeout_s : 0);
+  key.push_back(kIterationsUnit * static_cast<double>(plan.iterations));
   RememberedPath start;
   start.joint_count = query.problem.robot.joint_count();
   start.waypoints.assign(resolved.ends.start.begin(), resolved.ends.start.end());
   start.planning_states = plan.states_checked;
-  row.content = std::move(start);
-  row.provenance = {"mneme " + std::string(version()),
-                    "searched problem " + query.problem.name + " in vain",
-                    query.settings.plan.seed,
-                    {}};
-  std::vector<Experience> rows;
-  rows.push_back(std::move(row));
   // A hint that is not kept is no failure of the query.
-  static_cast<void>(query.database->insert_later(std::move(rows)));
+  static_cast<void>(query.database->insert_later(
+      new_row(kUnsolvedRows, std::move(key), std::move(start),
+              provenance_of("searched problem " + query.problem.name + " in vain",
+                            query.settings.plan.seed))));
 }
 
 }  // namespace mneme::internal
