@@ -3,6 +3,7 @@
 #include "task/task_memory.h"
 
 #include "base/as_index.h"
+#include "pipeline/memory_steps.h"
 
 #include <Eigen/Geometry>
 
@@ -109,17 +110,11 @@ Remembered TaskMemory::rank(std::size_t group, const World& world,
 Result<bool> TaskMemory::remember(const std::vector<Configuration>& anchors,
                                   const std::string& name) const {
   if (database_ == nullptr || object_.empty()) return false;
-  Experience row;
-  row.kind = kTaskRows;
-  row.key = key();
   RememberedPath path;
   path.joint_count = task_.robot.joint_count();
   for (const Configuration& q : anchors)
     path.waypoints.insert(path.waypoints.end(), q.begin(), q.end());
-  row.content = std::move(path);
-  row.provenance = {"mneme " + std::string(version()), "solved task " + name, 0, {}};
-  std::vector<Experience> rows;
-  rows.push_back(std::move(row));
+  auto rows = new_row(kTaskRows, key(), std::move(path), provenance_of("solved task " + name, 0));
   return database_->insert_later(std::move(rows)).map([] { return true; });
 }
 
