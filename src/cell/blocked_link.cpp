@@ -3,6 +3,7 @@
 #include "cell/blocked_link.h"
 
 #include "base/as_index.h"
+#include "check/parted_pairs.h"
 #include "robot/kinematics.h"
 
 #include <algorithm>
@@ -15,21 +16,6 @@ namespace {
 
 /// Contacts that are less deep than this do not count as proven, metres.
 constexpr double kLeastDepth = 1e-4;
-
-/// True if only fixed joints are between the links.
-bool is_rigid(const Robot& robot, int from, int to) {
-  const auto group = robot.group();
-  const auto root_of = [&](int link) {
-    const std::vector<bool> is_moving = find_moving(robot.joints(), group);
-    while (robot.links()[as_index(link)].parent_joint >= 0) {
-      const int joint = robot.links()[as_index(link)].parent_joint;
-      if (is_moving[as_index(joint)]) break;
-      link = robot.joints()[as_index(joint)].parent_link;
-    }
-    return link;
-  };
-  return root_of(from) == root_of(to);
-}
 
 // How deep a shape contains a point, at least; negative outside.
 
@@ -82,10 +68,9 @@ BlockedLink::BlockedLink(const CellRegion& region, const TaskFrame& frame)
   const int own = *robot.find_link(region.middle().link);
   const std::vector<Transform> poses = robot.link_poses(region.starts.front().q);
   const Transform X_LW = poses[as_index(own)].inverse();
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (!is_rigid(robot, own, static_cast<int>(i))) continue;
-    const Link& link = robot.links()[i];
-    for (const Capsule& capsule : shapes_of(link, X_LW * poses[i])) {
+  for (const int i : rigid_with(robot, own)) {
+    const Link& link = robot.links()[as_index(i)];
+    for (const Capsule& capsule : shapes_of(link, X_LW * poses[as_index(i)])) {
       Part part{capsule, 0, link.name, {}};
       part.away = std::max((capsule.a - region.pivot).norm(), (capsule.b - region.pivot).norm());
       for (const Obstacle& obstacle : scene_) {
