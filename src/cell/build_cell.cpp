@@ -217,7 +217,7 @@ class CellBuilder {
     constexpr double kSizeWeight = 0.7, kMetresPerRadian = 0.25;
     const std::vector<int>& varying = examiner_.frame().varying();
     const auto size = [&](int k) {
-      return open.tasks.half[as_index(k)] * (k == 3 ? kMetresPerRadian : 1);
+      return open.tasks.half[as_index(k)] * (k == kYaw ? kMetresPerRadian : 1);
     };
     double sizes = 0, blames = 1e-9;
     for (std::size_t i = 0; i < varying.size(); ++i) {

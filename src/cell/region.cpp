@@ -27,7 +27,7 @@ void read_extents(const Input& input, CellRegion& region) {
   for (std::size_t k = 0; k < kTaskSize; ++k) {
     const auto extent = input.find_value(kTaskNames[k]);
     if (!extent) continue;
-    const bool is_turn = k + 1 == kTaskSize;
+    const bool is_turn = k == as_index(internal::kYaw);
     region.half_extents[k] = extent->taking_angles(is_turn).finite_number();
     if (region.half_extents[k] < 0 || (is_turn && region.half_extents[k] > std::numbers::pi)) {
       extent->fail_expecting(is_turn ? "half of an angle, 0 to pi radians"

@@ -11,7 +11,6 @@ namespace mneme {
 namespace internal {
 namespace {
 
-constexpr int kYaw = 3;
 /// Far less than the margin of proofs.
 constexpr double kRounding = 1e-9;
 

@@ -13,6 +13,9 @@
 
 namespace mneme::internal {
 
+/// The parameter that is an angle; the others are metres.
+inline constexpr int kYaw = 3;
+
 struct TaskBox {
   CellTask center = {}, half = {};
 
