@@ -171,7 +171,7 @@ FitFault BranchFitter::fit(const TaskBox& box, const Branch& branch, GoalShift& 
     JointVector q = branch.q0;
     for (int k = 0; k < parameters_; ++k) q += motion.col(k) * nodes_[i][as_index(k)];
     const Transform pose = frame_.pose(box.at(frame_.varying(), nodes_[i].data()));
-    if (!solve(pose, branch, q)) return FitFault::kinematics;
+    if (!solve(pose, branch, q)) return FitFault::bends;
     values.row(static_cast<Eigen::Index>(i)) = (q - branch.q0).transpose();
   }
   shift = to_shift(solver_ * values, parameters_);
@@ -185,7 +185,7 @@ FitFault BranchFitter::fit(const TaskBox& box, const Branch& branch, GoalShift& 
     const JointVector modelled = branch.q0 + evaluate(shift, u.data());
     JointVector q = modelled;
     const Transform pose = frame_.pose(box.at(frame_.varying(), u.data()));
-    if (!solve(pose, branch, q)) return FitFault::kinematics;
+    if (!solve(pose, branch, q)) return FitFault::bends;
     error = error.cwiseMax((q - modelled).cwiseAbs());
   }
   if (kRestFactor * error.maxCoeff() > kMostRest) return FitFault::bends;

@@ -34,7 +34,8 @@ inline constexpr double kShiftStep = 1.0 / 262144;
 [[nodiscard]] bool follow(const LinkChain& chain, const TaskFrame& frame, const CellTask& from,
                           const CellTask& to, int steps, JointVector& q);
 
-enum class FitFault { none, kinematics, limits, bends };
+/// `bends`: inverse kinematics fails in the box, or is too far from a quadratic.
+enum class FitFault { none, limits, bends };
 
 /// Fits a quadratic to a branch over boxes of tasks.
 class BranchFitter {

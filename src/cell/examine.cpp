@@ -29,18 +29,6 @@ constexpr double kSameBranch = 0.02, kSameSolution = 0.1;
 constexpr double kSmallShare = 1e-3;
 constexpr int kSeeds = 384, kFewSeeds = 128;
 
-CellGap gap_of(FitFault fault) {
-  switch (fault) {
-    case FitFault::limits:
-      return CellGap::limits;
-    case FitFault::bends:
-    case FitFault::kinematics:
-    case FitFault::none:
-      break;
-  }
-  return CellGap::bends;
-}
-
 }  // namespace
 
 /// One call of Examiner::examine().
@@ -159,8 +147,9 @@ class Examination {
     if (may_be_useful(branch)) fault = e_.fitter_->fit(box_, branch, shift);
     if (fault == FitFault::none && !is_useful(branch, shift)) fault = FitFault::limits;
     if (fault == FitFault::none) return true;
-    if (!result_.failure) result_.gap = gap_of(fault);
-    if (fault == FitFault::limits) blame_limits(branch);
+    const bool is_limit = fault == FitFault::limits;
+    if (!result_.failure) result_.gap = is_limit ? CellGap::limits : CellGap::bends;
+    if (is_limit) blame_limits(branch);
     return false;
   }
 
