@@ -24,14 +24,6 @@ constexpr double kLeastStretch = 1e-3;
 /// Waypoints this close to the straight motion past them are dropped, radians.
 constexpr double kStraight = 0.02;
 
-std::vector<double> arc_lengths(const Waypoints& path) {
-  std::vector<double> lengths = {0};
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    lengths.push_back(lengths.back() + (path[i] - path[i - 1]).norm());
-  }
-  return lengths;
-}
-
 void insert_at(double length, Waypoints& path) {
   const std::vector<double> lengths = arc_lengths(path);
   for (std::size_t i = 1; i < lengths.size(); ++i) {
@@ -44,6 +36,14 @@ void insert_at(double length, Waypoints& path) {
 }
 
 }  // namespace
+
+std::vector<double> arc_lengths(const Waypoints& path) {
+  std::vector<double> lengths = {0};
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    lengths.push_back(lengths.back() + (path[i] - path[i - 1]).norm());
+  }
+  return lengths;
+}
 
 Waypoints without_straights(const Waypoints& path) {
   Waypoints kept = {path.front()};

@@ -47,6 +47,9 @@ struct BentPath {
   [[nodiscard]] JointVector goal() const { return waypoint(size() - 1); }
 };
 
+/// Returns the length of the path up to each waypoint, radians.
+[[nodiscard]] std::vector<double> arc_lengths(const Waypoints& path);
+
 /// Drops waypoints that hardly matter, such as those that bend() adds.
 [[nodiscard]] Waypoints without_straights(const Waypoints& path);
 

@@ -7,7 +7,6 @@
 #include "cell/cell_data.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 
 namespace mneme {
@@ -19,35 +18,28 @@ constexpr int kPlaces = 16;
 constexpr double kBeside = 1e-6;
 
 /// States at equal shares of the path's length.
-std::vector<Configuration> places_of(const Path& path) {
-  std::vector<double> lengths = {0};
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    const internal::JointVector step =
-        internal::to_vector(path[i]) - internal::to_vector(path[i - 1]);
-    lengths.push_back(lengths.back() + step.norm());
-  }
-  std::vector<Configuration> places;
+internal::Waypoints places_of(const Path& path) {
+  internal::Waypoints states;
+  for (const Configuration& q : path) states.push_back(internal::to_vector(q));
+  const std::vector<double> lengths = internal::arc_lengths(states);
+  internal::Waypoints places;
   std::size_t i = 1;
   for (int place = 0; place <= kPlaces; ++place) {
     const double at = lengths.back() * place / kPlaces;
     while (i + 1 < path.size() && lengths[i] < at) ++i;
     const double along = lengths[i] - lengths[i - 1];
     const double share = along > 0 ? std::clamp((at - lengths[i - 1]) / along, 0.0, 1.0) : 1;
-    Configuration q = path[i - 1];
-    for (std::size_t j = 0; j < q.size(); ++j) q[j] += share * (path[i][j] - q[j]);
-    places.push_back(std::move(q));
+    places.emplace_back(states[i - 1] + share * (states[i] - states[i - 1]));
   }
   return places;
 }
 
 /// Largest difference of a joint between paths at equal shares of their lengths.
 double change_between(const Path& a, const Path& b) {
-  const std::vector<Configuration> as = places_of(a), bs = places_of(b);
+  const internal::Waypoints as = places_of(a), bs = places_of(b);
   double most = 0;
   for (std::size_t i = 0; i < as.size(); ++i) {
-    for (std::size_t j = 0; j < as[i].size(); ++j) {
-      most = std::max(most, std::abs(as[i][j] - bs[i][j]));
-    }
+    most = std::max(most, (as[i] - bs[i]).cwiseAbs().maxCoeff());
   }
   return most;
 }
