@@ -9,24 +9,15 @@
 #include <algorithm>
 #include <iterator>
 #include <set>
-#include <span>
 #include <string>
 
 namespace mneme::internal {
 
 std::vector<int> rigid_with(const Robot& robot, int link) {
-  const std::vector<bool> moving = find_moving(robot.joints(), robot.group());
-  const std::span<const Link> links = robot.links();
-  std::vector<int> body(links.size());
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    const int joint = links[i].parent_joint;
-    const bool is_own = joint < 0 || moving[as_index(joint)];
-    body[i] =
-        is_own ? static_cast<int>(i) : body[as_index(robot.joints()[as_index(joint)].parent_link)];
-  }
+  const std::vector<int> bodies = find_bodies(robot.joints(), robot.group());
   std::vector<int> rigid;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (body[i] == body[as_index(link)]) rigid.push_back(static_cast<int>(i));
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (bodies[i] == bodies[as_index(link)]) rigid.push_back(static_cast<int>(i));
   }
   return rigid;
 }

@@ -69,6 +69,16 @@ std::vector<bool> find_moving_links(const Robot& robot) {
   return is_moving;
 }
 
+std::vector<int> find_bodies(std::span<const Joint> joints, std::span<const int> group) {
+  const std::vector<bool> is_moving = find_moving(joints, group);
+  std::vector<int> bodies(joints.size() + 1, 0);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    bodies[as_index(joints[i].child_link)] =
+        is_moving[i] ? joints[i].child_link : bodies[as_index(joints[i].parent_link)];
+  }
+  return bodies;
+}
+
 std::vector<int> joints_to(const Robot& robot, int link) {
   std::vector<int> joints;
   for (int i = robot.links()[as_index(link)].parent_joint; i >= 0;) {

@@ -52,6 +52,10 @@ inline constexpr double kLimitTolerance = 1e-5;
 /// Returns per link true if a moving joint (see find_moving()) carries it.
 [[nodiscard]] std::vector<bool> find_moving_links(const Robot& robot);
 
+/// Returns per link the topmost link of its body. Joints that do not move weld links into bodies.
+[[nodiscard]] std::vector<int> find_bodies(std::span<const Joint> joints,
+                                           std::span<const int> group);
+
 /// Returns the joints that carry the link, from the link to the root.
 [[nodiscard]] std::vector<int> joints_to(const Robot& robot, int link);
 

@@ -8,20 +8,6 @@
 #include <set>
 
 namespace mneme::internal {
-namespace {
-
-/// The body of each link: the index of the body's topmost link.
-std::vector<int> weld(std::span<const Link> links, std::span<const Joint> joints,
-                      const std::vector<bool>& is_moving) {
-  std::vector<int> bodies(links.size(), 0);
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    bodies[as_index(joints[i].child_link)] =
-        is_moving[i] ? joints[i].child_link : bodies[as_index(joints[i].parent_link)];
-  }
-  return bodies;
-}
-
-}  // namespace
 
 LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> joints,
                           std::span<const int> group, int most_moving) {
@@ -44,7 +30,7 @@ LinkPairs find_neighbours(std::span<const Link> links, std::span<const Joint> jo
 LinkPairs derive_self_pairs(std::span<const Link> links, std::span<const Joint> joints,
                             std::span<const int> group, const LinkPairs& allowed, int first_second,
                             std::size_t most) {
-  const std::vector<int> bodies = weld(links, joints, find_moving(joints, group));
+  const std::vector<int> bodies = find_bodies(joints, group);
   std::set<std::pair<int, int>> may_touch;
   for (const auto& [a, b] : allowed) may_touch.insert(std::minmax({a, b}));
   // The link after a run of links of one body, such as many attached objects.
