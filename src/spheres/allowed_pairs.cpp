@@ -204,11 +204,8 @@ void count_overlaps(const Robot& robot, const LinkDistances& links,
   Rng rng(1);
   std::vector<Overlaps*> open;
   for (Overlaps& pair : overlaps) open.push_back(&pair);
-  Configuration q(as_index(robot.joint_count()));
   for (int i = 0; i < kSamples && !open.empty(); ++i) {
-    for (int j = 0; j < robot.joint_count(); ++j) {
-      q[as_index(j)] = rng.uniform(robot.group_joint(j).lower, robot.group_joint(j).upper);
-    }
+    const Configuration q = internal::random_configuration(robot, rng);
     const PosedLinks posed = links.posed(robot.link_poses(q));
     for (Overlaps* pair : open) {
       ++pair->samples;
