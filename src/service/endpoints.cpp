@@ -455,14 +455,12 @@ Answer Endpoints::health(const Call& call) {
     failure = !read_failure_.empty() ? read_failure_ : write_failure_;
   }
   if (failure.empty() && database_ != nullptr) failure = database_->queued_rows().failure;
-  Json joints = Json::array();
-  for (int i = 0; i < robot_.joint_count(); ++i) joints.push_back(robot_.group_joint(i).name);
   Json json = {{"status", is_stopping_      ? "stopping"
                           : failure.empty() ? "ok"
                                             : "degraded"},
                {"version", version()},
                {"robot", robot_.name()},
-               {"joints", joints},
+               {"joints", robot_.joint_names()},
                {"uptime_s", uptime_.elapsed_s()},
                {"memory", nullptr}};
   if (database_ != nullptr) {

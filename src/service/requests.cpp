@@ -44,9 +44,9 @@ void check_robot(const Input& input, const Robot& robot) {
   }
   const auto joints = input.find("joints");
   if (!joints) return;
-  std::vector<std::string> named, own;
+  std::vector<std::string> named;
   for (const Input& name : joints->items()) named.push_back(name.text());
-  for (int i = 0; i < robot.joint_count(); ++i) own.push_back(robot.group_joint(i).name);
+  const std::vector<std::string> own = robot.joint_names();
   if (named != own) {
     joints->fail(ErrorCode::invalid, "expected the joints that this service plans for, [{}]",
                  fmt::join(own, ", "));
