@@ -238,16 +238,16 @@ Json to_json(const Match& match) {
 }
 
 void print_matches(const LocalPrimitive& primitive, const std::vector<Match>& matches) {
-  fmt::print("{} {:.4f}", is_query(primitive) ? "query" : "primitive",
+  fmt::print("{} {:.4f}", primitive.is_whole_query ? "query" : "primitive",
              fmt::join(primitive.key, " "));
-  if (!is_query(primitive)) fmt::print(", gap {:.4f} m", primitive.gap);
+  if (!primitive.is_whole_query) fmt::print(", gap {:.4f} m", primitive.gap);
   fmt::print(": {}\n", counted(matches.size(), "match", "matches"));
   for (const Match& match : matches) {
     fmt::print("  id {}, similarity error {:.4f} {}, {} components", match.experience->id,
                match.similarity_error, unit_of_error(primitive),
                match.experience->component_count());
-    if (!is_query(primitive)) fmt::print(", turned by {:.4f} rad", match.to_scene.rotation);
-    const char* image = is_query(primitive) ? ", reversed" : ", mirrored";
+    if (!primitive.is_whole_query) fmt::print(", turned by {:.4f} rad", match.to_scene.rotation);
+    const char* image = primitive.is_whole_query ? ", reversed" : ", mirrored";
     fmt::print("{}\n", match.to_scene.is_mirrored ? image : "");
   }
 }

@@ -196,17 +196,15 @@ void print_memory(const Problem& problem, const SolveResult& result) {
                                                  : "the search ended before --retrieve-after");
     return;
   }
-  std::size_t retrieved = 0;
-  for (const PrimitiveRetrieval& found : gl.primitives) retrieved += found.matches.size();
   fmt::print("memory      {}, {} retrieved, {}\n",
              counted(gl.primitives.size(), "primitive", "primitives"),
-             counted(retrieved, "sampler", "samplers"),
+             counted(gl.retrieved_count(), "sampler", "samplers"),
              counted(gl.mixture ? static_cast<std::size_t>(gl.mixture->component_count()) : 0,
                      "component", "components"));
   for (std::size_t i = 0; i < gl.primitives.size(); ++i) {
     const PrimitiveRetrieval& found = gl.primitives[i];
     fmt::print("  {}", describe(problem.scene, found.primitive, i));
-    if (!is_query(found.primitive)) fmt::print(", gap {:.3f} m", found.primitive.gap);
+    if (!found.primitive.is_whole_query) fmt::print(", gap {:.3f} m", found.primitive.gap);
     fmt::print(": {}", counted(found.matches.size(), "match", "matches"));
     if (!found.matches.empty()) {
       fmt::print(", similarity error {:.3f} to {:.3f} {}", found.matches.front().similarity_error,

@@ -190,7 +190,7 @@ void print_scene(const Scene& scene, const Primitives& primitives) {
   for (std::size_t i = 0; i < primitives->size(); ++i) {
     const LocalPrimitive& primitive = (*primitives)[i];
     fmt::print("  {}: ", describe(scene, primitive, i));
-    if (!is_query(primitive)) fmt::print("gap {:.4f} m, ", primitive.gap);
+    if (!primitive.is_whole_query) fmt::print("gap {:.4f} m, ", primitive.gap);
     fmt::print("key {:.4f}\n", fmt::join(primitive.key, " "));
   }
 }

@@ -8,10 +8,9 @@
 #include <fmt/format.h>
 
 namespace mneme::app {
-bool is_query(const LocalPrimitive& primitive) { return primitive.is_whole_query; }
 
 std::string describe(const Scene& scene, const LocalPrimitive& primitive, std::size_t index) {
-  if (is_query(primitive)) return fmt::format("query to goal {}", index + 1);
+  if (primitive.is_whole_query) return fmt::format("query to goal {}", index + 1);
   std::string names;
   for (const int obstacle : primitive.obstacles) {
     names += names.empty() ? "" : " and ";
@@ -21,7 +20,7 @@ std::string describe(const Scene& scene, const LocalPrimitive& primitive, std::s
 }
 
 std::string_view unit_of_error(const LocalPrimitive& primitive) {
-  return is_query(primitive) ? "rad^2" : "m^2";
+  return primitive.is_whole_query ? "rad^2" : "m^2";
 }
 
 }  // namespace mneme::app

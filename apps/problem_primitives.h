@@ -13,9 +13,7 @@
 
 namespace mneme::app {
 
-/// True for whole queries, which have no obstacles.
-[[nodiscard]] bool is_query(const LocalPrimitive& primitive);
-/// "a and b", or "query to goal 1" if it is a query and `index` 0.
+/// "a and b", or "query to goal 1" for a whole query, which has no obstacles, and `index` 0.
 [[nodiscard]] std::string describe(const Scene& scene, const LocalPrimitive& primitive,
                                    std::size_t index);
 /// The unit of similarity errors.
