@@ -186,6 +186,11 @@ Result<ExitCode> run_spheres(const SpheresOptions& options) {
   return ExitCode::done;
 }
 
+void add_pair_samples(CLI::App& command, PairSettings& pairs) {
+  add_number(command, "--samples", pairs.samples, 1, 100'000'000,
+             "random configurations that decide which pairs need no check");
+}
+
 }  // namespace
 
 void add_robot_spheres(CLI::App& group, Action& action) {
@@ -206,8 +211,7 @@ void add_robot_spheres(CLI::App& group, Action& action) {
       .add_option("--link-excess", options->link_excess,
                   "how far the spheres of one link may stick out, metres; repeatable")
       ->type_name("LINK=METRES");
-  add_number(command, "--samples", options->pairs.samples, 1, 100'000'000,
-             "random configurations that decide which pairs need no check");
+  add_pair_samples(command, options->pairs);
   command.add_flag("--allow-rest", options->pairs.allow_at_rest,
                    "also allow pairs that touch where all joints are zero");
   add_json(command, options->is_json);
@@ -220,7 +224,6 @@ struct SrdfOptions {
   std::string output = "-";
   RobotOptions reading;
   PairSettings pairs{.allow_at_rest = true, .is_exact = true};
-  bool checks_rest = false;
 };
 
 Result<ExitCode> run_srdf(const SrdfOptions& options) {
@@ -232,9 +235,8 @@ Result<ExitCode> run_srdf(const SrdfOptions& options) {
     std::erase_if(inputs, [](const ReadFile& file) { return !std::filesystem::exists(file.path); });
     MNEME_TRY(check_files_to_write(outputs, inputs));
   }
-  PairSettings pairs = options.pairs;
-  pairs.allow_at_rest = !options.checks_rest;
-  const auto made = MNEME_TRY(derive_srdf(path, options.reading, pairs, show_sphere_progress()));
+  const auto made =
+      MNEME_TRY(derive_srdf(path, options.reading, options.pairs, show_sphere_progress()));
   for (const std::string& note : made.notes) print_note(note);
   print_note(fmt::format("{} ({})", counted(made.reasons.size(), "allowed pair", "allowed pairs"),
                          describe_reasons(made.reasons)));
@@ -259,10 +261,10 @@ void add_robot_srdf(CLI::App& group, Action& action) {
   command.add_option("--srdf", options->reading.srdf_path,
                      "SRDF with groups, states and pairs to keep (default: next to ROBOT)");
   add_reading_flags(command, options->reading);
-  add_number(command, "--samples", options->pairs.samples, 1, 100'000'000,
-             "random configurations that decide which pairs need no check");
-  command.add_flag("--check-rest", options->checks_rest,
-                   "check pairs that touch where all joints are zero");
+  add_pair_samples(command, options->pairs);
+  command.add_flag_callback(
+      "--check-rest", [options] { options->pairs.allow_at_rest = false; },
+      "check pairs that touch where all joints are zero");
 }
 
 }  // namespace mneme::app
