@@ -52,12 +52,13 @@ class RegionPainter {
 
   /// The proven task that is nearest to the middle, and its path.
   [[nodiscard]] CellAnswer find_path() {
+    constexpr int kMostTasks = 5000;
     CellAnswer answer;
     Rng rng(1);
-    for (int i = 0; i < 5000; ++i) {
+    for (int i = 0; i < kMostTasks; ++i) {
       CellTask task = {};
       for (std::size_t k = 0; k < kTaskSize; ++k) {
-        task[k] = region_.half_extents[k] * i / 5000 * rng.uniform(-1, 1);
+        task[k] = region_.half_extents[k] * i / kMostTasks * rng.uniform(-1, 1);
       }
       cell_.look_up(task, answer, start_);
       if (answer.tier == CellTier::certified) break;

@@ -87,9 +87,10 @@ void print_built(const Cell& cell, const std::string& output) {
   fmt::print("{}: {}, {} planned for them\n", output, counted(cell.box_count(), "box", "boxes"),
              counted(cell.path_count(), "path", "paths"));
   for (std::size_t i = 0; i < cell.region().starts.size(); ++i) {
+    const CellCoverage coverage = cell.coverage(i);
     fmt::print("from {}, by {} samples of the region:\n", cell.region().starts[i].name,
-               cell.coverage(i).samples);
-    print_coverage(cell.coverage(i));
+               coverage.samples);
+    print_coverage(coverage);
   }
 }
 
