@@ -75,9 +75,7 @@ Result<Configuration> find_start(const LineOptions& options, const PlacedRobot& 
     return fail(ErrorCode::invalid,
                 "the line starts nowhere: expected --start, --from, or a problem as --scene");
   }
-  const Configuration zero(static_cast<std::size_t>(placed.robot.joint_count()), 0.0);
-  return placed.robot.configuration_of(
-      options.start.value_or(placed.start.value_or(placed.robot.normalized(zero))));
+  return placed.robot.configuration_of(options.start.value_or(placed.start_or_zeros()));
 }
 
 void print_text(const LineResult& result, double time_s) {

@@ -90,6 +90,11 @@ Result<Workspace> load_workspace(const std::string& where, const ProblemOptions&
   return tl::unexpected(scene.error());
 }
 
+Configuration PlacedRobot::start_or_zeros() const {
+  if (start) return *start;
+  return robot.normalized(Configuration(static_cast<std::size_t>(robot.joint_count()), 0.0));
+}
+
 Result<PlacedRobot> load_placed_robot(const std::string& robot, const RobotOptions& options,
                                       const std::string& scene) {
   const auto alone = [](const Robot& loaded) { return PlacedRobot{loaded, {}, std::nullopt}; };

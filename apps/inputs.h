@@ -47,6 +47,9 @@ struct PlacedRobot {
   Robot robot;
   Scene scene;                         ///< in the frame of the root link; empty without a file
   std::optional<Configuration> start;  ///< of the problem, if the scene came with one
+
+  /// The start, or zeros, within the limits.
+  [[nodiscard]] Configuration start_or_zeros() const;
 };
 /// The robot as the problem has it if the scene comes with one: its group and fixed joints count.
 /// An empty `scene` leaves it out.

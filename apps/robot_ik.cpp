@@ -52,9 +52,7 @@ Json to_json(const Robot& robot, const Configuration& near,
 
 /// The start of the search. Errors: not a configuration of the robot.
 Result<Configuration> find_near(const IkOptions& options, const PlacedRobot& placed) {
-  const Configuration zero(static_cast<std::size_t>(placed.robot.joint_count()), 0.0);
-  const auto near = placed.robot.configuration_of(
-      options.near.value_or(placed.start.value_or(placed.robot.normalized(zero))));
+  const auto near = placed.robot.configuration_of(options.near.value_or(placed.start_or_zeros()));
   if (!near) return fail(near.error().code, "--near: " + near.error().message);
   if (auto violation = placed.robot.describe_violation(*near, "--near")) {
     return fail(ErrorCode::invalid, *violation);
