@@ -95,8 +95,7 @@ class Tracer {
           });
       trace_.carriers.push_back(carried == robot_.attached().end() ? "" : carried->object.link);
     }
-    for (int i = 0; i < robot_.joint_count(); ++i)
-      trace_.joints.push_back(robot_.group_joint(i).name);
+    trace_.joints = robot_.joint_names();
   }
 
   [[nodiscard]] PlanTrace::Poses poses_at(std::span<const double> q) const {
