@@ -15,16 +15,17 @@
 
 namespace mneme::internal {
 
+enum class PathEnd { start, goal };
+
 /// The contacts at an end of a path, and the motions that leave them.
 class EndExit {
  public:
   /// `states`: of a motion that is checked, at least; 16 times as many where other links are near.
   /// `checker` must outlive this.
-  EndExit(const CollisionChecker& checker, const EndTolerances& tolerances, bool is_start,
-          int states)
+  EndExit(const CollisionChecker& checker, const EndTolerances& tolerances, PathEnd end, int states)
       : checker_(checker),
         motions_(checker.robot(), checker.scene(), checker.margin(), tolerances),
-        is_start_(is_start),
+        is_start_(end == PathEnd::start),
         states_(states) {}
 
   /// Returns the contacts at `q`. A contact of spheres alone counts only if the exact geometry is

@@ -39,15 +39,13 @@ class EndMover {
         tolerances_(end_tolerances(query.settings)),
         rng_(derive_seed(query.settings.plan.seed, kEndsTask)) {}
 
-  enum class End { start, goal };
-
   /// Returns a configuration that replaces `given`, or nothing. Adds notes about the limits, cones
   /// and distances that `given` does not keep; they call it `name`.
-  std::optional<Configuration> find_inside(End end, const Configuration& given,
+  std::optional<Configuration> find_inside(PathEnd end, const Configuration& given,
                                            const std::string& name,
                                            std::vector<std::string>& notes) {
-    is_start_ = end == End::start;
-    exit_.emplace(checker_, tolerances_, is_start_, kEndStates);
+    is_start_ = end == PathEnd::start;
+    exit_.emplace(checker_, tolerances_, end, kEndStates);
     const bool is_out = robot_.describe_violation(given, "").has_value();
     if (is_out && !(is_start_ && is_near_limits(robot_, given, tolerances_))) return std::nullopt;
     std::optional<Configuration> nearest = keep_limits_and_cones(given);
@@ -230,7 +228,7 @@ GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker, 
                            std::size_t first) {
   GivenEnds given;
   EndMover mover(query, checker);
-  if (auto inside = mover.find_inside(EndMover::End::start, ends.start, "start", given.notes)) {
+  if (auto inside = mover.find_inside(PathEnd::start, ends.start, "start", given.notes)) {
     given.start = std::exchange(ends.start, *std::move(inside));
   } else {
     given.start_failure = mover.describe_failure(ends.start);
@@ -242,7 +240,7 @@ GivenEnds move_ends_inside(const Query& query, const CollisionChecker& checker, 
     if (i > 0 && query.remaining_s() < least_left_s) break;
     const bool is_only = query.problem.goals.size() <= 1 && ends.goals.size() == 1;
     const std::string name = is_only ? "goal" : fmt::format("goal {}", first + i + 1);
-    if (auto inside = mover.find_inside(EndMover::End::goal, ends.goals[i], name, given.notes)) {
+    if (auto inside = mover.find_inside(PathEnd::goal, ends.goals[i], name, given.notes)) {
       given.goals.push_back({*inside, std::exchange(ends.goals[i], *inside)});
     }
   }

@@ -55,8 +55,8 @@ namespace {
 /// States of a motion out of contact.
 constexpr int kExitStates = 16;
 
-EndExit make_exit(const TaskRun& run, const CollisionChecker& checker, bool is_start) {
-  return {checker, end_tolerances(run.settings.solve), is_start, kExitStates};
+EndExit make_exit(const TaskRun& run, const CollisionChecker& checker, PathEnd end) {
+  return {checker, end_tolerances(run.settings.solve), end, kExitStates};
 }
 
 /// The configuration that the given share of the stretch farther is free of contact.
@@ -103,7 +103,7 @@ tl::expected<FollowedLine, Failure> follow_out_of_contact(TaskRun& run,
                                                           const CheckedWorldPtr& world,
                                                           const LineTask& line) {
   Failure failure{DropReason::contact, {}};
-  EndExit exit = make_exit(run, world->checker, line.is_start);
+  EndExit exit = make_exit(run, world->checker, line.is_start ? PathEnd::start : PathEnd::goal);
   const bool may_touch = run.may_touch_at_ends(world->world);
   const std::vector<Touch> touches = may_touch ? exit.find_touches(line.q) : std::vector<Touch>();
   if (may_touch && exit.may_leave(touches)) {
@@ -134,7 +134,7 @@ bool may_stand(TaskRun& run, const CheckedWorldPtr& world, const Configuration& 
   ++run.states;
   if (is_clear_by_exact_geometry(world->checker, q)) return true;
   if (!run.may_touch_at_ends(world->world)) return false;
-  EndExit exit = make_exit(run, world->checker, false);
+  EndExit exit = make_exit(run, world->checker, PathEnd::goal);
   return exit.may_leave(exit.find_touches(q));
 }
 

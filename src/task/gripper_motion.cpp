@@ -70,10 +70,11 @@ bool is_motion_clear(const CollisionChecker& checker, const Configuration& from,
 /// True if the motion only leaves contact at its start, or only enters contact at its end.
 bool is_only_in_contact_at_an_end(const TaskRun& run, const CollisionChecker& checker,
                                   const Configuration& from, const Configuration& to) {
-  for (const bool is_start : {false, true}) {
-    EndExit exit(checker, end_tolerances(run.settings.solve), is_start, kFingerStates);
-    const Configuration &end = is_start ? from : to, &inside = is_start ? to : from;
-    if (exit.may_leave(exit.find_touches(end)) && exit.is_left_by(end, inside)) return true;
+  for (const PathEnd end : {PathEnd::goal, PathEnd::start}) {
+    EndExit exit(checker, end_tolerances(run.settings.solve), end, kFingerStates);
+    const bool is_start = end == PathEnd::start;
+    const Configuration &q = is_start ? from : to, &inside = is_start ? to : from;
+    if (exit.may_leave(exit.find_touches(q)) && exit.is_left_by(q, inside)) return true;
   }
   return false;
 }
