@@ -350,7 +350,7 @@ Result<Experience> Database::get(std::int64_t position) const {
   auto group = groups->begin();
   for (; position >= group->second.size(); ++group) position -= group->second.size();
   const std::int64_t id = group->second.id(position);
-  const auto rows = MNEME_TRY(state_->rows.load({&id, 1}, true));
+  const auto rows = MNEME_TRY(state_->rows.load({&id, 1}, internal::Caching::keep));
   if (rows.front() != nullptr) return *rows.front();
   return fail(ErrorCode::corrupt, "{}: row {} was set aside as damaged or superseded", state_->url,
               id);
@@ -365,11 +365,12 @@ Result<void> Database::for_each(
     while (!ids.empty() && done) {
       const auto part = ids.first(std::min(kRowsAtOnce, ids.size()));
       ids = ids.subspan(part.size());
-      done = state_->rows.load(part, false).map([&](const std::vector<SharedExperience>& rows) {
-        for (const SharedExperience& row : rows) {
-          if (row != nullptr) visit(row);
-        }
-      });
+      done = state_->rows.load(part, internal::Caching::pass)
+                 .map([&](const std::vector<SharedExperience>& rows) {
+                   for (const SharedExperience& row : rows) {
+                     if (row != nullptr) visit(row);
+                   }
+                 });
     }
   });
   return done;
@@ -399,7 +400,7 @@ Result<std::vector<KeyMatch>> Database::find(std::string_view kind,
   }
   std::vector<std::int64_t> ids;
   for (const internal::IndexMatch& match : found) ids.push_back(match.id);
-  auto rows = MNEME_TRY(state_->rows.load(ids, true));
+  auto rows = MNEME_TRY(state_->rows.load(ids, internal::Caching::keep));
   for (std::size_t i = 0; i < found.size(); ++i) {
     if (rows.at(i) == nullptr) continue;
     matches.push_back({std::move(rows.at(i)), found[i].error, found[i].image});

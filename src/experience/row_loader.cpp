@@ -115,7 +115,7 @@ RowLoader::RowLoader(std::string url, RobotSignature signature, std::int64_t cap
       cache_(capacity_bytes) {}
 
 Result<std::vector<SharedExperience>> RowLoader::load(std::span<const std::int64_t> ids,
-                                                      bool is_kept) const {
+                                                      Caching caching) const {
   std::vector<SharedExperience> found = cache_.find(ids);
   std::vector<std::int64_t> missing;
   for (std::size_t i = 0; i < ids.size(); ++i) {
@@ -133,7 +133,7 @@ Result<std::vector<SharedExperience>> RowLoader::load(std::span<const std::int64
     found[i] = row->second;
     fresh.push_back(row->second);
   }
-  if (is_kept) cache_.keep(fresh);
+  if (caching == Caching::keep) cache_.keep(fresh);
   return found;
 }
 

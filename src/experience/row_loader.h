@@ -46,6 +46,10 @@ class ExperienceCache {
 /// Approximate size of a row in memory, bytes.
 [[nodiscard]] std::int64_t bytes_of(const Experience& row);
 
+/// `keep`: rows that are read from the store are cached. `pass`: they are not, as when one caller
+/// passes over all rows.
+enum class Caching { keep, pass };
+
 /// Loads rows on a separate connection, so that readers do not wait for writers. Thread-safe.
 class RowLoader {
  public:
@@ -57,10 +61,10 @@ class RowLoader {
   /// Rows known in `epoch` may be missing in a later one.
   void set_epoch(std::int64_t epoch) { epoch_ = epoch; }
 
-  /// One pointer per id; null for rows that were set aside meanwhile. `is_kept`: cache the rows
-  /// read from the store. Errors: corrupt, naming the row; io.
+  /// One pointer per id; null for rows that were set aside meanwhile. Errors: corrupt, naming the
+  /// row; io.
   [[nodiscard]] Result<std::vector<SharedExperience>> load(std::span<const std::int64_t> ids,
-                                                           bool is_kept) const;
+                                                           Caching caching) const;
 
  private:
   struct Reading;

@@ -108,6 +108,7 @@ TEST_SUITE("law") {
 
 namespace {
 
+using internal::Caching;
 using internal::RowLoader;
 
 constexpr std::int64_t kMuch = 1 << 20;
@@ -121,14 +122,14 @@ std::vector<Experience> fill(const std::string& path) {
 }
 
 std::vector<std::int64_t> ids_of(const RowLoader& loader, std::vector<std::int64_t> ids) {
-  const auto rows = require(loader.load(ids, true));
+  const auto rows = require(loader.load(ids, Caching::keep));
   std::vector<std::int64_t> found;
   for (const auto& row : rows) found.push_back(row == nullptr ? 0 : row->id);
   return found;
 }
 
 Error load_error(const RowLoader& loader, std::int64_t id) {
-  return require_error(loader.load({&id, 1}, true));
+  return require_error(loader.load({&id, 1}, Caching::keep));
 }
 
 }  // namespace
@@ -139,7 +140,8 @@ TEST_SUITE("unit") {
     const auto rows = fill(directory / "a.db");
     const RowLoader loader(directory / "a.db", arm_signature(), kMuch);
     CHECK(ids_of(loader, {3, 1, 4}) == std::vector<std::int64_t>{3, 1, 4});
-    CHECK(is_same_content(*loader.load(std::array{std::int64_t{2}}, true)->front(), rows[1]));
+    CHECK(is_same_content(*loader.load(std::array{std::int64_t{2}}, Caching::keep)->front(),
+                          rows[1]));
     CHECK(ids_of(loader, {}).empty());
   }
 
@@ -147,8 +149,8 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     fill(directory / "a.db");
     const RowLoader loader(directory / "a.db", arm_signature(), kMuch);
-    require(loader.load(std::array{std::int64_t{1}}, true));
-    require(loader.load(std::array{std::int64_t{2}}, false));
+    require(loader.load(std::array{std::int64_t{1}}, Caching::keep));
+    require(loader.load(std::array{std::int64_t{2}}, Caching::pass));
     run_sql(directory / "a.db", "UPDATE mixture SET seed = seed + 1");
     CHECK(ids_of(loader, {1}) == std::vector<std::int64_t>{1});
     CHECK(load_error(loader, 2).code == ErrorCode::corrupt);
