@@ -122,7 +122,4 @@ struct LineResult {
                                            std::span<const double> from,
                                            const LineSettings& settings = {});
 
-/// Returns the pose of the link at a share of the line, in the root link's frame.
-[[nodiscard]] Transform line_pose(const LineResult& result, double fraction);
-
 }  // namespace mneme

@@ -382,8 +382,4 @@ Result<LineResult> plan_line(const Robot& robot, const Scene& scene, const Line&
   return plan_line(checker, line, from, settings);
 }
 
-Transform line_pose(const LineResult& result, double fraction) {
-  return internal::LineSegment(result.begin, result.end).at(fraction);
-}
-
 }  // namespace mneme

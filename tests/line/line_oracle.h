@@ -7,6 +7,8 @@
 #include "mneme/goal.h"
 #include "mneme/line.h"
 
+#include "line/line_segment.h"
+
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -19,6 +21,11 @@
 #include <vector>
 
 namespace mneme::test {
+
+/// The pose of the link at a share of the line, in the root link's frame.
+inline Transform line_pose(const LineResult& result, double fraction) {
+  return internal::LineSegment(result.begin, result.end).at(fraction);
+}
 
 inline double angle_between(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   return 2 * std::asin(std::min(1.0, (a - b).norm() / std::sqrt(8.0)));
