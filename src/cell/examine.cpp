@@ -420,13 +420,13 @@ Result<Examiner> Examiner::make(const CellRegion& region, const CellStart& start
   examiner.margin_ = settings.margin;
   examiner.seed_ = settings.seed;
   examiner.chain_ =
-      std::make_shared<const LinkChain>(MNEME_TRY(LinkChain::make(robot, examiner.link_)));
-  examiner.frame_ = std::make_shared<const TaskFrame>(region);
-  examiner.fitter_ = std::make_shared<const BranchFitter>(*examiner.chain_, *examiner.frame_);
-  examiner.kinematics_ = std::make_shared<const InverseKinematics>(
+      std::make_unique<const LinkChain>(MNEME_TRY(LinkChain::make(robot, examiner.link_)));
+  examiner.frame_ = std::make_unique<const TaskFrame>(region);
+  examiner.fitter_ = std::make_unique<const BranchFitter>(*examiner.chain_, *examiner.frame_);
+  examiner.kinematics_ = std::make_unique<const InverseKinematics>(
       MNEME_TRY(InverseKinematics::make(robot, examiner.link_)));
   examiner.sampler_ = make_uniform_sampler(robot);
-  examiner.blocked_ = std::make_shared<const BlockedLink>(region, *examiner.frame_);
+  examiner.blocked_ = std::make_unique<const BlockedLink>(region, *examiner.frame_);
   for (const double clearance : kClearances) {
     CheckerSettings checker;
     checker.margin = clearance;

@@ -73,12 +73,12 @@ class Examiner {
   };
   Examiner() = default;
 
-  std::shared_ptr<const LinkChain> chain_;
-  std::shared_ptr<const TaskFrame> frame_;
-  std::shared_ptr<const BranchFitter> fitter_;
-  std::shared_ptr<const InverseKinematics> kinematics_;
-  std::shared_ptr<const Sampler> sampler_;
-  std::shared_ptr<const BlockedLink> blocked_;
+  std::unique_ptr<const LinkChain> chain_;
+  std::unique_ptr<const TaskFrame> frame_;
+  std::unique_ptr<const BranchFitter> fitter_;
+  std::unique_ptr<const InverseKinematics> kinematics_;
+  std::unique_ptr<const Sampler> sampler_;
+  std::unique_ptr<const BlockedLink> blocked_;
   std::vector<Level> levels_;  ///< the widest first; the last has no margin
   std::string link_;
   Configuration start_;
