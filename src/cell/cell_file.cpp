@@ -20,8 +20,10 @@ namespace mneme {
 namespace internal {
 namespace {
 
-constexpr std::string_view kFormat = "mneme cell, version ", kVersion = "2";
 constexpr std::string_view kMagic = "mneme cell, version 2\n";
+constexpr std::string_view kFormat = kMagic.substr(0, kMagic.rfind(' ') + 1);
+constexpr std::string_view kVersion =
+    kMagic.substr(kFormat.size(), kMagic.size() - kFormat.size() - 1);
 constexpr std::size_t kMostCellBytes = std::size_t{1} << 30;
 
 /// The head of a file.
