@@ -281,8 +281,10 @@ Result<void> grow(CellData& data, const CellSettings& settings,
       constexpr double kStep = 0.002;
       last = progress;
       last.time_s += before;
-      if (progress.proven >= kept + kStep) data.progress.push_back(last);
-      if (progress.proven >= kept + kStep) kept = progress.proven;
+      if (progress.proven >= kept + kStep) {
+        data.progress.push_back(last);
+        kept = progress.proven;
+      }
       if (on_progress) on_progress(last);
     });
     data.progress.push_back(last);

@@ -162,9 +162,8 @@ class LookUp {
     const auto& chain = data_.chain;
     if (((q - chain.upper()).array() > kLimitRoom).any()) return false;
     if (((chain.lower() - q).array() > kLimitRoom).any()) return false;
-    if (!is_posed_) pose_ = data_.frame.pose(task_);
-    is_posed_ = true;
-    if (!chain.reach(pose_, chain.directions(middle), kSteps, kNear, q)) return false;
+    if (!pose_) pose_ = data_.frame.pose(task_);
+    if (!chain.reach(*pose_, chain.directions(middle), kSteps, kNear, q)) return false;
     const JointVector change = q - middle;
     for (Eigen::Index j = 0; j < change.size(); ++j) {
       // The proof holds for changes this close to the model.
@@ -184,8 +183,7 @@ class LookUp {
   const Configuration& start_;
   const std::vector<CellBox>& boxes_;
   CellAnswer& answer_;
-  Transform pose_;
-  bool is_posed_ = false;
+  std::optional<Transform> pose_;  ///< of the task, once a box needs it
 };
 
 }  // namespace
