@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/task.h"
 
-#include "base/as_index.h"
 #include "base/fail.h"
 #include "task/groups.h"
 #include "task/world.h"
@@ -10,7 +9,6 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>

@@ -14,9 +14,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
-#include <utility>
 
 namespace mneme::internal {
 

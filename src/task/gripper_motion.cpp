@@ -8,11 +8,8 @@
 #include "pipeline/end_exit.h"
 #include "planning/end_contacts.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace mneme::internal {

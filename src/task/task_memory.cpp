@@ -9,8 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <tuple>
 
 namespace mneme::internal {
 namespace {
