@@ -8,7 +8,6 @@
 #include <atomic>
 #include <deque>
 #include <optional>
-#include <thread>
 #include <utility>
 
 namespace mneme::internal {

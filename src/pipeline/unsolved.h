@@ -6,7 +6,6 @@
 
 #include "pipeline/resolve_goals.h"
 
-#include <cstdint>
 #include <optional>
 
 namespace mneme::internal {
