@@ -8,7 +8,6 @@
 
 #include "tables/tables.h"
 
-#include <cstdint>
 #include <span>
 
 namespace mneme::internal {

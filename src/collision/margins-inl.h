@@ -10,7 +10,6 @@
 #define MNEME_COLLISION_MARGINS_INL_H_
 #endif
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
 
