@@ -4,7 +4,8 @@
 /// The primitives of scenes and problems, for `mneme learn`.
 #pragma once
 
-#include "mneme/learning.h"
+#include "mneme/memory.h"
+#include "mneme/robot.h"
 
 #include "options.h"
 

@@ -5,11 +5,10 @@
 #pragma once
 
 #include "mneme/memory.h"
-#include "mneme/problem.h"
+#include "mneme/scene.h"
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace mneme::app {
 

@@ -3,7 +3,6 @@
 #include "trajectory_file.h"
 
 #include "mneme/report.h"
-#include "mneme/task.h"
 
 #include "options.h"
 

@@ -4,12 +4,10 @@
 /// The flags of a plan that is to be executed, and the file it is written to.
 #pragma once
 
-#include "mneme/pipeline.h"
-#include "mneme/task.h"
+#include "mneme/trajectory.h"
 
 #include <CLI/CLI.hpp>
 
-#include <optional>
 #include <span>
 #include <string>
 
