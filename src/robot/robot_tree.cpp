@@ -3,10 +3,10 @@
 #include "robot/robot_tree.h"
 
 #include "base/as_index.h"
-#include "robot/kinematics.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
