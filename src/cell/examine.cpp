@@ -6,7 +6,6 @@
 
 #include "base/as_index.h"
 #include "base/fail.h"
-#include "robot/kinematics.h"
 
 #include <algorithm>
 #include <cmath>
