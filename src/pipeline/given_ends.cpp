@@ -72,7 +72,8 @@ class EndMover {
     if (!nearest) return {};
     const auto refused = refuse_query(checker_, {*nearest, {*nearest}});
     if (*nearest == start) {
-      if (!refused || !exit_->may_leave(exit_->find_touches(start))) return {};
+      const std::vector<Touch> touches = exit_->find_touches(start);
+      if (!refused || touches.empty() || !exit_->may_leave(touches)) return {};
       return refused->message +
              ". A path may begin in this contact, but no straight motion of the joints leaves it";
     }
