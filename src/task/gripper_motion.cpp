@@ -7,6 +7,7 @@
 #include "path/waypoints.h"
 #include "pipeline/end_exit.h"
 #include "planning/end_contacts.h"
+#include "robot/kinematics.h"
 
 #include <algorithm>
 #include <string>
@@ -46,13 +47,61 @@ Configuration widened(const Robot& wide, const Robot& robot, const Configuration
   return all;
 }
 
-/// Fingers may close until they touch, and open from there.
+/// Fingers may close until they touch, and open from there. What they hold has allow-at-ends.
 void let_fingers_meet(const Robot& wide, const Robot& robot, Scene& scene) {
   constexpr double kStretch = 0.02;  // metres
+  const std::size_t first_held = wide.links().size() - wide.attached().size();
   for (const auto& [first, second] : parted_pairs(wide, robot)) {
+    if (as_index(std::max(first, second)) >= first_held) continue;
     scene.end_contacts.push_back(
         {wide.links()[as_index(first)].name, wide.links()[as_index(second)].name, kStretch});
   }
+}
+
+/// True per link of the wide robot that joints outside of the group of `robot` carry.
+std::vector<bool> find_finger_links(const Robot& wide, const Robot& robot) {
+  const std::vector<std::string> own = robot.joint_names();
+  std::vector<int> fingers;
+  for (const int joint : wide.group()) {
+    const std::string& name = wide.joints()[as_index(joint)].name;
+    if (std::ranges::count(own, name) == 0) fingers.push_back(joint);
+  }
+  const std::vector<bool> moves = find_moving(wide.joints(), fingers);
+  std::vector<bool> carried;
+  for (int link = 0; link < std::ssize(wide.links()); ++link) {
+    const auto is_moving = [&](int joint) { return bool{moves[as_index(joint)]}; };
+    carried.push_back(std::ranges::any_of(joints_to(wide, link), is_moving));
+  }
+  return carried;
+}
+
+/// Lets all links but the fingers touch what they touch at `q`: they rest, and the stages before
+/// and after check these contacts. Returns false if there are none.
+bool allow_resting_contacts(const CollisionChecker& checker, const Robot& robot,
+                            const Configuration& q, Scene& scene) {
+  const Robot& wide = checker.robot();
+  const std::vector<bool> is_finger = find_finger_links(wide, robot);
+  bool has_any = false;
+  for (const Contact& contact : checker.contacts(wide.normalized(q))) {
+    if (contact.is_self || is_finger[as_index(*wide.find_link(contact.link))]) continue;
+    scene.find(contact.other)->may_touch.push_back(contact.link);
+    has_any = true;
+  }
+  return has_any;
+}
+
+/// The checker of the wide robot for a motion of the fingers while the group rests.
+Result<QueryChecker> make_finger_checker(const TaskRun& run, const CheckedWorld& world,
+                                         const Robot& wide, const PlanQuery& motion) {
+  const Robot& robot = world.world.robot;
+  Scene scene = world.checker.scene();
+  let_fingers_meet(wide, robot, scene);
+  QueryChecker checked = MNEME_TRY(make_query_checker(wide, scene, run.checker_settings(), motion));
+  if (checked.are_ends_clear ||
+      !allow_resting_contacts(checked.checker, robot, motion.start, scene)) {
+    return checked;
+  }
+  return make_query_checker(wide, scene, run.checker_settings(), motion);
 }
 
 bool is_motion_clear(const CollisionChecker& checker, const Configuration& from,
@@ -100,13 +149,12 @@ tl::expected<GripperMotionPtr, Failure> move_gripper(TaskRun& run, const Checked
   if (!wide) return invalid(wide.error());
   const Configuration from = widened(*wide, robot, q, {});
   const Configuration to = widened(*wide, robot, q, stage.values);
-  Scene scene = world.checker.scene();
-  let_fingers_meet(*wide, robot, scene);
-  auto checked = make_query_checker(*wide, scene, run.checker_settings(), {from, {to}});
+  const auto checked = make_finger_checker(run, world, *wide, {from, {to}});
   if (!checked) return invalid(checked.error());
   const CollisionChecker& checker = checked->checker;
   run.states += kFingerStates;
-  const bool may_touch = run.may_touch_at_ends(world.world) || !scene.end_contacts.empty();
+  const bool may_touch =
+      run.may_touch_at_ends(world.world) || !checker.scene().end_contacts.empty();
   const bool is_free = is_motion_clear(checker, from, to) ||
                        (may_touch && is_only_in_contact_at_an_end(run, checker, from, to));
   if (!is_free) {

@@ -150,12 +150,12 @@ TEST_SUITE("unit") {
         <limit lower="0" upper="0.1" effort="1" velocity="1"/></joint></robot>)";
     const TemporaryDirectory directory;
     write_file(directory / "gripper.urdf", fingers);
-    const auto result_of = [&](double left, double right) {
+    const auto result_of = [&](double left, double right, const std::string& more = "") {
       write_file(directory / "task.yaml",
-                 fmt::format("robot: gripper.urdf\ngroup: \"base:palm\"\nstart: [0]\n"
-                             "scene: {{obstacles: []}}\nstages: [{{name: close, gripper: "
-                             "{{close_left: {}, close_right: {}}}}}]\n",
-                             left, right));
+                 fmt::format("robot: gripper.urdf\ngroup: \"base:palm\"\nstart: [0]\n{}"
+                             "stages: [{{name: close, gripper: {{close_left: {}, close_right: "
+                             "{}}}}}]\n",
+                             more.empty() ? "scene: {obstacles: []}\n" : more, left, right));
       return solved(require(load_task(directory / "task.yaml")));
     };
     const TaskResult open = result_of(0.02, 0.02), closed = result_of(0.03, 0.031);
@@ -168,6 +168,23 @@ TEST_SUITE("unit") {
     CHECK_FALSE(crossed.is_solved());
     CHECK(crossed.message ==
           "stage 'close': contact ('left' with 'right' while the gripper moves)");
+    const auto holding = [](double x, double gap) {
+      return fmt::format(
+          "attached: [{{name: ball, link: palm, type: sphere, position: [{0}, 0, 0], radius: "
+          "0.02}}]\n"
+          "scene: {{obstacles: [{{name: shelf, type: sphere, position: [{0}, {1}, 0], radius: "
+          "0.02}}]}}\n",
+          x, 0.04 + gap);
+    };
+    for (const double overlap : {1e-6, 1e-4, 3e-3}) {
+      CAPTURE(overlap);
+      CHECK(result_of(0.02, 0.02, holding(0.3, -overlap)).is_solved());
+    }
+    // Between the fingers, which it does not expect to touch it.
+    CHECK(result_of(0.013, 0, holding(0, 0.5)).is_solved());
+    const TaskResult pressed = result_of(0.02, 0, holding(0, 0.5));
+    CHECK_FALSE(pressed.is_solved());
+    CHECK_MESSAGE(contains(pressed.message, "contact ('left' with 'ball'"), pressed.message);
   }
 
   TEST_CASE("an object goes with the hand and stays where it is detached") {
