@@ -215,6 +215,11 @@ class StageReader {
     }
     std::vector<Transform> poses;
     if (const auto list = input.find("poses")) {
+      for (const char* single : {"position", "quat_xyzw"}) {
+        if (const auto both = input.find(single)) {
+          both->fail_expecting("it in each of `poses`, or instead of them");
+        }
+      }
       for (const Input& item : list->items()) {
         item.allow_keys({"position", "quat_xyzw"});
         poses.push_back(read_pose(item));

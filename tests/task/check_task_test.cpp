@@ -47,6 +47,8 @@ TEST_SUITE("unit") {
     fails("{allow: [[table, cup]]}", "expected a pair of an obstacle and a link or held object");
     fails("{move: [0, 0, 0]}", "there are 3 values, but robot 'panda' has 7 joints");
     fails("{speed: 2, move: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]}", "its speed is 2");
+    fails("{move: {link: panda_hand, to: {position: [0, 0, 0.5], poses: [{position: [0, 0, 1]}]}}}",
+          "instead of them");
     fails("{move: next, line: {}}", "expected one kind of stage, got move and line");
     fails("{move: {any: []}}, {line: {direction: [0, 0, 1], distance: 0.1, to: {frame: cup}}}",
           "key stages[0].move.any: expected at least one goal, or move: next");
