@@ -151,7 +151,11 @@ void bind_plan(py::module_& module) {
           "Seconds at the velocity limits; the motion's are trajectory().duration.")
       .def_property_readonly(
           "planning_time_s", [](const PlannedTask& self) { return self.result.first_plan_time_s; },
-          "Seconds until the first plan.")
+          "Seconds until the first plan, without preparation.")
+      .def_property_readonly(
+          "preparation_time_s",
+          [](const PlannedTask& self) { return self.result.preparation_time_s; },
+          "Seconds for the collision checker of the scene, outside of the time limit.")
       .def_property_readonly("states_checked",
                              [](const PlannedTask& self) { return self.result.states_checked; })
       .def("trajectory", &trajectory_of, py::arg("dt") = py::none(), py::arg("limits") = py::none(),

@@ -163,6 +163,7 @@ std::string to_json(const Task& task, const TaskResult& result, const TaskMotion
             {"message", result.message},
             {"path_time_s", result.path_time_s},
             {"first_path_time_s", result.first_path_time_s},
+            {"preparation_time_s", result.preparation_time_s},
             {"first_plan_time_s", result.first_plan_time_s},
             {"total_time_s", result.total_time_s},
             {"states_checked", result.states_checked},

@@ -65,7 +65,10 @@ TEST_SUITE("flow") {
     const Task task = make_task(kCell + kPickAndPlace);
     TaskSettings settings;
     settings.solve.plan.timeout_s = 0;
-    CHECK(solved(task, nullptr, settings).status == PlanStatus::timeout);
+    const TaskResult late = solved(task, nullptr, settings);
+    CHECK(late.status == PlanStatus::timeout);
+    CHECK(late.preparation_time_s > 0);
+    CHECK(late.total_time_s >= late.preparation_time_s);
     const std::atomic<bool> cancel = true;
     settings = {};
     settings.solve.plan.cancel = &cancel;
