@@ -188,43 +188,46 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
 
 namespace {
 
-/// How often the spheres of two links overlap, and where they first did.
+/// How often the spheres of two links overlap, and at which samples they first did.
 struct Overlaps {
   Pair links;
   int samples = 0, count = 0;
-  std::vector<Configuration> first = {};
+  std::vector<std::size_t> first = {};
 
   [[nodiscard]] double share() const { return static_cast<double>(count) / samples; }
 };
 
-/// Counts at up to 1000 random configurations, per pair until its spheres rarely overlap.
-void count_overlaps(const Robot& robot, const LinkDistances& links,
-                    std::vector<Overlaps>& overlaps) {
+/// Counts at up to 1000 random configurations, per pair until its spheres rarely overlap. Returns
+/// the configurations.
+std::vector<Configuration> count_overlaps(const Robot& robot, const LinkDistances& links,
+                                          std::vector<Overlaps>& overlaps) {
   constexpr int kSamples = 1000, kFew = 100, kSome = 400, kKept = 20;
   Rng rng(1);
+  std::vector<Configuration> sampled;
   std::vector<Overlaps*> open;
   for (Overlaps& pair : overlaps) open.push_back(&pair);
-  for (int i = 0; i < kSamples && !open.empty(); ++i) {
-    const Configuration q = internal::random_configuration(robot, rng);
-    const PosedLinks posed = links.posed(robot.link_poses(q));
+  for (std::size_t i = 0; i < kSamples && !open.empty(); ++i) {
+    sampled.push_back(internal::random_configuration(robot, rng));
+    const PosedLinks posed = links.posed(robot.link_poses(sampled.back()));
     for (Overlaps* pair : open) {
       ++pair->samples;
       if (!touch(links, posed, pair->links, false)) continue;
       ++pair->count;
-      if (pair->first.size() < kKept) pair->first.push_back(q);
+      if (pair->first.size() < kKept) pair->first.push_back(i);
     }
     std::erase_if(open, [](const Overlaps* pair) {
       return pair->count < pair->samples &&
              (pair->samples >= kSome || (pair->samples >= kFew && pair->count == 0));
     });
   }
+  return sampled;
 }
 
 /// The share of configurations in which only the spheres of a pair overlap.
 double share_of_spheres_alone(const Robot& robot, const LinkDistances& links,
-                              const Overlaps& overlaps) {
-  const auto are_apart = [&](const Configuration& q) {
-    return !touch(links, links.posed(robot.link_poses(q)), overlaps.links, true);
+                              const std::vector<Configuration>& sampled, const Overlaps& overlaps) {
+  const auto are_apart = [&](std::size_t i) {
+    return !touch(links, links.posed(robot.link_poses(sampled[i])), overlaps.links, true);
   };
   return overlaps.share() * static_cast<double>(std::ranges::count_if(overlaps.first, are_apart)) /
          static_cast<double>(overlaps.first.size());
@@ -237,7 +240,7 @@ internal::InseparablePairs internal::find_inseparable_pairs(const Robot& robot) 
   std::vector<Overlaps> overlaps;
   for (const Pair& pair : robot.self_pairs()) overlaps.push_back({pair});
   const LinkDistances links(robot);
-  count_overlaps(robot, links, overlaps);
+  const std::vector<Configuration> sampled = count_overlaps(robot, links, overlaps);
   InseparablePairs result;
   for (const Overlaps& pair : overlaps) {
     if (pair.count == 0 || pair.share() < kOften) continue;
@@ -246,7 +249,7 @@ internal::InseparablePairs internal::find_inseparable_pairs(const Robot& robot) 
     if (pair.count == pair.samples) {
       (can_part(robot, links, pair.links) ? result.only_spheres : result.always).push_back(names);
     } else if (has_approximation(robot, pair.links) &&
-               share_of_spheres_alone(robot, links, pair) >= kOften) {
+               share_of_spheres_alone(robot, links, sampled, pair) >= kOften) {
       result.often_spheres.push_back(names);
     }
   }
