@@ -366,6 +366,9 @@ class DaeReader {
       } else if (is_named(faces, "polygons")) {
         append_polygon(all, corners);
       } else {
+        if (const XMLElement* second = p->NextSiblingElement("p")) {
+          fail(*second, "expected one <p> in a <polylist>");
+        }
         append_polygons(faces, all, corners);
       }
     }

@@ -162,6 +162,8 @@ TEST_SUITE("unit") {
     };
     CHECK(fault("polylist", "<vcount>3</vcount><p>0 0 0 1 0 2 0 0 0 2 0 3</p>") ==
           "mesh a.dae:1: <polylist>: has 3 vertices more than its <vcount> states");
+    CHECK(fault("polylist", "<vcount>3</vcount><p>0 0 0 1 0 2</p><p>0 0 0 1 0 2</p>") ==
+          "mesh a.dae:1: <p>: expected one <p> in a <polylist>");
     CHECK(fault("triangles", "<p>0 0 0 1 0 2 0 3</p>") ==
           "mesh a.dae:1: <p>: has 4 vertices, expected 3 per triangle");
     CHECK(fault("triangles", "<p>0 0 0 1 0 2 0</p>") ==
