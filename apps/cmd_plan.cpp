@@ -279,10 +279,25 @@ Result<std::optional<Trajectory>> time_path(const PlanOptions& options, const Lo
       .map([](Trajectory timed) { return std::optional(std::move(timed)); });
 }
 
+/// Measures the path; without its clearance if that takes long, as beside meshes of many thousand
+/// triangles, or once interrupted.
+PathMeasures measure_in_time(const Robot& robot, const Scene& scene, const Path& path) {
+  constexpr double kLongest_s = 1;
+  try {
+    const Stopwatch stopwatch;
+    const InterruptScope scope(
+        [&] { return interrupt_flag()->load() || stopwatch.elapsed_s() > kLongest_s; });
+    return measure_path(robot, scene, path);
+  } catch (const Interrupted&) {
+    print_note("the least clearance is not measured: that takes too long in this scene");
+    return measure_path(robot, {}, path);
+  }
+}
+
 void print_answer(const PlanOptions& options, const LoadedPlan& loaded, const SolveResult& result,
                   const std::optional<Trajectory>& trajectory) {
-  const PathMeasures measures =
-      measure_path(loaded.problem.robot, checked_scene(loaded.problem, result), result.plan.path);
+  const PathMeasures measures = measure_in_time(
+      loaded.problem.robot, checked_scene(loaded.problem, result), result.plan.path);
   if (options.is_json) {
     std::optional<MotionMeasures> motion;
     if (trajectory) motion = measure_motion(*trajectory, *loaded.limits);
