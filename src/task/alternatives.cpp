@@ -182,10 +182,11 @@ void Alternatives::drop_unreachable() {
 void Alternatives::make_bodies() {
   if (targets_.empty()) return;
   const World& world = touched_->world;
-  hand_ = FloatingBody::of_link(world, link_, run_.body_settings());
+  hand_ = FloatingBody::of_link(world.robot, world.scene, link_, run_.body_settings());
   const PoseChoice& choice = stage(*group_.anchor).poses;
   if (!choice.object.empty()) {
-    object_ = FloatingBody::of_object(world, choice.object, run_.body_settings());
+    object_ = FloatingBody::of_object(world.robot, world.scene, choice.object,
+                                      world.held.at(choice.object).X_LO, run_.body_settings());
   }
 }
 
@@ -269,9 +270,10 @@ void Alternatives::look_ahead() {
   if (!without.scene.remove(choice.object)) return;
   LookAhead ahead{pose->second.inverse(),
                   link_targets(without, choice, run_.start_poses),
-                  FloatingBody::of_link(without, link_, run_.body_settings()),
+                  FloatingBody::of_link(without.robot, without.scene, link_, run_.body_settings()),
                   {}};
-  const auto object = FloatingBody::of_obstacle(world, choice.object, run_.body_settings());
+  const auto object =
+      FloatingBody::of_obstacle(world.scene, choice.object, pose->second, run_.body_settings());
   if (object) {
     run_.states += ahead.places.size();
     run_.has_tried = run_.has_tried || object->has_surfaces();

@@ -6,8 +6,8 @@
 
 #include "mneme/goal.h"
 
+#include "line/floating_body.h"
 #include "task/drop_counts.h"
-#include "task/floating_body.h"
 #include "task/follow.h"
 #include "task/gripper_motion.h"
 #include "task/groups.h"

@@ -7,9 +7,9 @@
 
 #include "base/as_index.h"
 #include "base/threads.h"
+#include "line/floating_body.h"
 #include "pipeline/end_exit.h"
 #include "planning/end_contacts.h"
-#include "task/floating_body.h"
 
 #include <algorithm>
 #include <array>
@@ -43,6 +43,16 @@ Result<CheckedWorldPtr> check_world(World world, const TaskRun& run) {
   auto checker =
       MNEME_TRY(CollisionChecker::make(world.robot, world.scene, run.checker_settings()));
   return std::make_shared<const CheckedWorld>(CheckedWorld{std::move(world), std::move(checker)});
+}
+
+Result<CheckedWorldPtr> check_unless_cancelled(World world, const TaskRun& run) {
+  const InterruptScope scope([&] { return run.is_cancelled(); });
+  try {
+    return check_world(std::move(world), run);
+  } catch (const Interrupted&) {
+    if (!run.is_cancelled()) throw;  // a scope of the caller is over
+    return nullptr;
+  }
 }
 
 std::string describe_contact(const CollisionChecker& checker, const Configuration& q) {

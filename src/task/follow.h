@@ -7,8 +7,8 @@
 #include "mneme/collision.h"
 #include "mneme/line.h"
 
+#include "line/floating_body.h"
 #include "pipeline/query.h"
-#include "task/floating_body.h"
 #include "task/world.h"
 
 #include <algorithm>
@@ -59,6 +59,8 @@ struct TaskRun {
 };
 
 [[nodiscard]] Result<CheckedWorldPtr> check_world(World world, const TaskRun& run);
+/// check_world(), or null once the call is cancelled.
+[[nodiscard]] Result<CheckedWorldPtr> check_unless_cancelled(World world, const TaskRun& run);
 
 /// Why an alternative fails at a stage.
 struct Failure {

@@ -76,7 +76,6 @@ class TaskSearch {
   Result<bool> plan_move(std::size_t level);
   void count(const PlanResult& move);
   Problem problem_of(std::size_t level, const Configuration& goal) const;
-  Result<bool> prepare(TaskResult& result);
   Result<bool> refuse_start(TaskResult& result);
   /// Paths that may fail from one configuration in this round.
   [[nodiscard]] int siblings() const { return run_.settings.siblings << std::min(run_.round, 8); }
@@ -529,26 +528,16 @@ void TaskSearch::refuse(End end, TaskResult& result) const {
   describe_stages(result);
 }
 
-/// Makes the checker of the first world; the time limit begins after it. Returns false if the call
-/// was cancelled.
-Result<bool> TaskSearch::prepare(TaskResult& result) {
-  const InterruptScope scope([&] { return run_.is_cancelled(); });
-  try {
-    first_world_ = MNEME_TRY(check_world(first_world(run_.task), run_));
-  } catch (const Interrupted&) {
-    if (!run_.is_cancelled()) throw;  // a scope of the caller is over
+Result<TaskResult> TaskSearch::solve() {
+  TaskResult result;
+  first_world_ = MNEME_TRY(check_unless_cancelled(first_world(run_.task), run_));
+  if (first_world_ == nullptr) {
     result.status = PlanStatus::cancelled;
     result.message = "cancelled";
-    return false;
+    return result;
   }
   result.preparation_time_s = run_.stopwatch.elapsed_s();
   run_.stopwatch = Stopwatch();
-  return true;
-}
-
-Result<TaskResult> TaskSearch::solve() {
-  TaskResult result;
-  if (!MNEME_TRY(prepare(result))) return result;
   result.remembered_rows = memory_.rows();
   if (MNEME_TRY(refuse_start(result))) return result;
   const End end = MNEME_TRY(search_in_rounds());

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "task/world.h"
+#include "line/floating_body.h"
 #include "problem/small_robots.h"
-#include "task/floating_body.h"
 #include "task/small_tasks.h"
 
 #include <fmt/format.h>
@@ -215,7 +215,7 @@ TEST_SUITE("law") {
   TEST_CASE("a floating hand touches what the hand of the arm touches") {
     const Task task = make_task(kCell + kPickAndPlace);
     const World world = internal::first_world(task);
-    const auto body = require(FloatingBody::of_link(world, "panda_hand", {}));
+    const auto body = require(FloatingBody::of_link(world.robot, world.scene, "panda_hand", {}));
     const auto checker = require(CollisionChecker::make(task.robot, task.scene));
     const auto hand = static_cast<std::size_t>(*task.robot.find_link("panda_hand"));
     Rng rng(5);

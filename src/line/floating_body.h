@@ -6,8 +6,6 @@
 
 #include "mneme/collision.h"
 
-#include "task/world.h"
-
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -27,17 +25,18 @@ class FloatingBody {
  public:
   /// The links rigid with `link`, whose contacts the scene may allow. Nothing if they have no
   /// shapes or cannot be checked.
-  [[nodiscard]] static std::optional<FloatingBody> of_link(const World& world,
+  [[nodiscard]] static std::optional<FloatingBody> of_link(const Robot& robot, const Scene& scene,
                                                            const std::string& link,
                                                            const BodySettings& settings);
-  /// The object that the world's robot holds.
-  [[nodiscard]] static std::optional<FloatingBody> of_object(const World& world,
+  /// The object that the robot holds at `X_LO` in the frame of its link.
+  [[nodiscard]] static std::optional<FloatingBody> of_object(const Robot& robot, const Scene& scene,
                                                              const std::string& object,
+                                                             const Transform& X_LO,
                                                              const BodySettings& settings);
-
-  /// An obstacle of the scene, which it does not collide with itself.
-  [[nodiscard]] static std::optional<FloatingBody> of_obstacle(const World& world,
+  /// An obstacle of the scene at `X_WO`, which it does not collide with itself.
+  [[nodiscard]] static std::optional<FloatingBody> of_obstacle(const Scene& scene,
                                                                const std::string& name,
+                                                               const Transform& X_WO,
                                                                const BodySettings& settings);
 
   /// Returns 1 per pose of the link or the object at which nothing is deeper than `depth` in an

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "task/floating_body.h"
+#include "line/floating_body.h"
 
 #include "mneme/spheres.h"
 
@@ -111,9 +111,10 @@ std::optional<FloatingBody> FloatingBody::make(std::vector<Link> links, Scene sc
   return FloatingBody(*std::move(checker), excess, has_surfaces);
 }
 
-std::optional<FloatingBody> FloatingBody::of_link(const World& world, const std::string& link,
+std::optional<FloatingBody> FloatingBody::of_link(const Robot& robot, const Scene& scene,
+                                                  const std::string& link,
                                                   const BodySettings& settings) {
-  const Robot bare = world.robot.without_attached();
+  const Robot bare = robot.without_attached();
   const int tip = *bare.find_link(link);
   const Configuration middle = bare.normalized(Configuration(as_index(bare.joint_count()), 0.0));
   const std::vector<Transform> poses = bare.link_poses(middle);
@@ -122,33 +123,36 @@ std::optional<FloatingBody> FloatingBody::of_link(const World& world, const std:
     links.push_back(
         moved_link(bare.links()[as_index(i)], poses[as_index(tip)].inverse() * poses[as_index(i)]));
   }
-  return make(std::move(links), world.scene, settings);
+  return make(std::move(links), scene, settings);
 }
 
-std::optional<FloatingBody> FloatingBody::of_object(const World& world, const std::string& object,
+std::optional<FloatingBody> FloatingBody::of_object(const Robot& robot, const Scene& scene,
+                                                    const std::string& object,
+                                                    const Transform& X_LO,
                                                     const BodySettings& settings) {
-  const Transform X_OL = world.held.at(object).X_LO.inverse();
+  const Transform X_OL = X_LO.inverse();
   std::vector<Link> links;
-  for (const ApproximatedObject& each : world.robot.attached()) {
+  for (const ApproximatedObject& each : robot.attached()) {
     if (each.object.name != object) continue;
     links.push_back(
         moved_link({object, -1, each.spheres, each.capsules, {}, each.approximation}, X_OL));
   }
-  return make(std::move(links), world.scene, settings);
+  return make(std::move(links), scene, settings);
 }
 
-std::optional<FloatingBody> FloatingBody::of_obstacle(const World& world, const std::string& name,
+std::optional<FloatingBody> FloatingBody::of_obstacle(const Scene& scene, const std::string& name,
+                                                      const Transform& X_WO,
                                                       const BodySettings& settings) {
-  const Transform X_OW = world.poses.at(name).inverse();
+  const Transform X_OW = X_WO.inverse();
   AttachedObject object{name, "", {}};
-  for (const Shape& shape : world.scene.find(name)->shapes) {
+  for (const Shape& shape : scene.find(name)->shapes) {
     object.shapes.push_back(transformed(X_OW, shape));
   }
   const auto spheres = approximate_object(std::move(object));
-  Scene scene = world.scene;
-  if (!spheres || !scene.remove(name)) return std::nullopt;
+  Scene others = scene;
+  if (!spheres || !others.remove(name)) return std::nullopt;
   return make({{name, -1, spheres->spheres, spheres->capsules, {}, spheres->approximation}},
-              std::move(scene), settings);
+              std::move(others), settings);
 }
 
 std::vector<std::uint8_t> FloatingBody::find_free(const std::vector<Transform>& poses,
