@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <optional>
 
 namespace mneme::internal {
 namespace {
@@ -135,10 +136,10 @@ class OctreeReader {
   AxisBox known_;
 };
 
-/// Takes a line off.
-std::string_view take_line(std::string_view& rest) {
+/// Takes a line off, if there is one.
+std::optional<std::string_view> take_line(std::string_view& rest) {
   const std::size_t end = rest.substr(0, kMostHeader).find('\n');
-  if (end == std::string_view::npos) return {};
+  if (end == std::string_view::npos) return std::nullopt;
   const std::string_view line = rest.substr(0, end);
   rest.remove_prefix(end + 1);
   return line;
@@ -151,7 +152,7 @@ std::string_view value_of(std::string_view line, std::string_view key) {
 
 OctreeFormat read_header(std::string_view& rest, const std::string& source) {
   OctreeFormat format;
-  const std::string_view first = take_line(rest);
+  const std::string_view first = take_line(rest).value_or("");
   format.is_binary = first == "# Octomap OcTree binary file";
   if (!format.is_binary && first != "# Octomap OcTree file") {
     throw_failure(
@@ -160,12 +161,13 @@ OctreeFormat read_header(std::string_view& rest, const std::string& source) {
         source);
   }
   std::string_view id;
-  for (std::string_view line = take_line(rest); line != "data"; line = take_line(rest)) {
-    if (line.empty())
+  for (auto line = take_line(rest); line != "data"; line = take_line(rest)) {
+    if (!line) {
       throw_failure(ErrorCode::parse, "{}: expected a header of OctoMap, which ends with data",
                     source);
-    if (const auto value = value_of(line, "id"); !value.empty()) id = value;
-    if (const auto value = value_of(line, "res"); !value.empty()) {
+    }
+    if (const auto value = value_of(*line, "id"); !value.empty()) id = value;
+    if (const auto value = value_of(*line, "res"); !value.empty()) {
       number_from(value.data(), value.data() + value.size(), format.resolution);
     }
   }

@@ -105,6 +105,8 @@ TEST_SUITE("unit") {
           "m.bt: expected the id OcTree or ColorOcTree, got \"CountingOcTree\"");
     CHECK(octree_message("# Octomap OcTree file\nid OcTree\nres 0.1\n") ==
           "m.bt: expected a header of OctoMap, which ends with data");
+    CHECK(octree_message("# Octomap OcTree file\nid OcTree\n# mine\n\nres 0\ndata\n") ==
+          "m.bt: expected a resolution of 0.0001 to 100 m, got 0");
     CHECK(octree_message(octree_header(true, "OcTree", "0")) ==
           "m.bt: expected a resolution of 0.0001 to 100 m, got 0");
     CHECK(octree_message(octree_header(true)) == "m.bt: has no occupied leaf");
