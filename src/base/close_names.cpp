@@ -5,11 +5,15 @@
 #include "base/text.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <utility>
 
 namespace mneme::internal {
 namespace {
+
+/// In bytes. An edit distance costs the product of two lengths, and names come from the input.
+constexpr std::size_t kLongestCompared = 64;
 
 char lower_case(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
@@ -42,7 +46,9 @@ std::vector<std::string> close_names(const std::string& name, std::vector<std::s
                                      std::size_t count) {
   std::vector<std::pair<int, std::string>> ranked;
   for (std::string& candidate : names) {
-    ranked.emplace_back(edit_distance(name, candidate), std::move(candidate));
+    const bool is_long = std::max(name.size(), candidate.size()) > kLongestCompared;
+    const int distance = is_long ? std::numeric_limits<int>::max() : edit_distance(name, candidate);
+    ranked.emplace_back(distance, std::move(candidate));
   }
   std::stable_sort(ranked.begin(), ranked.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -58,11 +64,13 @@ std::vector<std::string> close_names(const std::string& name, std::vector<std::s
 namespace mneme {
 
 std::string did_you_mean(std::string_view word, std::span<const std::string> names) {
+  if (word.size() > internal::kLongestCompared) return "";
   const std::string wanted = internal::letters_of(word);
   const std::string* nearest = nullptr;
   const auto letters = static_cast<int>(wanted.size());
   int least = std::min(letters, 2 + letters / 3);
   for (const std::string& name : names) {
+    if (name.size() > internal::kLongestCompared) continue;
     const int distance = internal::edit_distance(wanted, internal::letters_of(name));
     if (distance >= least) continue;
     least = distance;

@@ -38,6 +38,17 @@ TEST_SUITE("unit") {
     CHECK(did_you_mean("c", std::vector<std::string>{"a"}).empty());
     CHECK(did_you_mean("rrt", {}).empty());
   }
+
+  TEST_CASE("names longer than 64 bytes are not compared") {
+    const std::string longest(64, 'a'), longer(65, 'a'), huge(1'000'000, 'a');
+    CHECK(did_you_mean(longest + "b", std::vector{longest}).empty());
+    CHECK(did_you_mean(longest, std::vector{longer}).empty());
+    CHECK(did_you_mean(huge, std::vector{huge + "b"}).empty());
+    CHECK(did_you_mean(std::string(63, 'a'), std::vector{huge, longer, longest}) ==
+          "; did you mean '" + longest + "'?");
+    CHECK(close_names("a", {huge, "b"}, 2) == std::vector<std::string>{"b", huge});
+    CHECK(close_names(huge, {huge, "b"}, 1) == std::vector{huge});
+  }
 }
 
 }  // namespace
