@@ -4,6 +4,7 @@
 
 #include "base/fail.h"
 #include "base/text.h"
+#include "input/elided.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -56,7 +57,7 @@ struct Describe {
   }
   std::string operator()(const InputValue::Text& text) const {
     const auto value = text.is_quoted ? std::nullopt : parse_yaml_number(text.text);
-    return value ? text.text : in_quotes(text.text);
+    return value ? elided(text.text, kLongestName) : in_quotes(text.text);
   }
   std::string operator()(const InputValue::List& list) const {
     return fmt::format("a list of {}", list.size());
@@ -90,8 +91,8 @@ void InputFindings::append_to(std::vector<std::string>& warnings) const {
 std::string Input::place(const std::string& what) const {
   const std::string source =
       value_->line > 0 ? fmt::format("{}:{}", *source_, value_->line) : *source_;
-  return key_.empty() ? fmt::format("{}: {}", source, what)
-                      : fmt::format("{}: key {}: {}", source, key_, what);
+  return key_.empty() ? fmt::format("{}: {}", source, elided(what))
+                      : fmt::format("{}: key {}: {}", source, key_, elided(what));
 }
 
 void Input::fail(ErrorCode code, const std::string& what) const {
@@ -130,7 +131,8 @@ Input Input::inner(const InputValue& value, std::string path) const {
 }
 
 Input Input::child(const InputValue& value, std::string_view key) const {
-  return inner(value, key_.empty() ? std::string(key) : fmt::format("{}.{}", key_, key));
+  const std::string name = elided(key, kLongestName);
+  return inner(value, key_.empty() ? name : fmt::format("{}.{}", key_, name));
 }
 
 const InputValue::Map& Input::map() const {

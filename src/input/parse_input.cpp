@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/text.h"
 #include "base/threads.h"
+#include "input/elided.h"
 #include "input/input.h"
 #include "input/tree_builder.h"
 
@@ -22,7 +23,7 @@
 namespace mneme::internal {
 
 void TreeBuilder::refuse(int line, const std::string& what) const {
-  throw InputFailure{{ErrorCode::parse, fmt::format("{}:{}: {}", source_, line, what)}};
+  throw InputFailure{{ErrorCode::parse, fmt::format("{}:{}: {}", source_, line, elided(what))}};
 }
 
 bool TreeBuilder::is_key_next() const {
@@ -38,7 +39,8 @@ std::optional<int> TreeBuilder::key_line() const {
 void TreeBuilder::set_key(int line, const std::string& key) {
   Level& level = levels_.back();
   if (!level.keys.insert(key).second) {
-    refuse(line, fmt::format("key {}: expected once, got a second time", key));
+    refuse(line,
+           fmt::format("key {}: expected once, got a second time", elided(key, kLongestName)));
   }
   level.key = key;
   level.key_line = line;
@@ -269,7 +271,7 @@ class YamlListener : public YAML::EventHandler {
     }
     tree_.refuse(line, fmt::format("unknown tag {}; expected !degrees or !radians before a number, "
                                    "or no tag",
-                                   tag));
+                                   elided(tag, kLongestName)));
   }
 
   /// The value of a scalar. yaml-cpp gives quoted text the tag "!".
@@ -280,7 +282,7 @@ class YamlListener : public YAML::EventHandler {
       if (!angle) {
         tree_.refuse(line, fmt::format("expected a number or an expression such as pi/6 after {}, "
                                        "got \"{}\"",
-                                       tag, text));
+                                       tag, elided(text, kLongestName)));
       }
       return InputValue::Angle{tag == "!radians" ? *angle : *angle * kDegree};
     }
@@ -405,13 +407,14 @@ class JsonListener : public nlohmann::json_sax<nlohmann::json> {
   bool end_array() override { return close(); }
   bool parse_error(std::size_t, const std::string&,
                    const nlohmann::json::exception& error) override {
+    constexpr std::size_t kLongestJsonError = 400;  // it quotes the number or text
     // "[json.exception.parse_error.101] parse error at line 1, column 2: TEXT"
     std::string_view what = error.what();
     what.remove_prefix(std::min(what.size(), what.find("] ") + 2));
     if (what.starts_with("parse error at ")) {
       what.remove_prefix(std::min(what.size(), what.find(": ") + 2));
     }
-    tree_.refuse(line(), fmt::format("expected JSON: {}", what));
+    tree_.refuse(line(), fmt::format("expected JSON: {}", elided(what, kLongestJsonError)));
   }
 
  private:

@@ -3,6 +3,7 @@
 #include "input/xml_reader.h"
 
 #include "base/text.h"
+#include "input/elided.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -72,7 +73,7 @@ std::vector<const XmlElement*> children(const XmlElement& element, const char* n
 
 void XmlReader::fail(int line, std::string_view what, ErrorCode code) const {
   throw InputFailure{
-      {code, fmt::format("{}:{}: {}", source_, std::max(line, 1), in_context(what))}};
+      {code, fmt::format("{}:{}: {}", source_, std::max(line, 1), elided(in_context(what)))}};
 }
 
 void XmlReader::fail(const XmlElement& element, std::string_view what, ErrorCode code) const {
@@ -87,11 +88,12 @@ void XmlReader::tolerate(int line, const std::string& what, std::string_view fau
                          ErrorCode code) {
   if (is_strict()) fail(line, fault, code);
   ++finding_count_;
-  const auto known = std::ranges::find(findings_, what, &Finding::what);
+  const std::string shown = elided(what);
+  const auto known = std::ranges::find(findings_, shown, &Finding::what);
   if (known != findings_.end()) {
     ++known->count;
   } else if (findings_.size() < kMostNamed) {
-    findings_.push_back({what, line});
+    findings_.push_back({shown, line});
   }
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/files.h"
 #include "base/text.h"
+#include "input/elided.h"
 #include "problem/problem_input.h"
 
 #include <fmt/format.h>
@@ -37,7 +38,7 @@ std::vector<std::string> first_names(std::vector<std::string> names) {
 
 std::size_t find_problem(const std::vector<std::string>& names, const CompactAddress& address) {
   const auto refuse = [&](ErrorCode code, const std::string& what) {
-    throw InputFailure{{code, fmt::format("{}: {}", address.path, what)}};
+    throw InputFailure{{code, fmt::format("{}: {}", address.path, elided(what))}};
   };
   if (names.empty()) refuse(ErrorCode::invalid, "expected at least one problem, got an empty list");
   if (address.name.empty()) {

@@ -5,6 +5,7 @@
 #include "base/fail.h"
 #include "geometry/parts.h"
 #include "geometry/solids.h"
+#include "input/elided.h"
 #include "scene/compound_files.h"
 #include "scene/scene_input.h"
 
@@ -17,7 +18,8 @@ namespace mneme {
 namespace {
 
 tl::unexpected<Error> refuse_edit(std::string_view name, std::string_view what) {
-  return fail(ErrorCode::invalid, "obstacle \"{}\": {}", name, what);
+  return fail(ErrorCode::invalid, "obstacle \"{}\": {}",
+              internal::elided(name, internal::kLongestName), internal::elided(what));
 }
 
 tl::unexpected<Error> refuse_unknown(const Scene& scene, std::string_view name) {
@@ -35,7 +37,8 @@ auto* find_in(Obstacles& obstacles, std::string_view name) {
 Result<void> internal::check_shapes(const Obstacle& obstacle) {
   for (const Shape& shape : obstacle.shapes) {
     if (const std::string_view flaw = find_flaw(shape); !flaw.empty()) {
-      return fail(ErrorCode::invalid, "obstacle '{}': {}", obstacle.name, said_of(shape, flaw));
+      return fail(ErrorCode::invalid, "obstacle '{}': {}", elided(obstacle.name, kLongestName),
+                  said_of(shape, flaw));
     }
     const auto* cloud = std::get_if<PointCloud>(&shape);
     if (cloud == nullptr) continue;
@@ -46,8 +49,9 @@ Result<void> internal::check_shapes(const Obstacle& obstacle) {
 
 Result<void> check_point_count(std::string_view obstacle, std::size_t points) {
   if (points <= internal::kMaxCloudPoints) return {};
-  return fail(ErrorCode::unsupported, "obstacle '{}': expected at most {} points, got {}", obstacle,
-              internal::kMaxCloudPoints, points);
+  return fail(ErrorCode::unsupported, "obstacle '{}': expected at most {} points, got {}",
+              internal::elided(obstacle, internal::kLongestName), internal::kMaxCloudPoints,
+              points);
 }
 
 const Obstacle* Scene::find(std::string_view obstacle) const {

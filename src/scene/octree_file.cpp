@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "geometry/axis_box.h"
 #include "scene/compound_files.h"
+#include "input/elided.h"
 #include "input/input.h"
 
 #include <fmt/format.h>
@@ -174,7 +175,7 @@ OctreeFormat read_header(std::string_view& rest, const std::string& source) {
   format.is_colored = id == "ColorOcTree";
   if (id != "OcTree" && !format.is_colored) {
     throw_failure(ErrorCode::unsupported, "{}: expected the id OcTree or ColorOcTree, got \"{}\"",
-                  source, id);
+                  source, elided(id, kLongestName));
   }
   return format;
 }

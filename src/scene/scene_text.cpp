@@ -3,6 +3,7 @@
 #include "base/fail.h"
 #include "base/text.h"
 #include "geometry/tolerated.h"
+#include "input/elided.h"
 #include "scene/moveit_scene.h"
 #include "scene/scene_input.h"
 
@@ -177,7 +178,7 @@ class SceneText {
       const Shape shape = read_shape(name, X_RO);
       for (int i = 0; i < 4; ++i) static_cast<void>(read_number());  // its colour
       if (const auto wrong = scene_.add("", name, shape)) {
-        throw_failure(ErrorCode::parse, "{}:{}: {}", source_, line, *wrong);
+        throw_failure(ErrorCode::parse, "{}:{}: {}", source_, line, elided(*wrong));
       }
     }
     if (has_poses_) skip_subframes();
@@ -198,7 +199,7 @@ class SceneText {
   template <class... Args>
   [[noreturn]] void fail(ErrorCode code, fmt::format_string<Args...> what, Args&&... args) const {
     throw_failure(code, "{}:{}: {}", source_, line_,
-                  fmt::format(what, std::forward<Args>(args)...));
+                  elided(fmt::format(what, std::forward<Args>(args)...)));
   }
 
   std::string_view rest_;

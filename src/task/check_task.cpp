@@ -3,6 +3,7 @@
 #include "mneme/task.h"
 
 #include "base/fail.h"
+#include "input/elided.h"
 #include "task/groups.h"
 #include "task/world.h"
 
@@ -229,8 +230,11 @@ class TaskCheck {
 }  // namespace internal
 
 Result<void> check_task(const Task& task) {
-  MNEME_TRY(internal::TaskCheck(task).check());
-  return internal::make_groups(task).map([](const auto&) {});
+  const auto elide = [](const Error& error) {
+    return Error{error.code, internal::elided(error.message)};
+  };
+  MNEME_TRY(internal::TaskCheck(task).check().map_error(elide));
+  return internal::make_groups(task).map([](const auto&) {}).map_error(elide);
 }
 
 std::string_view to_string(StageKind kind) {

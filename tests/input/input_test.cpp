@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/base.h"
 
+#include "input/elided.h"
 #include "input/input.h"
 #include "input/tree_builder.h"
 #include "support/support.h"
@@ -126,6 +127,44 @@ TEST_SUITE("unit") {
   TEST_CASE("a long text is cut in the message") {
     CHECK(failure(std::string(1000, 'x'), [](const Input& i) { static_cast<void>(i.number()); }) ==
           "f:1: expected a number, got \"" + std::string(40, 'x') + "...\"");
+  }
+
+  TEST_CASE("a message quotes begin and end of a long key, name or number") {
+    const auto number = [](const Input& i) { static_cast<void>(i.number()); };
+    const std::string key(1'000'000, 'k'), digits = "0." + std::string(1'000'000, '1');
+    const std::string shown = std::string(67, 'k') + "..." + std::string(33, 'k');
+    CHECK(failure(key + ": 1\n", [](const Input& i) { i.allow_keys({"a"}); }) ==
+          "f:1: key " + shown + ": unknown key, expected one of a");
+    CHECK(failure(key + ": {b: x}\n", [&](const Input& i) {
+            number(i.entries()[0].second.at("b"));
+          }) == "f:1: key " + shown + ".b: expected a number, got \"x\"");
+    CHECK(failure(key + ": 1\n" + key + ": 2\n", [](const Input&) {}) ==
+          "f:2: key " + shown + ": expected once, got a second time");
+    CHECK(failure(digits, [](const Input& i) { static_cast<void>(i.text_or("a", "")); }).size() <
+          200);
+    const std::string message = failure("1", [&](const Input& i) {
+      i.fail(ErrorCode::invalid, "there is no link {}; name another", key);
+    });
+    CHECK(message.size() < 5000);
+    CHECK(message.starts_with("f:1: there is no link kkk"));
+    CHECK(message.ends_with("kkk; name another"));
+  }
+
+  TEST_CASE("an error of JSON quotes long texts and numbers in part") {
+    const std::string digits(1'000'000, '1');
+    for (const std::string& json : {"[" + digits + "]", "[" + digits + "x]", "[\"" + digits}) {
+      const auto result =
+          internal::without_throwing([&] { return internal::parse_json(json, kSource); });
+      REQUIRE_FALSE(result.has_value());
+      CHECK(result.error().message.starts_with("f:1: expected JSON: "));
+      CHECK(result.error().message.size() < 1000);
+    }
+  }
+
+  TEST_CASE("a text is not cut within a character") {
+    CHECK(internal::elided("123456", 6) == "123456");
+    CHECK(internal::elided("1234567", 6) == "1234...67");
+    CHECK(internal::elided("123\xc3\xa4-\xc3\xa4\x37", 6) == "123...7");
   }
 }
 

@@ -66,6 +66,14 @@ TEST_SUITE("unit") {
         "stage 'b': it stands between a move without a goal and the line");
   }
 
+  TEST_CASE("a message quotes begin and end of a long name") {
+    const std::string name(100'000, 'x');
+    const std::string message = load_failure(stages("{detach: " + name + "}"));
+    CHECK(contains(message, "expected a held object to detach, got 'xxx"));
+    CHECK(contains(message, "xxx'; held is nothing"));
+    CHECK(message.size() < 5000);
+  }
+
   TEST_CASE("turns in degrees are refused") {
     const std::string message = load_failure(
         stages("{move: {link: panda_hand, to: {vary: [{turn: z, from: -180, to: 180, count: "
