@@ -171,7 +171,7 @@ class Input {
 /// Parses the one document of `yaml`; empty ones may follow. `source` names it in messages. The
 /// tags !degrees and !radians of an angle such as 30 or pi/6, and deg(ANGLE) and rad(ANGLE), give
 /// InputValue::Angle; merge keys << are expanded. Throws InputFailure, also for other tags, a
-/// repeated key and more than 4 million values with aliases expanded.
+/// repeated key and more than 4 million values, with copies for anchors and aliases.
 [[nodiscard]] InputValue parse_yaml(std::string_view yaml, const std::string& source);
 
 /// Parses JSON with lines; `source` names it in messages. Throws InputFailure.

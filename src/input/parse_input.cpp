@@ -18,6 +18,7 @@
 #include <iterator>
 #include <map>
 #include <numbers>
+#include <span>
 #include <sstream>
 
 namespace mneme::internal {
@@ -64,13 +65,12 @@ void TreeBuilder::merge() {
   const auto merged = std::ranges::find(*map, kMergeKey, &InputEntry::key);
   InputValue base = std::move(merged->value);
   map->erase(merged);
-  InputValue::List maps{base};
-  if (auto* list = std::get_if<InputValue::List>(&base.content)) maps = std::move(*list);
-  for (const InputValue& each : maps) {
-    const auto* entries = std::get_if<InputValue::Map>(&each.content);
+  auto* list = std::get_if<InputValue::List>(&base.content);
+  for (InputValue& each : list != nullptr ? std::span(*list) : std::span(&base, 1)) {
+    auto* entries = std::get_if<InputValue::Map>(&each.content);
     if (entries == nullptr) refuse(base.line, "key <<: expected a map or a list of maps");
-    for (const InputEntry& entry : *entries) {
-      if (level.keys.insert(entry.key).second) map->push_back(entry);
+    for (InputEntry& entry : *entries) {
+      if (level.keys.insert(entry.key).second) map->push_back(std::move(entry));
     }
   }
 }
@@ -90,27 +90,39 @@ const InputValue& TreeBuilder::close() {
   return list.back();
 }
 
-void TreeBuilder::count(int line, int values) {
+void TreeBuilder::count(int line, int values, std::string_view what) {
   constexpr int kPollInterval = 4096;
   if (values > max_values_ - values_) {
-    refuse(line, fmt::format("expected at most {} values", max_values_));
+    refuse(line, fmt::format("expected at most {} values{}", max_values_, what));
   }
+  const int polls = values_ / kPollInterval;
   values_ += values;
-  if (values_ % kPollInterval == 0) poll_interrupt();
+  if (values_ / kPollInterval != polls) poll_interrupt();
 }
 
 namespace {
 
 int line_of(const YAML::Mark& mark) { return mark.line + 1; }
 
-int count_values(const InputValue& value) {
-  int count = 1;
+/// In values: one for each 64 bytes.
+int cost_of(const std::string& text) {
+  constexpr std::size_t kBytes = 64;
+  return static_cast<int>(text.size() / kBytes);
+}
+
+/// The cost of a copy in values. A key is one, too, and a long text is several.
+int cost_of_copy(const InputValue& value) {
+  int cost = 1;
   if (const auto* list = std::get_if<InputValue::List>(&value.content)) {
-    for (const InputValue& item : *list) count += count_values(item);
+    for (const InputValue& item : *list) cost += cost_of_copy(item);
   } else if (const auto* map = std::get_if<InputValue::Map>(&value.content)) {
-    for (const InputEntry& entry : *map) count += count_values(entry.value);
+    for (const InputEntry& entry : *map) {
+      cost += 1 + cost_of(entry.key) + cost_of_copy(entry.value);
+    }
+  } else if (const auto* text = std::get_if<InputValue::Text>(&value.content)) {
+    cost += cost_of(text->text);
   }
-  return count;
+  return cost;
 }
 
 /// Computes a text of numbers, pi, parentheses and + - * /, such as "2*pi/3".
@@ -245,13 +257,22 @@ class YamlListener : public YAML::EventHandler {
     if (anchored == anchored_.end()) {
       tree_.refuse(line_of(mark), "expected an alias outside of the value that it names");
     }
-    tree_.count(line_of(mark), count_values(anchored->second) - 1);
-    open(line_of(mark), anchored->second.content, 0);
+    const auto& [value, cost] = anchored->second;
+    tree_.count(line_of(mark), cost - 1, kCopies);
+    open(line_of(mark), value.content, 0);
     close();
   }
 
  private:
   static constexpr std::string_view kCore = "tag:yaml.org,2002:";
+  static constexpr std::string_view kCopies =
+      ", with a copy for each anchor and alias, in which keys and each 64 bytes of a text count; "
+      "use fewer anchors and aliases, or put less into the anchored values";
+
+  struct Anchored {
+    InputValue value;
+    int cost = 0;  ///< of a copy, in values
+  };
 
   /// `ros2 topic echo` ends each message with ---, which begins an empty document.
   void refuse_second_document(const YAML::Mark& mark) const {
@@ -301,13 +322,17 @@ class YamlListener : public YAML::EventHandler {
   void close() {
     tree_.merge();
     const InputValue& value = tree_.close();
-    if (anchors_.back() != 0) anchored_[anchors_.back()] = value;
+    if (anchors_.back() != 0) {
+      const int cost = cost_of_copy(value);
+      tree_.count(value.line, cost, kCopies);
+      anchored_[anchors_.back()] = {value, cost};
+    }
     anchors_.pop_back();
   }
 
   TreeBuilder& tree_;
   std::vector<YAML::anchor_t> anchors_;  ///< of the values that are open, 0 for none
-  std::map<YAML::anchor_t, InputValue> anchored_;
+  std::map<YAML::anchor_t, Anchored> anchored_;
   int documents_ = 0;
 };
 
@@ -325,7 +350,7 @@ std::optional<int> find_tab(std::string_view yaml) {
 }  // namespace
 
 InputValue parse_yaml(std::string_view yaml, const std::string& source) {
-  // Aliases can make a small text a huge tree.
+  // Aliases and anchors can make a small text a huge tree.
   constexpr int kMaxValues = 4'000'000;
   if (auto simple = parse_simple_yaml(yaml, source, kMaxValues)) return *std::move(simple);
   TreeBuilder tree(source, kMaxValues);

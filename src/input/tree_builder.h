@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mneme::internal {
@@ -37,8 +38,8 @@ class TreeBuilder {
   void merge();
   /// Ends the innermost value. The reference is valid until the next call.
   const InputValue& close();
-  /// Adds `values` to the count that is limited.
-  void count(int line, int values);
+  /// Adds `values` to the count that is limited. `what` follows "values" in the message.
+  void count(int line, int values, std::string_view what = "");
 
   [[nodiscard]] InputValue take() { return std::move(root_); }
 

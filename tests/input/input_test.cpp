@@ -515,6 +515,31 @@ TEST_SUITE("unit") {
     }
     CHECK(contains(yaml_failure(bomb), "expected at most 4000000 values"));
   }
+
+  TEST_CASE("copies for anchors and aliases count, with keys and long texts") {
+    const auto repeated = [](const std::string& text, int count) {
+      std::string all;
+      for (int i = 0; i < count; ++i) all += text;
+      return all;
+    };
+    const std::string refusal = "expected at most 4000000 values, with a copy for each anchor";
+    const std::string text = "a: &a '" + std::string(64'000, 'x') + "'\nb:\n  [";
+    CHECK(yaml_failure(text + repeated("*a, ", 100) + "1]").empty());
+    const std::string message = yaml_failure(text + repeated("*a, ", 4000) + "1]");
+    CHECK_MESSAGE(message.starts_with("f.yaml:3: " + refusal), message);
+    CHECK_MESSAGE(message.ends_with("or put less into the anchored values"), message);
+    // Lists within lists, each anchored, are copied once for each level.
+    std::string nested;
+    for (int i = 0; i < 50; ++i) nested += fmt::format("&a{} [", i);
+    const std::string end(50, ']');
+    CHECK(yaml_failure(nested + repeated("1, ", 1000) + end).empty());
+    CHECK(contains(yaml_failure(nested + repeated("1, ", 100'000) + end), refusal));
+    std::string merged = "a: &a {";
+    for (int i = 0; i < 1000; ++i) merged += fmt::format("k{}: 1, ", i);
+    merged += "}\nb: {<<: [";
+    CHECK(yaml_failure(merged + repeated("*a, ", 1000) + "]}").empty());
+    CHECK(contains(yaml_failure(merged + repeated("*a, ", 2000) + "]}"), refusal));
+  }
 }
 
 const std::string kTextSource = "f";
