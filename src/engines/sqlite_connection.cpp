@@ -229,6 +229,16 @@ Result<void> Connection::enter_wal_mode() {
   }
 }
 
+Result<void> Connection::check_in_place() {
+  int has_moved = 0;  // stays so for a database in memory
+  sqlite3_file_control(handle_.get(), "main", SQLITE_FCNTL_HAS_MOVED, &has_moved);
+  if (has_moved == 0) return {};
+  return fail(ErrorCode::io,
+              "{}: was removed, renamed or replaced since it was opened, so no rows can be stored; "
+              "put the file back, or restart to open the file that is there now",
+              *path_);
+}
+
 bool Connection::is_read_only() const { return sqlite3_db_readonly(handle_.get(), "main") == 1; }
 
 namespace {
@@ -256,9 +266,11 @@ Transaction::~Transaction() {
 }
 
 Result<void> Transaction::commit() {
-  auto committed = connection_->execute("COMMIT");
-  if (committed) connection_ = nullptr;
-  return committed;
+  // Before, because the log at the path may be another file's; after, because only then do rows of
+  // this commit last.
+  MNEME_TRY(connection_->check_in_place());
+  MNEME_TRY(connection_->execute("COMMIT"));
+  return std::exchange(connection_, nullptr)->check_in_place();
 }
 
 }  // namespace mneme::internal

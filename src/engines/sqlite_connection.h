@@ -90,6 +90,8 @@ class Connection {
   [[nodiscard]] Result<std::int64_t> integer(std::string_view sql);
   /// Switches the file to a write-ahead log, if the file system supports one.
   [[nodiscard]] Result<void> enter_wal_mode();
+  /// Error: io if the path no longer leads to the open file, which others will not find then.
+  [[nodiscard]] Result<void> check_in_place();
   /// True if this process has read access only.
   [[nodiscard]] bool is_read_only() const;
   /// Copies the database into memory; the copy lives as long as its connection.
@@ -119,6 +121,7 @@ class Transaction {
   Transaction(Transaction&& other) noexcept;
   Transaction& operator=(Transaction&&) = delete;
   ~Transaction();
+  /// Errors: also those of Connection::check_in_place().
   [[nodiscard]] Result<void> commit();
 
  private:

@@ -219,8 +219,9 @@ class SqliteStore final : public Store {
   SqliteStore& operator=(const SqliteStore&) = delete;
   ~SqliteStore() override {
     const std::string file = connection_.lasting_path();
+    const bool is_in_place = connection_.check_in_place().has_value();
     { const Connection closed = std::move(connection_); }  // the last one merges the log
-    if (mode_ != OpenMode::read_only) settle_record(file);
+    if (mode_ != OpenMode::read_only && is_in_place) settle_record(file);
   }
 
   const std::string& name() const override { return connection_.path(); }

@@ -246,6 +246,47 @@ TEST_SUITE("unit") {
     REQUIRE(open_database(path).insert(random_rows(rng, 1)));
     CHECK(open_database(path, OpenMode::read_only).size() == 1);
   }
+
+  TEST_CASE("rows are not acknowledged once their file was removed, renamed or replaced") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db", other = directory / "b.db";
+    Rng rng(2);
+    std::function<void()> take_away = [&] { std::filesystem::remove(path); };
+    SUBCASE("removed") {}
+    SUBCASE("renamed") {
+      take_away = [&] { std::filesystem::rename(path, other); };
+    }
+    SUBCASE("replaced") {
+      { REQUIRE(open_database(other).insert(random_rows(rng, 3))); }
+      take_away = [&] { std::filesystem::rename(other, path); };
+    }
+    Database database = open_database(path);
+    REQUIRE(database.insert(random_rows(rng, 2)));
+    take_away();
+    for (int i = 0; i < 2; ++i) {
+      const Error error = require_error(database.insert(random_rows(rng, 1)));
+      CHECK(error.code == ErrorCode::io);
+      CHECK(error.message.find(path) == 0);
+      CHECK_MESSAGE(contains(error.message, "removed, renamed or replaced"), error.message);
+    }
+    CHECK(database.size() == 2);
+  }
+
+  TEST_CASE("rows are stored again once their file is back, and wait meanwhile") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db", other = directory / "b.db";
+    Rng rng(3);
+    Database database = open_database(path);
+    REQUIRE(database.insert(random_rows(rng, 2)));
+    std::filesystem::rename(path, other);
+    REQUIRE(database.insert_later(random_rows(rng, 1)));
+    CHECK_FALSE(database.flush(0.1).has_value());
+    CHECK(database.queued_rows().stored == 0);
+    CHECK(database.queued_rows().waiting == 1);
+    std::filesystem::rename(other, path);
+    REQUIRE(database.flush());
+    CHECK(open_database(path, OpenMode::read_only).size() == 3);
+  }
 }
 
 }  // namespace mneme::test
