@@ -20,6 +20,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <pthread.h>
@@ -68,25 +70,46 @@ Result<std::shared_ptr<Database>> open_database(const ServeOptions& options, con
   });
 }
 
+/// The report of rows that are lost when the process ends, made once. Thread-safe.
+class LastReport {
+ public:
+  explicit LastReport(const std::shared_ptr<const Database>& database) : database_(database) {}
+  /// Reports rows that are not stored, unless that was done. Returns the process's exit code.
+  ExitCode make() {
+    const std::lock_guard lock(mutex_);
+    if (code_) return *code_;
+    const auto database = database_.lock();
+    const std::string lost = database == nullptr ? "" : describe_lost_rows(database->queued_rows());
+    if (!lost.empty()) print_note(lost);
+    code_ = lost.empty() ? ExitCode::done : ExitCode::failure;
+    return *code_;
+  }
+
+ private:
+  std::weak_ptr<const Database> database_;
+  std::mutex mutex_;
+  std::optional<ExitCode> code_;
+};
+
 /// Waits for SIGTERM or Control-C in a thread of its own, from construction on. After a signal the
-/// process ends within kMostStop, whatever still runs: memory loses nothing that was acknowledged.
-/// A second signal ends it at once.
+/// process ends within kMostStop, whatever still runs, and reports the rows that it loses. A second
+/// signal ends it at once.
 class StopSignal {
  public:
-  StopSignal() {
+  explicit StopSignal(std::shared_ptr<LastReport> report) {
     sigset_t signals;
     sigemptyset(&signals);
     sigaddset(&signals, SIGTERM);
     sigaddset(&signals, SIGINT);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-    std::thread([signals, arrived = arrived_] {
+    std::thread([signals, arrived = arrived_, last_report = std::move(report)] {
       int number = 0;
       sigwait(&signals, &number);
       pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
       arrived->test_and_set();
       arrived->notify_all();
       std::this_thread::sleep_for(kMostStop);
-      std::_Exit(0);
+      std::_Exit(static_cast<int>(last_report->make()));
     }).detach();
   }
   void wait() { arrived_->wait(false); }
@@ -133,16 +156,14 @@ Result<ExitCode> run_serve(const ServeOptions& options) {
   settings.robot_path = robot_file(options.robot).value_or("");
   settings.package_paths = options.robot_options.package_paths;
 
-  StopSignal stop_signal;
+  const auto report = std::make_shared<LastReport>(database);
+  StopSignal stop_signal(report);
   auto service = MNEME_TRY(Service::start(robot, database, settings));
   fmt::print("serving {} at {}\n", robot.name(), service.address());
   std::fflush(stdout);
   stop_signal.wait();
   service.stop();
-  if (database == nullptr) return ExitCode::done;
-  const std::string lost = describe_lost_rows(database->queued_rows());
-  if (!lost.empty()) print_note(lost);
-  return ExitCode::done;
+  return report->make();
 }
 
 }  // namespace

@@ -438,6 +438,7 @@ Result<std::vector<std::int64_t>> Database::insert(std::vector<Experience> rows,
 
 Result<void> Database::State::queue_rows(std::int64_t count, internal::WriteQueue::Make make) {
   if (!is_writable) return fail(ErrorCode::io, "{}: is open for reading only", url);
+  if (*stop) return fail(ErrorCode::io, "{}: takes no more rows, because it is being closed", url);
   if (count > 0) queue.push(count, std::move(make));
   return {};
 }

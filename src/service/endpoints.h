@@ -69,7 +69,8 @@ class Endpoints {
   [[nodiscard]] Metrics& metrics() { return metrics_; }
   /// Loads new rows of other processes from the database.
   void refresh_memory();
-  /// Stores queued rows as far as `patience_s` allows, and ends calls that wait for a server.
+  /// Stores queued rows as far as `patience_s` allows, ends calls that wait for a server, and
+  /// refuses later rows.
   void leave_memory(double patience_s);
   /// Makes health() report "stopping" and ends learning in idle time.
   void set_stopping();

@@ -229,8 +229,9 @@ class Service::State {
     server_.wait(kGrace);
     server_.cancel_all();
     server_.wait(kGoodbye);
-    server_.join();
+    // Before join(), which waits for requests that do not notice that they are cancelled.
     endpoints_.leave_memory(std::max(kLeastFlush, kLastRow - stopwatch.elapsed_s()));
+    server_.join();
     if (refresher_.joinable()) refresher_.join();
   }
 

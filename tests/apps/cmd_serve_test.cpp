@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <sqlite3.h>
+
 #include <cstring>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -41,9 +43,36 @@ class SocketClient {
       sent += static_cast<std::size_t>(count);
     }
   }
+  /// What has come once it contains `end`, or the service has closed the connection.
+  [[nodiscard]] std::string hear(const std::string& end) const {
+    std::string text;
+    char buffer[4096];
+    while (!contains(text, end)) {
+      const ssize_t count = recv(socket_, buffer, sizeof buffer, 0);
+      if (count <= 0) break;
+      text.append(buffer, static_cast<std::size_t>(count));
+    }
+    return text;
+  }
 
  private:
   int socket_;
+};
+
+/// Keeps other processes from writing a new database.
+class LockedFile {
+ public:
+  explicit LockedFile(const std::string& path) {
+    REQUIRE(sqlite3_open(path.c_str(), &handle_) == SQLITE_OK);
+    sqlite3_busy_timeout(handle_, 60000);
+    REQUIRE(sqlite3_exec(handle_, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr) == SQLITE_OK);
+  }
+  LockedFile(const LockedFile&) = delete;
+  LockedFile& operator=(const LockedFile&) = delete;
+  ~LockedFile() { sqlite3_close(handle_); }
+
+ private:
+  sqlite3* handle_ = nullptr;
 };
 
 /// A plan in front of a large mesh, which takes long to read and to prepare.
@@ -83,6 +112,27 @@ TEST_SUITE("flow") {
     // A second is promised; a machine that runs other tests may be late.
     CHECK(stopwatch.elapsed_s() < 3);
     CHECK_FALSE(std::filesystem::exists(socket));
+  }
+
+  TEST_CASE("a service that is stopped with queued rows says how many it loses, and fails") {
+    if (run_program({"serve", "--help"}).exit_code != 0) return;
+    const TemporaryDirectory files;
+    const std::string socket = files / "s", db = files / "m.db";
+    RunningProgram program({"serve", "--robot", "planar8", "--listen", "unix:" + socket, "--db", db,
+                            "--remember-after", "0", "--refresh", "0.01"});
+    const SocketClient client(socket);
+    const LockedFile locked(db);
+    client.post("/v1/plan",
+                R"({"start": [0,0,0,0,0,0,0,0], "goal": [1,0,0,0,0,0,0,0],
+                    "circles": [[6,2.5,1.2]], "settings": {"timeout": 50, "kind": "paths"}})");
+    const std::string heard = client.hear("\"queued\"");
+    CHECK_MESSAGE(contains(heard, "\"queued\""), heard);
+    const Stopwatch stopwatch;
+    program.send(SIGTERM);
+    const ProgramRun run = program.wait();
+    CHECK(run.exit_code == 1);
+    CHECK_MESSAGE(contains(run.err, "remembered rows were lost: "), run.err);
+    CHECK(stopwatch.elapsed_s() < 3);
   }
 }
 

@@ -242,6 +242,11 @@ TEST_SUITE("unit") {
     database.stop_waiting();
     REQUIRE(database.flush());
     CHECK(database.queued_rows().lost == 1);
+    Rng rng(58);
+    const Error error = require_error(database.insert_later(random_rows(rng, 1)));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(contains(error.message, "takes no more rows"));
+    CHECK(database.queued_rows().waiting == 0);
   }
 
   TEST_CASE("an empty file counts as an empty database") {
