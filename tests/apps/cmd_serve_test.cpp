@@ -5,7 +5,6 @@
 #include "apps/run_program.h"
 
 #include <fmt/format.h>
-
 #include <sqlite3.h>
 
 #include <cstring>
