@@ -108,9 +108,9 @@ void EndMotions::check_exactly(std::span<const Touch> touches) {
   };
   for (const Touch& touch : touches) {
     if (touch.is_self || !is_approximated(touch.link)) continue;
-    for (ObstacleShape& shape :
-         std::ranges::equal_range(shapes_, touch.other, {}, &ObstacleShape::obstacle)) {
-      shape.exact_links.push_back(touch.link);
+    auto shape = std::ranges::lower_bound(shapes_, touch.other, {}, &ObstacleShape::obstacle);
+    for (; shape != shapes_.end() && shape->obstacle == touch.other; ++shape) {
+      shape->exact_links.push_back(touch.link);
     }
   }
   for (LinkPair& pair : pairs_) {
