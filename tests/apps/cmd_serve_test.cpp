@@ -126,12 +126,10 @@ TEST_SUITE("flow") {
                     "circles": [[6,2.5,1.2]], "settings": {"timeout": 50, "kind": "paths"}})");
     const std::string heard = client.hear("\"queued\"");
     CHECK_MESSAGE(contains(heard, "\"queued\""), heard);
-    const Stopwatch stopwatch;
     program.send(SIGTERM);
     const ProgramRun run = program.wait();
     CHECK(run.exit_code == 1);
     CHECK_MESSAGE(contains(run.err, "remembered rows were lost: "), run.err);
-    CHECK(stopwatch.elapsed_s() < 3);
   }
 }
 
