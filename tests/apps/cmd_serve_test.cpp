@@ -3,9 +3,9 @@
 
 #include "inputs.h"
 #include "apps/run_program.h"
+#include "support/write_lock.h"
 
 #include <fmt/format.h>
-#include <sqlite3.h>
 
 #include <cstring>
 #include <sys/socket.h>
@@ -58,22 +58,6 @@ class SocketClient {
   int socket_;
 };
 
-/// Keeps other processes from writing a new database.
-class LockedFile {
- public:
-  explicit LockedFile(const std::string& path) {
-    REQUIRE(sqlite3_open(path.c_str(), &handle_) == SQLITE_OK);
-    sqlite3_busy_timeout(handle_, 60000);
-    REQUIRE(sqlite3_exec(handle_, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr) == SQLITE_OK);
-  }
-  LockedFile(const LockedFile&) = delete;
-  LockedFile& operator=(const LockedFile&) = delete;
-  ~LockedFile() { sqlite3_close(handle_); }
-
- private:
-  sqlite3* handle_ = nullptr;
-};
-
 /// A plan in front of a large mesh, which takes long to read and to prepare.
 std::string large_request() {
   std::string numbers = "0, 0, 9, 0, 1, 9, 1, 0, 9";
@@ -120,7 +104,7 @@ TEST_SUITE("flow") {
     RunningProgram program({"serve", "--robot", "planar8", "--listen", "unix:" + socket, "--db", db,
                             "--remember-after", "0", "--refresh", "0.01"});
     const SocketClient client(socket);
-    const LockedFile locked(db);
+    const WriteLock lock(db);
     client.post("/v1/plan",
                 R"({"start": [0,0,0,0,0,0,0,0], "goal": [1,0,0,0,0,0,0,0],
                     "circles": [[6,2.5,1.2]], "settings": {"timeout": 50, "kind": "paths"}})");

@@ -1,28 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/planar_memory.h"
-
-#include <sqlite3.h>
+#include "support/write_lock.h"
 
 namespace mneme::test {
-namespace {
-
-/// Locks a database file against writing, as another process may.
-class WriteLock {
- public:
-  explicit WriteLock(const std::string& path) {
-    REQUIRE(sqlite3_open(path.c_str(), &handle_) == SQLITE_OK);
-    REQUIRE(sqlite3_exec(handle_, "BEGIN IMMEDIATE", nullptr, nullptr, nullptr) == SQLITE_OK);
-  }
-  WriteLock(const WriteLock&) = delete;
-  WriteLock& operator=(const WriteLock&) = delete;
-  ~WriteLock() { sqlite3_close(handle_); }
-
- private:
-  sqlite3* handle_ = nullptr;
-};
-
-}  // namespace
 
 TEST_SUITE("flow") {
   TEST_CASE("a study ends with an error where its rows cannot be stored, and keeps them queued") {
