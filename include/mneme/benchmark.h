@@ -32,8 +32,8 @@ namespace mneme {
 /// or an entry of a suite.
 struct SuiteProblems {
   std::string where;       ///< A file, FILE.json#NAME, SCENE.yaml,REQUEST.yaml or a directory.
-  std::string set;         ///< Name of the problems' group. Empty: the name of the file.
-  std::string part;        ///< "I/N": every N-th problem, from the I-th on. Empty: all.
+  std::string set = {};    ///< Name of the problems' group. Empty: the name of the file.
+  std::string part = {};   ///< "I/N": every N-th problem, from the I-th on. Empty: all.
   std::string robot = {};  ///< URDF that replaces the problems' robot. Empty: no replacement.
   std::string srdf = {};   ///< SRDF of `robot`. Empty: the SRDF beside that URDF.
 };
@@ -79,11 +79,11 @@ struct LoadedProblem {
 /// One configuration to run on each problem with each seed.
 struct BenchCase {
   std::string setting;
-  std::string memory;             ///< name of the memory
-  std::vector<std::string> sets;  ///< sets of problems; empty: all
-  SolveSettings settings;         ///< with planner and sampler
-  std::string description;        ///< the settings as text, for BenchmarkRow::settings
-  bool is_serial = false;         ///< never two runs at once: PlannerEntry::is_exclusive
+  std::string memory = {};             ///< name of the memory
+  std::vector<std::string> sets = {};  ///< sets of problems; empty: all
+  SolveSettings settings = {};         ///< with planner and sampler
+  std::string description = {};        ///< the settings as text, for BenchmarkRow::settings
+  bool is_serial = false;              ///< never two runs at once: PlannerEntry::is_exclusive
 
   [[nodiscard]] bool is_of_set(const std::string& set) const {
     return sets.empty() || std::find(sets.begin(), sets.end(), set) != sets.end();
@@ -121,7 +121,7 @@ struct BenchPlan {
   /// one job.
   int hopeless_after = 0;
   /// Databases by name of the memory and hash of the robot.
-  std::map<std::pair<std::string, std::string>, std::shared_ptr<Database>> memories;
+  std::map<std::pair<std::string, std::string>, std::shared_ptr<Database>> memories = {};
   SolveRun solve = solve_case;
   const std::atomic<bool>* cancel = nullptr;  ///< cancels the current run, which leaves no row
 
@@ -175,32 +175,33 @@ using OnRows = std::function<void(std::span<const BenchmarkRow> rows, std::size_
 /// A database of a suite: an existing file, or one that is learned first.
 struct SuiteMemory {
   std::string name;
-  std::string file;                     ///< An existing database. Empty: learned.
-  std::string robot;                    ///< Robot of `primitives`: a URDF file or a name.
-  std::string primitives;               ///< File of a grid of primitives (load_grid()).
-  std::optional<int> count;             ///< Number of primitives. Default: the grid's.
-  std::vector<SuiteProblems> problems;  ///< Problems to solve with uniform samples and learn from.
-  std::optional<std::string> kind;      ///< Kind for `problems`. Default: default_kind_of_paths().
-  int paths = 5;                        ///< Paths per problem.
-  double path_timeout_s = 10;           ///< Time limit per path, seconds.
+  std::string file = {};          ///< An existing database. Empty: learned.
+  std::string robot = {};         ///< Robot of `primitives`: a URDF file or a name.
+  std::string primitives = {};    ///< File of a grid of primitives (load_grid()).
+  std::optional<int> count = {};  ///< Number of primitives. Default: the grid's.
+  /// Problems to solve with uniform samples and learn from.
+  std::vector<SuiteProblems> problems = {};
+  std::optional<std::string> kind = {};  ///< Kind for `problems`. Default: default_kind_of_paths().
+  int paths = 5;                         ///< Paths per problem.
+  double path_timeout_s = 10;            ///< Time limit per path, seconds.
   std::uint64_t seed = 1;
-  LearnSettings learn;
+  LearnSettings learn = {};
 };
 
 /// Named settings. Runs replace `solve.planner`, `solve.sampler` and the seed.
 struct SuiteSetting {
   std::string name;
-  std::string memory;  ///< name of the memory; may be empty
-  std::vector<std::string> planners;
-  std::vector<std::string> samplers;
-  std::vector<std::string> sets;  ///< empty for all
-  SolveSettings solve;
+  std::string memory = {};  ///< name of the memory; may be empty
+  std::vector<std::string> planners = {};
+  std::vector<std::string> samplers = {};
+  std::vector<std::string> sets = {};  ///< empty for all
+  SolveSettings solve = {};
 };
 
 struct Suite {
   std::string name;  ///< name of the file, without its extension
   std::vector<SuiteProblems> problems;
-  std::vector<SuiteMemory> memories;
+  std::vector<SuiteMemory> memories = {};
   std::vector<SuiteSetting> settings;
   std::uint64_t first_seed = 1;
   int seed_count = 20;
@@ -218,23 +219,23 @@ struct Suite {
 [[nodiscard]] bool is_suite_file(const std::string& path);
 /// A suite to run, with overrides.
 struct SuiteRun {
-  std::string suite;     ///< path
-  std::string out;       ///< directory; empty for out/bench/NAME
-  std::string memories;  ///< directory; empty for OUT/memories
-  std::optional<int> seed_count;
-  std::optional<double> timeout_s;    ///< replaces the time limit of all settings
-  std::vector<std::string> settings;  ///< names; empty for all
+  std::string suite;          ///< path
+  std::string out = {};       ///< directory; empty for out/bench/NAME
+  std::string memories = {};  ///< directory; empty for OUT/memories
+  std::optional<int> seed_count = {};
+  std::optional<double> timeout_s = {};    ///< replaces the time limit of all settings
+  std::vector<std::string> settings = {};  ///< names; empty for all
   int jobs = 1;
   bool is_resumed = false;
   bool is_cold = false;  ///< BenchPlan::is_cold
 };
 /// Callbacks of a suite. Each may be empty.
 struct SuiteHooks {
-  OnNote on_note;
+  OnNote on_note = {};
   /// Called before learning, with a description such as "800 primitives". May set
   /// LearnRun::on_progress.
-  std::function<void(LearnRun& run, const std::string& what)> watch;
-  OnRows on_rows;
+  std::function<void(LearnRun& run, const std::string& what)> watch = {};
+  OnRows on_rows = {};
   const std::atomic<bool>* cancel = nullptr;
 };
 struct SuiteResult {

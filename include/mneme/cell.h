@@ -48,7 +48,7 @@ struct CellRegion {
   /// Columns: the directions of x, y and z in the root link's frame. Yaw turns about this z.
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   Vec3 pivot = Vec3::Zero();  ///< the point that yaw keeps in place, in the link's frame
-  std::string path;           ///< the file that the region was read from
+  std::string path = {};      ///< the file that the region was read from
 
   [[nodiscard]] const PoseGoal& middle() const { return problem.pose_goals.front(); }
 };
@@ -104,9 +104,9 @@ enum class CellTier {
 
 struct CellAnswer {
   CellTier tier = CellTier::none;
-  int box = -1;      ///< the box that `path` comes from; -1: none
-  Path path;         ///< begins at the start as given and is unwrapped; empty without an answer
-  std::string note;  ///< why there is no path
+  int box = -1;    ///< the box that `path` comes from; -1: none
+  Path path = {};  ///< begins at the start as given and is unwrapped; empty without an answer
+  std::string note = {};  ///< why there is no path
 };
 
 /// Why a part of the region is not proven. For boxes that were not examined before the build ended:

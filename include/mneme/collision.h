@@ -91,7 +91,7 @@ struct MotionCost {
   /// so that joints that are not the slowest matter, too.
   static constexpr float kSlowest = 0.6f;
   /// Seconds per radian or metre of each joint. Empty: the cost is the L2 joint distance.
-  std::span<const float> pace;
+  std::span<const float> pace = {};
 };
 
 /// A path prepared for rating shortcuts. Continuous joints are unwrapped, so that the motion

@@ -62,15 +62,15 @@ struct DatabaseInfo {
   std::vector<KindInfo> kinds;  ///< in order of name
   std::int64_t samplers = 0;
   std::int64_t components = 0;
-  std::int64_t bytes = 0;       ///< size of the file and its write-ahead log, or of the server's
-                                ///< tables
-  int schema_version = 0;       ///< 0 if the database is empty
-  std::int64_t generation = 0;  ///< number of changes so far
-  std::int64_t tombstones = 0;  ///< rows set aside (searches skip them): damaged, or superseded in
-                                ///< a merge
-  std::string record_flaw;      ///< why losses of the last rows of a file would not be found: its
-                                ///< FILE.tally is damaged, of another database, or read-only; empty
-                                ///< for a sound one, and where there is none
+  std::int64_t bytes = 0;        ///< size of the file and its write-ahead log, or of the server's
+                                 ///< tables
+  int schema_version = 0;        ///< 0 if the database is empty
+  std::int64_t generation = 0;   ///< number of changes so far
+  std::int64_t tombstones = 0;   ///< rows set aside (searches skip them): damaged, or superseded in
+                                 ///< a merge
+  std::string record_flaw = {};  ///< why losses of the last rows of a file would not be found: its
+                                 ///< FILE.tally is damaged, of another database, or read-only;
+                                 ///< empty for a sound one, and where there is none
 };
 
 /// Settings of an open database.
@@ -89,7 +89,7 @@ struct QueuedRows {
   std::int64_t waiting = 0;  ///< not stored yet; rows that are still to be made count as one
   std::int64_t stored = 0;   ///< new rows that survive a killed process and a loss of power
   std::int64_t lost = 0;     ///< dropped: not made, refused, or too many were waiting
-  std::string failure;       ///< error of the last attempt; empty after a success
+  std::string failure = {};  ///< error of the last attempt; empty after a success
 };
 
 /// An append-only set of experience in one SQLite file or on a PostgreSQL server

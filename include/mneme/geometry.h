@@ -63,7 +63,7 @@ struct Capsule {
 };
 
 struct Box {
-  Transform pose;  ///< of the box's centre
+  Transform pose = {};  ///< of the box's centre
   Vec3 half_extents = Vec3::Zero();
 
   bool operator==(const Box&) const = default;
@@ -71,7 +71,7 @@ struct Box {
 
 /// A solid cylinder about the z axis of `pose`, with its centre at the origin of `pose`.
 struct Cylinder {
-  Transform pose;
+  Transform pose = {};
   double radius = 0;
   double length = 0;  ///< full height, between the flat ends
 

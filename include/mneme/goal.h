@@ -30,7 +30,7 @@ struct IkSettings {
   double apart = 0.1;
   std::uint64_t seed = 1;  ///< of the random configurations
   /// Called before every 16 seeds; true ends the search with the solutions so far. Empty: never.
-  std::function<bool()> is_over;
+  std::function<bool()> is_over = {};
 };
 
 /// Declares each setting once: name, range, meaning.
@@ -57,9 +57,9 @@ struct IkResult {
   /// Continuous joints are shifted by whole turns to where they are nearest to that start.
   std::vector<Configuration> solutions;
   /// The first few configurations that reach the goal, but are in contact or within the margin.
-  std::vector<Configuration> blocked;
-  int seeds = 0;      ///< number of seeds tried
-  PoseError closest;  ///< error of the seed's result closest to the goal
+  std::vector<Configuration> blocked = {};
+  int seeds = 0;           ///< number of seeds tried
+  PoseError closest = {};  ///< error of the seed's result closest to the goal
 };
 
 /// Inverse kinematics of one link, by Levenberg and Marquardt's method on 16 seeds at a time. For

@@ -31,18 +31,18 @@ struct Spread {
 /// Variation of an obstacle, or of the scene as a whole.
 struct Variation {
   std::string name;  ///< Name of the obstacles, with `*` for any characters. Unused for the scene.
-  Spread position;   ///< Translation along x, y and z, metres.
-  Spread rpy;        ///< Rotation, radians, about the fixed axes x, y and z through the obstacle's
-                     ///< middle, or through `center` for the whole scene.
-  Spread scale;      ///< One number, added to the scale factor 1, about the same point as `rpy`.
+  Spread position = {};  ///< Translation along x, y and z, metres.
+  Spread rpy = {};    ///< Rotation, radians, about the fixed axes x, y and z through the obstacle's
+                      ///< middle, or through `center` for the whole scene.
+  Spread scale = {};  ///< One number, added to the scale factor 1, about the same point as `rpy`.
   /// Added to the sizes, metres: full extents of a box; radius and length of a cylinder or capsule;
   /// radius of a sphere. Only for obstacles of one shape.
-  Spread size;
+  Spread size = {};
   Vec3 center = Vec3::Zero();  ///< only for the whole scene
 };
 struct Variations {
-  Variation scene;                   ///< applied last
-  std::vector<Variation> obstacles;  ///< at most one per obstacle
+  Variation scene = {};                   ///< applied last
+  std::vector<Variation> obstacles = {};  ///< at most one per obstacle
 };
 /// Reads a file of variations (docs/file_formats.md). Errors name file, line and key.
 [[nodiscard]] Result<Variations> load_variations(const std::string& path);
@@ -71,7 +71,7 @@ struct RepeatSettings {
 /// Settings of all generators of instances.
 struct GeneratorRun {
   const std::atomic<bool>* cancel = nullptr;
-  std::function<void(int made, int dropped)> on_progress;  ///< after each candidate
+  std::function<void(int made, int dropped)> on_progress = {};  ///< after each candidate
 };
 
 /// Settings of make_threaded_instances().

@@ -68,7 +68,7 @@ struct LearnRun {
   /// Set by another thread to end the run within a few milliseconds. May be null.
   const std::atomic<bool>* cancel = nullptr;
   /// Called about once a second and at the end, from one thread.
-  std::function<void(const LearnProgress&)> on_progress;
+  std::function<void(const LearnProgress&)> on_progress = {};
 };
 
 struct LearnSummary {
@@ -76,8 +76,8 @@ struct LearnSummary {
   /// Primitives or problems already in the database with the same seed and settings, or learned by
   /// other processes that share the work.
   std::int64_t skipped = 0;
-  std::int64_t empty = 0;             ///< Primitives or problems learned without any component.
-  std::vector<std::string> unsolved;  ///< Problems without a path: "NAME: not solved: REASON".
+  std::int64_t empty = 0;  ///< Primitives or problems learned without any component.
+  std::vector<std::string> unsolved = {};  ///< Problems without a path: "NAME: not solved: REASON".
   std::int64_t rows = 0;
   std::int64_t components = 0;
   bool is_cancelled = false;
@@ -93,8 +93,8 @@ struct SharedWork {
 };
 
 struct LearnJob : LearnRun {
-  LearnSettings settings;
-  std::optional<SharedWork> shared;
+  LearnSettings settings = {};
+  std::optional<SharedWork> shared = {};
 };
 
 /// Learns the primitives `keys` in parallel and inserts the rows into `database` during the run, in
@@ -116,7 +116,7 @@ struct ProblemLesson : LearnRun {
 
 struct RepeatedPlan {
   std::vector<Path> paths;
-  std::string message;  ///< reason of the last run without a path
+  std::string message = {};  ///< reason of the last run without a path
 };
 /// Solves the problem `lesson.paths` times with rrt_connect and uniform samples, each time with
 /// another seed. Errors: those of CollisionChecker::make(); invalid for a time limit out of range.

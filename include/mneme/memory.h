@@ -77,7 +77,7 @@ struct LocalPrimitive {
   /// Canonical: the midpoint of the two obstacles' centres is on the positive x axis, seen from the
   /// axis of the turning joint. If the robot has a lift joint, the midpoint is also at z = 0.
   PrimitiveKey key;
-  Symmetry to_scene;              ///< Motion from the canonical primitive to the scene.
+  Symmetry to_scene = {};         ///< Motion from the canonical primitive to the scene.
   double gap = 0;                 ///< Distance between the two obstacles' surfaces, metres.
   bool is_whole_query = false;    ///< A start and a goal without obstacles (kind "paths").
   std::uint64_t constraints = 0;  ///< Hash of the constraints on a whole path. 0: none.
@@ -97,7 +97,7 @@ struct LearnSettings {
   int paths_per_start = 2;
   int max_iterations = 20000;
   double range = 0.4;
-  std::optional<double> resolution;
+  std::optional<double> resolution = {};
   bool merge_cliques = false;
 };
 
@@ -144,14 +144,14 @@ struct MemoryQuery {
 struct Match {
   std::shared_ptr<const Experience> experience;  ///< never null
   double similarity_error = 0;  ///< squared distance of the keys: m^2; rad^2 for whole paths
-  Symmetry to_scene;            ///< motion from the stored means to the query's scene
+  Symmetry to_scene = {};       ///< motion from the stored means to the query's scene
 };
 
 /// A primitive of the query with its matches in memory.
 struct PrimitiveRetrieval {
   LocalPrimitive primitive;
-  std::vector<Match> matches;  ///< nearest first
-  bool is_learned = false;     ///< learned during this query, because nothing matched
+  std::vector<Match> matches = {};  ///< nearest first
+  bool is_learned = false;          ///< learned during this query, because nothing matched
 };
 
 /// When memory is queried and how often it is sampled.
@@ -262,9 +262,9 @@ struct KindDefault {
 
 /// Kind of memory and decomposition of scenes.
 struct MemorySettings {
-  std::optional<std::string> kind;  ///< name of one of memory_kinds(); each function states its
-                                    ///< default
-  std::optional<double> max_gap;
+  std::optional<std::string> kind = {};  ///< name of one of memory_kinds(); each function states
+                                         ///< its default
+  std::optional<double> max_gap = {};
 };
 
 template <class Settings, class Visitor>

@@ -40,30 +40,30 @@ struct SolveSettings {
   std::string planner = "rrt_connect";  ///< one of planners()
   std::string sampler = "gl";           ///< one of samplers()
   /// Default kind: all kinds in the database, or the robot's default kind if the database is empty.
-  MemorySettings memory;
+  MemorySettings memory = {};
   MemoryMode memory_mode = MemoryMode::automatic;
-  std::optional<double> lambda;
-  std::optional<double> least_lambda;
-  std::optional<double> sigma;
-  std::optional<double> similarity;
-  std::optional<int> max_matches;
-  std::optional<bool> drop_invalid_means;
-  std::optional<bool> retarget;
-  std::optional<int> retrieve_after;
-  std::optional<double> first_components;
+  std::optional<double> lambda = {};
+  std::optional<double> least_lambda = {};
+  std::optional<double> sigma = {};
+  std::optional<double> similarity = {};
+  std::optional<int> max_matches = {};
+  std::optional<bool> drop_invalid_means = {};
+  std::optional<bool> retarget = {};
+  std::optional<int> retrieve_after = {};
+  std::optional<double> first_components = {};
   double component_growth = 0.5;
   double learn_budget_s = 0;
-  std::optional<int> remember_after;
-  std::optional<double> replay;
-  std::optional<double> resolution;
+  std::optional<int> remember_after = {};
+  std::optional<double> replay = {};
+  std::optional<double> resolution = {};
   double margin = 0;
   double start_tolerance = 0.05;
   double allow_at_ends = 0.005;
   int threads = 1;
   Isa isa = Isa::automatic;  ///< instruction set of the kernels
-  PlanSettings plan;
-  LearnSettings learn;
-  IkSettings ik;  ///< for pose goals; the seed is plan.seed
+  PlanSettings plan = {};
+  LearnSettings learn = {};
+  IkSettings ik = {};  ///< for pose goals; the seed is plan.seed
 };
 
 /// Declares the settings of this struct; `plan`, `memory`, `learn` and `ik` declare their own. The
@@ -162,8 +162,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// The result of Algorithm 2.
 struct GlSampler {
   /// All retrieved components, in the scene's frame; null if there are none.
-  std::shared_ptr<const GaussianMixture> mixture;
-  std::vector<PrimitiveRetrieval> primitives;
+  std::shared_ptr<const GaussianMixture> mixture = {};
+  std::vector<PrimitiveRetrieval> primitives = {};
   double retrieval_time_s = 0;  ///< decomposition, lookup and synthesis
   double learning_time_s = 0;
 
@@ -195,7 +195,7 @@ struct GlSampler {
 struct Remembered {
   bool is_queued = false;  ///< rows are made and stored meanwhile: see Database::queued_rows()
   double time_s = 0;
-  std::string failure;  ///< Why nothing could be queued; the path is valid nevertheless.
+  std::string failure = {};  ///< Why nothing could be queued; the path is valid nevertheless.
 };
 
 /// A shorter path found by improvement.
@@ -205,30 +205,30 @@ struct Improved {
 };
 
 struct SolveResult {
-  PlanResult plan;  ///< PlanResult::planning_time_s includes retrieval and learning
-  GlSampler gl;     ///< empty unless the sampler queried a database
-  Replay replay;
-  Remembered remembered;
+  PlanResult plan = {};  ///< PlanResult::planning_time_s includes retrieval and learning
+  GlSampler gl = {};     ///< empty unless the sampler queried a database
+  Replay replay = {};
+  Remembered remembered = {};
   /// From the first path to the plan's path, each shorter than the one before; empty without
   /// improvement.
-  std::vector<Improved> improvements;
+  std::vector<Improved> improvements = {};
   /// The problem's goals except those in contact, then configurations for `pose_goals`, then the
   /// goal reached.
-  std::vector<Configuration> goals;
+  std::vector<Configuration> goals = {};
   /// For people: goals that were ignored, exceptions at the ends of the path, pairs that were
   /// checked by exact geometry, and why.
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = {};
   /// The problem's scene with the pairs that were checked by exact geometry (make_query_checker);
   /// empty without such pairs.
-  std::optional<Scene> scene;
+  std::optional<Scene> scene = {};
   double preparation_time_s = 0;  ///< making the collision checker; not part of the time limit
   double goal_time_s = 0;         ///< part of planning: resolving pose goals
   double total_time_s = 0;        ///< solve() from call to return
   double planning_time_s = 0;     ///< total time without preparation, shortening, verification,
                                   ///< improvement and remembering
   double improvement_time_s = 0;
-  std::string planner;
-  std::string sampler;
+  std::string planner = {};
+  std::string sampler = {};
   std::uint64_t seed = 0;
   Isa isa = Isa::scalar;
 };
@@ -258,14 +258,14 @@ struct SolveResult {
 
 /// Settings of plan_many().
 struct ManySettings {
-  SolveSettings solve;
+  SolveSettings solve = {};
   int jobs = 0;  ///< Threads; 0: one per hardware thread.
   /// Times each path and samples its trajectory every `timing->dt` seconds. Default: paths only.
-  std::optional<TrajectorySettings> timing;
+  std::optional<TrajectorySettings> timing = {};
 };
 struct TimedSolution {
   SolveResult result;
-  std::vector<Trajectory::Point> trajectory;  ///< Empty without `timing`, or without a path.
+  std::vector<Trajectory::Point> trajectory = {};  ///< Empty without `timing`, or without a path.
 };
 
 /// Solves independent problems on several threads: each as solve() and make_trajectory() would

@@ -46,29 +46,29 @@ class PlanObserver {
 };
 
 struct PlanSettings {
-  std::optional<double> range;
+  std::optional<double> range = {};
   double timeout_s = 10;
-  std::optional<std::uint64_t> max_iterations;
+  std::optional<std::uint64_t> max_iterations = {};
   std::uint64_t max_nodes = 10000000;
   std::uint64_t seed = 1;
   bool simplify = true;
   int patience = 28;
-  std::optional<bool> minimize_time;
+  std::optional<bool> minimize_time = {};
   /// Limits of the trajectory that the path is for; null if none is wanted.
   std::shared_ptr<const RateLimits> limits = nullptr;
   double improve = 0;
-  std::optional<std::uint64_t> improve_rounds;
+  std::optional<std::uint64_t> improve_rounds = {};
   bool verify = true;
   bool continuous = true;
   int neighbours = 10;
   double goal_bias = 0.05;
   double anchor = 0.8;
-  std::optional<double> anchor_sigma;
-  std::optional<double> walk;
-  std::optional<std::uint64_t> walk_after;
+  std::optional<double> anchor_sigma = {};
+  std::optional<double> walk = {};
+  std::optional<std::uint64_t> walk_after = {};
   bool ompl_defaults = false;
   /// File written by PlannerEntry::train, for planners with their own experience. Empty: none.
-  std::string experience_path;
+  std::string experience_path = {};
   /// Flag that another thread sets to stop the planner within a few milliseconds; may be null.
   const std::atomic<bool>* cancel = nullptr;
   /// Receives samples and edges; may be null, which costs nothing.
@@ -158,8 +158,8 @@ struct PlanQuery {
 
 struct PlanResult {
   PlanStatus status = PlanStatus::timeout;
-  std::string message;           ///< why there is no path, in words; empty if solved
-  Path path;                     ///< from the start to the goal reached; empty unless solved
+  std::string message = {};      ///< why there is no path, in words; empty if solved
+  Path path = {};                ///< from the start to the goal reached; empty unless solved
   std::uint64_t iterations = 0;  ///< samples, escape walks, and goals that rrt sampled instead
   std::uint64_t states_checked = 0;
   std::uint64_t motions_checked = 0;
@@ -190,8 +190,9 @@ inline constexpr double kSolidClearance = 1e-3;
 /// The checker of a query.
 struct QueryChecker {
   CollisionChecker checker;
-  std::vector<std::string> notes;  ///< a sentence for each pair that is checked by exact geometry
-  bool are_ends_clear = false;     ///< True if start and goals are valid and free of contact.
+  /// A sentence for each pair that is checked by exact geometry.
+  std::vector<std::string> notes = {};
+  bool are_ends_clear = false;  ///< True if start and goals are valid and free of contact.
 };
 /// Makes the checker of a query. Pairs whose spheres touch at the start or a goal, but whose exact
 /// geometry is at least kSolidClearance apart there, are checked by exact geometry in the whole

@@ -79,14 +79,15 @@ struct PoseError {
                                              std::span<const double> q);
 
 struct Problem {
-  std::string name;
+  std::string name = {};
   Robot robot;
-  std::string robot_path;  ///< path of the URDF
-  Scene scene;
-  Configuration start;
+  std::string robot_path = {};  ///< path of the URDF
+  Scene scene = {};
+  Configuration start = {};
   /// A path ends at any one of `goals` and `pose_goals`. At least one of both lists has an entry.
-  std::vector<Configuration> goals;
-  std::vector<std::string> warnings;  ///< from reading, such as ignored values of unknown joints
+  std::vector<Configuration> goals = {};
+  /// From reading, such as ignored values of unknown joints.
+  std::vector<std::string> warnings = {};
   std::vector<PoseGoal> pose_goals = {};
   /// Pairs of links that may touch, in addition to those of the SRDF. `robot` allows them already.
   std::vector<std::pair<std::string, std::string>> allowed_pairs = {};
@@ -109,16 +110,16 @@ struct ProblemCache;
 
 /// Settings that complete or replace entries of the problem's file.
 struct ProblemOptions {
-  std::string robot_path;  ///< URDF to use instead of the one that the problem names
+  std::string robot_path = {};  ///< URDF to use instead of the one that the problem names
   /// Robot to use instead of the one that the problem names. The entries of the file and of `robot`
   /// about robot, SRDF, group, joints and fixed joints are ignored. Errors: the file allows pairs
   /// of the robot's links; the file is a MoveIt request, which has more entries about its robot.
   std::optional<Robot> made_robot = std::nullopt;
   /// `joints`, `srdf_path` and each of the `fixed_values` replace those of the problem. `group` is
   /// used if neither the problem nor this field names `joints`.
-  RobotOptions robot;
-  std::optional<GivenConfiguration> start;
-  std::optional<GivenConfiguration> goal;
+  RobotOptions robot = {};
+  std::optional<GivenConfiguration> start = {};
+  std::optional<GivenConfiguration> goal = {};
   /// Replace those of the problem.
   std::optional<std::vector<double>> start_velocity = std::nullopt, end_velocity = std::nullopt;
   /// If `goal` or this field is set, both together replace all goals of the problem. Poses are in

@@ -23,15 +23,15 @@ struct BlockedPath {
 
 /// Reports the replay of known tasks near a query: see SolveSettings::replay.
 struct Replay {
-  std::int64_t row = 0;              ///< id of the replayed path's row; 0: the path was planned.
-  double distance = 0;               ///< of the replayed path's ends from the query's.
-  bool is_repaired = false;          ///< parts of the path were replaced to avoid contact.
-  std::vector<BlockedPath> blocked;  ///< paths that could not be used, nearest first.
+  std::int64_t row = 0;      ///< id of the replayed path's row; 0: the path was planned.
+  double distance = 0;       ///< of the replayed path's ends from the query's.
+  bool is_repaired = false;  ///< parts of the path were replaced to avoid contact.
+  std::vector<BlockedPath> blocked = {};  ///< paths that could not be used, nearest first.
   /// Distance of the nearest known task among the compared keys, if all were too far.
-  std::optional<double> nearest;
+  std::optional<double> nearest = {};
   /// Row of the nearest path that was not checked, because planning it took less than its check
   /// would.
-  std::optional<std::int64_t> cheap_row;
+  std::optional<std::int64_t> cheap_row = {};
   std::uint64_t keys = 0;        ///< keys of known tasks that were compared
   std::uint64_t iterations = 0;  ///< of the searches that repaired paths
   std::uint64_t states = 0;      ///< checked by replay

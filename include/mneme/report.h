@@ -31,7 +31,7 @@ struct LeastClearance {
 struct PathMeasures {
   double length = 0;    ///< path_length()
   double straight = 0;  ///< L2 joint distance from start to end: a lower bound of `length`
-  std::optional<LeastClearance> clearance;  ///< empty without obstacles
+  std::optional<LeastClearance> clearance = {};  ///< empty without obstacles
 };
 /// Measures `path` with exact distances at the planners' resolution, and 16 times finer around the
 /// smallest one. `scene` is checked_scene() of the solved problem. Cost: about 10 us per state.
@@ -57,8 +57,8 @@ struct PlanarPicture {
   const Problem* problem = nullptr;
   /// Shows primitives as coloured rectangles and components as faint arms. May be null.
   const GlSampler* gl = nullptr;
-  Path path;  ///< shown as arms from start (blue) to goal (red); may be empty
-  std::string title;
+  Path path = {};  ///< shown as arms from start (blue) to goal (red); may be empty
+  std::string title = {};
   int max_arms = 60;  ///< most components shown
 };
 /// Returns the picture of a plan. Its title names planner, sampler, status and time. Both arguments

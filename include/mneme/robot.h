@@ -34,7 +34,7 @@ struct Mimic {
 /// The pose of a planar or floating joint, which counts as fixed.
 struct HeldPose {
   bool is_planar = false;  ///< a planar joint moves across Joint::axis and turns about it
-  Transform pose;          ///< in the joint frame; Joint::origin contains it
+  Transform pose = {};     ///< in the joint frame; Joint::origin contains it
 };
 
 /// A joint moves its child link: X_parent_child(q) = origin * motion(q) about or along `axis`.
@@ -43,23 +43,24 @@ struct Joint {
   JointType type = JointType::fixed;
   int parent_link = -1;
   int child_link = -1;
-  Transform origin;                    ///< Pose of the joint frame in the parent link's frame.
-  Vec3 axis = Vec3::UnitX();           ///< Unit vector in the joint frame.
-  double lower = 0;                    ///< Radians or metres; -pi for continuous joints.
-  double upper = 0;                    ///< Radians or metres; +pi for continuous joints.
-  double velocity = 1;                 ///< Limit in rad/s or m/s, >= 0; 1 if the URDF gives none.
-  std::optional<double> acceleration;  ///< Limit in rad/s^2 or m/s^2, >= 0, if the URDF gives one.
-  std::optional<double> jerk;          ///< Limit in rad/s^3 or m/s^3, >= 0, if the URDF gives one.
-  double fixed_value = 0;              ///< Value of a movable joint outside the planning group.
-  std::optional<Mimic> mimic;          ///< Set for a follower, which is in no group.
-  std::optional<HeldPose> held;        ///< Set for a planar or floating joint.
+  Transform origin = {};      ///< Pose of the joint frame in the parent link's frame.
+  Vec3 axis = Vec3::UnitX();  ///< Unit vector in the joint frame.
+  double lower = 0;           ///< Radians or metres; -pi for continuous joints.
+  double upper = 0;           ///< Radians or metres; +pi for continuous joints.
+  double velocity = 1;        ///< Limit in rad/s or m/s, >= 0; 1 if the URDF gives none.
+  /// Limit in rad/s^2 or m/s^2, >= 0, if the URDF gives one.
+  std::optional<double> acceleration = {};
+  std::optional<double> jerk = {};    ///< Limit in rad/s^3 or m/s^3, >= 0, if the URDF gives one.
+  double fixed_value = 0;             ///< Value of a movable joint outside the planning group.
+  std::optional<Mimic> mimic = {};    ///< Set for a follower, which is in no group.
+  std::optional<HeldPose> held = {};  ///< Set for a planar or floating joint.
 };
 
 /// A triangle mesh in a file (STL, OBJ, DAE or PLY), not read yet.
 struct MeshFile {
   std::string path;           ///< Path on this machine; `package://` is resolved.
   Vec3 scale = Vec3::Ones();  ///< Along the axes of the mesh, before `pose`.
-  Transform pose;             ///< Pose of the mesh in the link's frame.
+  Transform pose = {};        ///< Pose of the mesh in the link's frame.
 };
 
 /// Collision geometry that spheres replace before collision checking (spheres.h).
@@ -76,10 +77,10 @@ struct SphereApproximation {
 
 struct Link {
   std::string name;
-  int parent_joint = -1;        ///< -1 for the root.
-  std::vector<Sphere> spheres;  ///< In the link's frame, as are capsules and solids.
-  std::vector<Capsule> capsules;
-  std::vector<Solid> solids;  ///< Empty in a Robot, where spheres replace them.
+  int parent_joint = -1;             ///< -1 for the root.
+  std::vector<Sphere> spheres = {};  ///< In the link's frame, as are capsules and solids.
+  std::vector<Capsule> capsules = {};
+  std::vector<Solid> solids = {};  ///< Empty in a Robot, where spheres replace them.
   std::optional<SphereApproximation> approximation = {};  ///< Set if solids became spheres.
 };
 
@@ -88,7 +89,7 @@ struct AttachedObject {
   std::string name;                   ///< Differs from the names of all links and other attached
                                       ///< objects.
   std::string link;                   ///< Name of the link that carries the object.
-  std::vector<Shape> shapes;          ///< In the link's frame.
+  std::vector<Shape> shapes = {};     ///< In the link's frame.
   std::vector<MeshFile> meshes = {};  ///< In the link's frame.
   /// Names of links and attached objects that may touch this object. `link` and the links fixed to
   /// `link` always may.
@@ -98,8 +99,8 @@ struct AttachedObject {
 /// An attached object as spheres and capsules; approximate_object (spheres.h) makes it.
 struct ApproximatedObject {
   AttachedObject object;
-  std::vector<Sphere> spheres;                            ///< In the link's frame.
-  std::vector<Capsule> capsules;                          ///< In the link's frame.
+  std::vector<Sphere> spheres = {};                       ///< In the link's frame.
+  std::vector<Capsule> capsules = {};                     ///< In the link's frame.
   std::optional<SphereApproximation> approximation = {};  ///< Set if solids became spheres.
 };
 

@@ -75,11 +75,11 @@ struct GaussianMixture {
   std::vector<float> means;  ///< component_count() rows of joint_count values
   /// Per component the index of its row in `factors`; -1: the component has the sampler's sigma.
   /// Empty: all -1.
-  std::vector<int> factor_rows;
+  std::vector<int> factor_rows = {};
   /// factor_count() rows of triangle_size(joint_count) values: lower triangles, row by row, of
   /// Cholesky factors L of covariances L L^T.
-  std::vector<float> factors;
-  std::vector<SampleSource> sources;  ///< per component the reported source; empty: all 0
+  std::vector<float> factors = {};
+  std::vector<SampleSource> sources = {};  ///< per component the reported source; empty: all 0
 
   [[nodiscard]] int component_count() const {
     return joint_count == 0 ? 0 : static_cast<int>(means.size()) / joint_count;

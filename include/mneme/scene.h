@@ -81,8 +81,8 @@ class ObstacleNames {
 
 /// The workspace W = {wo_1 .. wo_M} of the paper.
 struct Scene {
-  std::string name;
-  std::vector<Obstacle> obstacles;
+  std::string name = {};
+  std::vector<Obstacle> obstacles = {};
   /// Warnings from reading the scene's files, such as points that are not finite.
   std::vector<std::string> warnings = {};
   /// Pairs of links that are checked against each other by exact geometry; at least one of the two
@@ -127,7 +127,7 @@ struct Scene {
 /// A scene whose frame may differ from the robot's root link.
 struct FramedScene {
   Scene scene;
-  std::string frame;  ///< A link that is fixed to the root; empty for the root itself.
+  std::string frame = {};  ///< A link that is fixed to the root; empty for the root itself.
   /// Files that the scene was read from, except meshes, clouds and octrees.
   std::vector<std::string> files = {};
 };

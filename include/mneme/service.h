@@ -27,7 +27,7 @@ struct ServiceSettings {
   std::string listen = "127.0.0.1:7890";
   /// Clients must send `Authorization: Bearer TOKEN`. Empty: no token; then `listen` must be an
   /// address that other machines cannot reach.
-  std::string token;
+  std::string token = {};
   int threads = 0;
   int queue = 64;
   int connections = 256;
@@ -41,16 +41,18 @@ struct ServiceSettings {
   int scenes = 100;
   int traces = 32;
   std::uint64_t nodes = 1000000;
-  std::optional<int> remember_after;  ///< SolveSettings::remember_after of all plans
+  std::optional<int> remember_after = {};  ///< SolveSettings::remember_after of all plans
   bool learn_idle = false;
   double refresh_s = 1;
   /// A problem of the service's robot. The page at `/` begins with this problem. Requests without a
   /// scene and obstacles use its scene. Null: no obstacles, and the robot at rest.
-  std::shared_ptr<const Problem> shown;
+  std::shared_ptr<const Problem> shown = {};
   /// Cells that answer their tasks before anything is planned, the first that can.
-  std::vector<std::shared_ptr<const Cell>> cells;
-  std::string robot_path;  ///< the robot's URDF, for visual meshes on the page at `/`; may be empty
-  std::vector<std::string> package_paths;  ///< as RobotOptions::package_paths, for visual meshes
+  std::vector<std::shared_ptr<const Cell>> cells = {};
+  /// The robot's URDF, for visual meshes on the page at `/`; may be empty.
+  std::string robot_path = {};
+  /// As RobotOptions::package_paths, for visual meshes.
+  std::vector<std::string> package_paths = {};
 };
 
 /// Declares the numeric settings: name, range and meaning.

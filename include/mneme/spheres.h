@@ -49,9 +49,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
 /// spheres did not use.
 struct LinkSpheres {
   std::string link;
-  std::vector<Sphere> spheres;  ///< In the link's frame.
+  std::vector<Sphere> spheres = {};  ///< In the link's frame.
   /// In the link's frame: one capsule instead of spheres where it fits as well.
-  std::vector<Capsule> capsules;
+  std::vector<Capsule> capsules = {};
   double uncovered = 0;    ///< Fraction of the link's surface outside all spheres; 0 is expected.
   double mean_excess = 0;  ///< Mean distance of the spheres' outer surface from the link, metres.
   double max_excess = 0;   ///< Largest distance that a sphere sticks out, metres.
@@ -74,10 +74,10 @@ using SphereProgress = std::function<void(int done, int total, const std::string
 
 /// A robot whose solids were replaced by spheres.
 struct RobotSpheres {
-  Robot::Parts parts;              ///< solids replaced by spheres; other spheres and capsules
-                                   ///< unchanged
-  std::vector<LinkSpheres> links;  ///< the links that had solids, in their order
-  std::vector<std::string> notes;  ///< for people: one sentence each
+  Robot::Parts parts;                   ///< solids replaced by spheres; other spheres and capsules
+                                        ///< unchanged
+  std::vector<LinkSpheres> links;       ///< the links that had solids, in their order
+  std::vector<std::string> notes = {};  ///< for people: one sentence each
 };
 /// Approximates each link that has solids, several at a time. A cylinder between two spheres of its
 /// radius becomes a capsule, which needs no approximation. Calls `on_approximated` for each: one
@@ -125,8 +125,8 @@ struct PairSettings {
 
 struct DerivedSrdf {
   std::string text;
-  std::vector<std::string> reasons;  ///< one per allowed pair, in the order of the pairs
-  std::vector<std::string> notes;    ///< for people: one sentence each
+  std::vector<std::string> reasons;     ///< one per allowed pair, in the order of the pairs
+  std::vector<std::string> notes = {};  ///< for people: one sentence each
 };
 /// Returns an SRDF for the URDF at `path`. If the robot has an SRDF, its groups, states and allowed
 /// pairs are kept. Pairs of links that need no check are added. The default settings decide contact
@@ -140,7 +140,7 @@ struct DerivedSrdf {
 
 struct ApproximatedRobot {
   Robot robot;
-  std::vector<std::string> notes;  ///< for people: one sentence each
+  std::vector<std::string> notes = {};  ///< for people: one sentence each
 };
 
 /// Loads a robot with any collision geometry: as load_robot(), but solids become spheres. Cost: CPU

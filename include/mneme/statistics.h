@@ -22,7 +22,7 @@ namespace mneme {
 /// One run of a benchmark.
 struct BenchmarkRow {
   std::string problem;
-  std::string set;  ///< group of problems, such as the name of a file; may be empty
+  std::string set = {};  ///< group of problems, such as the name of a file; may be empty
   std::string planner;
   std::string sampler;
   std::uint64_t seed = 0;
@@ -43,16 +43,16 @@ struct BenchmarkRow {
   std::uint64_t nodes = 0;
   double path_length = 0;
   int components = 0;
-  double timeout_s = 0;  ///< time limit
-  std::string setting;   ///< name of the settings in a suite; may be empty
-  std::string settings;  ///< describe_settings(), such as "range=3.55 similarity=3"
+  double timeout_s = 0;       ///< time limit
+  std::string setting = {};   ///< name of the settings in a suite; may be empty
+  std::string settings = {};  ///< describe_settings(), such as "range=3.55 similarity=3"
   double learning_time_s = 0;
-  std::string isa;                     ///< instruction set of the kernels
-  std::string machine;                 ///< describe_machine()
-  std::string version;                 ///< describe_build()
-  std::string started;                 ///< time at the start, UTC, ISO 8601
-  std::vector<Improved> improvements;  ///< SolveResult::improvements
-  std::uint64_t replayed = 0;          ///< Replay::row
+  std::string isa = {};                     ///< instruction set of the kernels
+  std::string machine = {};                 ///< describe_machine()
+  std::string version = {};                 ///< describe_build()
+  std::string started = {};                 ///< time at the start, UTC, ISO 8601
+  std::vector<Improved> improvements = {};  ///< SolveResult::improvements
+  std::uint64_t replayed = 0;               ///< Replay::row
   /// Seconds of the trajectory within the robot's own limits (find_rate_limits); 0 without a path.
   double duration_s = 0;
   bool is_warm = false;  ///< timed warm: right after another run of the problem, without the exact
@@ -190,10 +190,10 @@ struct ReportPicture {
 };
 struct ReportOptions {
   std::string title = "mneme benchmark";
-  std::string introduction;             ///< first paragraph; line breaks are kept
-  std::vector<ReportPicture> pictures;  ///< below the introduction
-  std::string baseline = "uniform";     ///< sampler that others are compared with
-  bool by_problem = false;              ///< a figure per problem instead of one per set
+  std::string introduction = {};             ///< first paragraph; line breaks are kept
+  std::vector<ReportPicture> pictures = {};  ///< below the introduction
+  std::string baseline = "uniform";          ///< sampler that others are compared with
+  bool by_problem = false;                   ///< a figure per problem instead of one per set
 };
 struct ReportFigure {
   std::string name;  ///< file name without extension

@@ -34,7 +34,7 @@ struct RememberedPath {
                                   ///< none
   /// Number of states checked while the path was planned, without shortening and improving. Empty:
   /// not measured.
-  std::optional<std::uint64_t> planning_states;
+  std::optional<std::uint64_t> planning_states = {};
   /// Lower bound of the distance to obstacles where the path was learned, metres, per waypoint.
   /// Empty: unknown.
   std::vector<float> clearances = {};
@@ -56,10 +56,10 @@ inline constexpr std::string_view kUnsolvedRows = "unsolved/1";
 /// Where a row comes from, as text for people; the program never parses it. If two databases hold
 /// equal rows, a merge keeps the earlier provenance.
 struct Provenance {
-  std::string tool;      ///< such as "mneme 0.2.0"
-  std::string settings;  ///< learning settings as text
+  std::string tool;           ///< such as "mneme 0.2.0"
+  std::string settings = {};  ///< learning settings as text
   std::uint64_t seed = 0;
-  std::string time;  ///< UTC, ISO 8601; filled in by Database::insert() if empty.
+  std::string time = {};  ///< UTC, ISO 8601; filled in by Database::insert() if empty.
   /// Hash of the lesson that taught the row. A lesson is one unit of learning: a primitive or
   /// problem with learning settings and a seed. 0: none. Database::insert() records the lesson as
   /// finished (Database::finished_lessons()), even if an equal row is stored already. Not set in
@@ -74,7 +74,7 @@ struct Experience {
                             ///< control characters
   std::vector<double> key;  ///< same length for all keys of a kind
   std::variant<LocalSampler, RememberedPath> content;
-  Provenance provenance;
+  Provenance provenance = {};
 
   [[nodiscard]] bool is_path() const { return std::holds_alternative<RememberedPath>(content); }
   // Precondition: the row holds one.

@@ -37,18 +37,18 @@ enum class StageKind {
 
 /// Alternative poses for a link, or for the object that it holds.
 struct PoseChoice {
-  std::string link;    ///< the link to bring there
-  std::string object;  ///< held object whose poses these are; empty: they are the link's
+  std::string link;         ///< the link to bring there
+  std::string object = {};  ///< held object whose poses these are; empty: they are the link's
   /// Link or obstacle whose frame the poses are given in; empty: the root link. An obstacle's frame
   /// is the pose of its first shape; a link's frame is taken at the task's start.
-  std::string frame;
+  std::string frame = {};
   std::vector<Transform> poses;
 };
 
 /// A stage of a task. Each kind uses the fields listed for it, and `name`.
 struct Stage {
   StageKind kind = StageKind::move;
-  std::string name;  ///< empty: its kind and number
+  std::string name = {};  ///< empty: its kind and number
   /// move: configurations to end at; any one of them. Without these and `poses`, a move ends where
   /// the next line begins.
   std::vector<Configuration> configurations = {};
@@ -77,11 +77,11 @@ struct Stage {
 
 /// A robot, a scene, a start, and stages.
 struct Task {
-  std::string name;
+  std::string name = {};
   Robot robot;
-  std::string robot_path;  ///< path of the URDF
-  Scene scene;
-  Configuration start;
+  std::string robot_path = {};  ///< path of the URDF
+  Scene scene = {};
+  Configuration start = {};
   std::vector<Stage> stages;
   std::vector<OrientationConstraint> constraints = {};  ///< hold in each move
   /// As Problem::start_velocity: the first stage is a move then.
@@ -97,8 +97,8 @@ struct TaskSettings {
   int siblings = 8;
   std::uint64_t first_iterations = 2000;
   double improve = 0;
-  std::optional<int> improve_plans;
-  SolveSettings solve;
+  std::optional<int> improve_plans = {};
+  SolveSettings solve = {};
 };
 
 /// Declares the settings of this struct; `solve` declares its own.
@@ -135,7 +135,7 @@ struct Dropped {
   /// Number of the stage's alternatives; for a stage without any, of the choice that it follows. An
   /// alternative counts once, also under several reasons.
   int count = 0;
-  std::string what;  ///< the commonest obstacle of this reason, such as "'mug' with 'shelf'"
+  std::string what = {};  ///< the commonest obstacle of this reason, such as "'mug' with 'shelf'"
 };
 
 /// The motion of joints outside of the planning group in a gripper stage; the group rests.
@@ -162,9 +162,10 @@ struct StageResult {
 
 struct TaskResult {
   PlanStatus status = PlanStatus::timeout;
-  std::string message;  ///< why there is no plan: the stage and what is in its way; empty if solved
+  /// Why there is no plan: the stage and what is in its way; empty if solved.
+  std::string message = {};
   /// All stages in order; of a task without a plan, those with alternatives that were dropped.
-  std::vector<StageResult> stages;
+  std::vector<StageResult> stages = {};
   /// Sum of the stages' path times. The duration of the motion, with accelerations and stops, is
   /// that of TaskMotion::trajectory.
   double path_time_s = 0;
@@ -177,7 +178,7 @@ struct TaskResult {
   int plans = 0;                                                 ///< complete plans that were found
   int remembered_rows = 0;     ///< rows of memory that ranked the alternatives
   bool is_remembered = false;  ///< the choices are queued: Database::flush() waits for them
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = {};
 
   [[nodiscard]] bool is_solved() const { return status == PlanStatus::solved; }
 };

@@ -23,7 +23,7 @@ struct TrajectorySettings {
   double velocity_scale = 1;
   double acceleration_scale = 1;
   double acceleration_limit = 1;
-  std::optional<double> jerk_limit;
+  std::optional<double> jerk_limit = {};
   double path_tolerance = 1;
   int time_rounds = 8;
   double blend_tolerance = 0.2;
@@ -126,9 +126,9 @@ struct MotionMeasures {
   double duration_s = 0;
   double jerk_integral = 0;  ///< of the squared L2 norm over time, rad^2/s^5
   /// Greatest values of each joint, rad/s, rad/s^2 and rad/s^3 (metres for prismatic joints).
-  std::vector<double> velocity, acceleration, jerk;
+  std::vector<double> velocity = {}, acceleration = {}, jerk = {};
   /// Shares of the limits, 0 to 1, that these are; 0 where a joint has no limit.
-  std::vector<double> velocity_use, acceleration_use, jerk_use;
+  std::vector<double> velocity_use = {}, acceleration_use = {}, jerk_use = {};
 };
 /// Returns exact integrals, and greatest values at 9 times of each stretch.
 [[nodiscard]] MotionMeasures measure_motion(const Trajectory& motion, const RateLimits& limits);

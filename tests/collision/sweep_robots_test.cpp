@@ -46,8 +46,8 @@ TEST_SUITE("unit") {
     parts.links = {{"base", -1, {}, {}, {}},
                    {"column", -1, {}, {}, {}},
                    {"tool", -1, {{Vec3(0.5, 0, 0), 0.05}}, {}, {}}};
-    Joint turn{"turn", JointType::revolute, 0, 1, {}, Vec3::UnitZ(), -3, 3, 0, {}, 0, {}, {}};
-    Joint lift{"lift", JointType::prismatic, 1, 2, {}, Vec3::UnitZ(), -1e6, 1e6, 0, {}, 0, {}, {}};
+    Joint turn{"turn", JointType::revolute, 0, 1, {}, Vec3::UnitZ(), -3, 3, 0};
+    Joint lift{"lift", JointType::prismatic, 1, 2, {}, Vec3::UnitZ(), -1e6, 1e6, 0};
     parts.joints = {turn, lift};
     const auto robot = require(make_robot(std::move(parts)));
     const Scene scene{"", {{"ball", {Sphere{Vec3(0.5, 0, 0.2), 0.1}}}}};

@@ -118,7 +118,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("JSON of a plan has the measures of its motion, if there is one") {
     const Problem problem = test::gap_problem();
-    const MotionMeasures motion{1.5, 8, {1, 0.5}, {2, 1}, {4, 2}, {}, {}, {}};
+    const MotionMeasures motion{1.5, 8, {1, 0.5}, {2, 1}, {4, 2}};
     const auto json = nlohmann::json::parse(to_json(problem, solved_result(), 0, nullptr, &motion));
     CHECK(json.at("duration_s") == 1.5);
     CHECK(json.at("motion").at("greatest_acceleration") == std::vector<double>{2, 1});
