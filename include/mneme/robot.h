@@ -221,6 +221,10 @@ class Robot {
   /// `q` in the message, such as "start".
   [[nodiscard]] std::optional<std::string> describe_violation(std::span<const double> q,
                                                               std::string_view what) const;
+  /// Returns true if describe_violation() finds none.
+  [[nodiscard]] bool is_configuration(std::span<const double> q) const {
+    return !describe_violation(q, "");
+  }
   /// Returns `q` with continuous joints wrapped to [-pi, pi) and others clamped to their limits.
   [[nodiscard]] Configuration normalized(std::span<const double> q) const;
   /// Returns `q` with continuous joints shifted by whole turns to where they are nearest to `near`.

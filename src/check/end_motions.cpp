@@ -238,18 +238,17 @@ bool drop_ends(const Robot& robot, const Scene& scene, double resolution,
   const auto is_left = [&](const Configuration& end, const Configuration& inside, bool is_start) {
     return ends.is_left_by(end, inside, is_start, steps_between(robot, end, inside, resolution), 0);
   };
-  const bool is_out = robot.describe_violation(path.front(), "").has_value();
+  const bool is_out = !robot.is_configuration(path.front());
   if (is_out || !ends.touching(path.front()).empty()) {
     if (!is_near_limits(robot, path.front(), tolerances)) return false;
-    if (robot.describe_violation(path[1], "") || !is_left(path.front(), path[1], true))
-      return false;
+    if (!robot.is_configuration(path[1]) || !is_left(path.front(), path[1], true)) return false;
     path.erase(path.begin());
   }
-  if (robot.describe_violation(path.back(), "")) return false;
+  if (!robot.is_configuration(path.back())) return false;
   if (path.size() < 2 || ends.touching(path.back()).empty()) return true;
   const Configuration goal = path.back();
   path.pop_back();
-  return !robot.describe_violation(path.back(), "") && is_left(goal, path.back(), false);
+  return robot.is_configuration(path.back()) && is_left(goal, path.back(), false);
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ bool is_path_free(const Robot& robot, const Scene& scene, const std::vector<Conf
                   double resolution) {
   if (path.empty() || !(resolution > 0)) return false;
   for (const Configuration& q : path) {
-    if (robot.describe_violation(q, "waypoint")) return false;
+    if (!robot.is_configuration(q)) return false;
   }
   const internal::LinkDistances links(robot);
   const auto obstacles = internal::obstacle_shapes(robot, scene);

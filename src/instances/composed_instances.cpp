@@ -139,7 +139,7 @@ class Composer {
       const double scale = rng_.uniform(kLegLength[0], kLegLength[1]) / std::sqrt(squared);
       Configuration to = from;
       for (std::size_t j = 0; j < to.size(); ++j) to[j] += scale * direction[j];
-      if (robot_.describe_violation(to, "")) continue;
+      if (!robot_.is_configuration(to)) continue;
       if (empty_.is_valid(std::span<const double>(to)) &&
           empty_.is_motion_valid(std::span<const double>(from), std::span<const double>(to))) {
         return to;
@@ -207,9 +207,8 @@ class Composer {
           std::remainder(turn + rng_.uniform(-spread, spread), 2 * std::numbers::pi);
       Path turned = motion;
       for (Configuration& q : turned) q[static_cast<std::size_t>(joints_.turn)] += angle;
-      const bool is_within = std::ranges::none_of(turned, [&](const Configuration& q) {
-        return robot_.describe_violation(q, "").has_value();
-      });
+      const bool is_within = std::ranges::none_of(
+          turned, [&](const Configuration& q) { return !robot_.is_configuration(q); });
       if (!is_within) continue;
       if (is_reversed) std::ranges::reverse(turned);
       parts.push_back({module, angle, is_reversed});

@@ -46,7 +46,7 @@ class EndMover {
                                            std::vector<std::string>& notes) {
     is_start_ = end == PathEnd::start;
     exit_.emplace(checker_, tolerances_, end, kEndStates);
-    const bool is_out = robot_.describe_violation(given, "").has_value();
+    const bool is_out = !robot_.is_configuration(given);
     if (is_out && !(is_start_ && is_near_limits(robot_, given, tolerances_))) return std::nullopt;
     std::optional<Configuration> nearest = keep_limits_and_cones(given);
     if (!nearest) return std::nullopt;
@@ -125,7 +125,7 @@ class EndMover {
   /// True if `q` keeps all limits, cones and distances, and the straight motion from `given` to `q`
   /// passes.
   [[nodiscard]] bool is_inside(const Configuration& given, const Configuration& q) const {
-    if (robot_.describe_violation(q, "") || !is_clear_by_exact_geometry(checker_, q)) return false;
+    if (!robot_.is_configuration(q) || !is_clear_by_exact_geometry(checker_, q)) return false;
     const auto keeps = [&](const OrientationConstraint& constraint) {
       return tilt(robot_, constraint, q) <= constraint.angle - kTiltMargin &&
              keeps_cone(robot_, constraint, {given, q}, checker_.resolution(), tolerances_);

@@ -190,9 +190,7 @@ Result<void> check_together(const PlannerEntry& planner, const SamplerEntry& sam
 
 /// Errors: a problem that a kind does not handle. Invalid ends are refused later.
 Result<void> check_primitives(const Problem& problem, const std::vector<KindSettings>& kinds) {
-  const auto is_wrong = [&](const Configuration& q) {
-    return problem.robot.describe_violation(q, "q").has_value();
-  };
+  const auto is_wrong = [&](const Configuration& q) { return !problem.robot.is_configuration(q); };
   if (problem.goals.empty() || is_wrong(problem.start) ||
       std::ranges::any_of(problem.goals, is_wrong)) {
     return {};

@@ -42,7 +42,7 @@ Result<GivenEnds> move_inside(const Query& query, CellChecker& made, PlanQuery& 
   // The exact geometry may show that start and goals are free.
   const CollisionChecker& checker = made.checked.checker;
   const auto is_clear_end = [&](const Configuration& q) {
-    return !checker.robot().describe_violation(q, "") && is_clear(checker, q);
+    return checker.robot().is_configuration(q) && is_clear(checker, q);
   };
   if (is_clear_end(ends.start) && std::ranges::all_of(ends.goals, is_clear_end)) {
     return GivenEnds{};
@@ -153,7 +153,7 @@ Result<ResolvedQuery> resolve_block(const Query& query, CellChecker made, std::s
   GivenEnds given = MNEME_TRY(move_inside(query, made, ends, first));
   std::optional<PoseGoalSource> further_goals;
   const bool wants_poses = !problem.pose_goals.empty() && first == 0;
-  if (wants_poses && !problem.robot.describe_violation(ends.start, "start")) {
+  if (wants_poses && problem.robot.is_configuration(ends.start)) {
     MNEME_TRY(resolve_poses(query, made, ends, further_goals));
     if (ends.goals.empty()) {
       MNEME_TRY(enter_contact(query, made, ends, given, further_goals->blocked()));

@@ -88,7 +88,7 @@ Result<QueryChecker> check_ends(const CollisionChecker& plain, const CheckerSett
   std::optional<Scene> checked_scene;
   const auto judge = [&](const Configuration& q, const std::string& end) {
     internal::poll_interrupt();
-    const bool is_configuration = !robot.describe_violation(q, "");
+    const bool is_configuration = robot.is_configuration(q);
     if (is_configuration && internal::is_clear(result.checker, q)) return;
     result.are_ends_clear = false;
     if (!is_configuration) return;

@@ -210,8 +210,7 @@ std::optional<PlanResult> refuse_query(const CollisionChecker& checker, const Pl
 }
 
 bool internal::is_valid_end(const CollisionChecker& checker, const Configuration& q) {
-  return !checker.robot().describe_violation(q, "") && !find_tilt(checker, q) &&
-         is_clear(checker, q);
+  return checker.robot().is_configuration(q) && !find_tilt(checker, q) && is_clear(checker, q);
 }
 
 std::vector<std::string> internal::drop_invalid_goals(const CollisionChecker& checker,

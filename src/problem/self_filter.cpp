@@ -101,7 +101,7 @@ std::optional<double> read_self_filter(const Input& problem, const ProblemOption
 
 std::vector<std::string> filter_own_points(std::optional<double> distance, const Robot& robot,
                                            const Configuration& start, Scene& scene) {
-  if (!distance || robot.describe_violation(start, "start")) return {};
+  if (!distance || !robot.is_configuration(start)) return {};
   return value_or_throw(drop_own_points(scene, robot, start, *distance));
 }
 

@@ -154,7 +154,7 @@ std::shared_ptr<StaticCell> StaticCell::keep(const CollisionChecker& checker) {
 bool StaticCell::are_clear(const PlanQuery& ends) const {
   const Robot& robot = checker_.robot();
   const auto is_clear = [&](const Configuration& q) {
-    if (robot.describe_violation(q, "")) return false;
+    if (!robot.is_configuration(q)) return false;
     const std::vector<float> row = to_row(robot, q);
     return clear_.contain(row, row, {});
   };

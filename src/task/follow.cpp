@@ -82,7 +82,7 @@ std::optional<Configuration> find_inside(TaskRun& run, const CollisionChecker& c
   goal.pose.translation += length * way.normalized();
   auto inside = exit.reach(goal, line.q, 1);
   ++run.states;
-  if (!inside || robot.describe_violation(*inside, "")) return std::nullopt;
+  if (!inside || !robot.is_configuration(*inside)) return std::nullopt;
   if (!is_clear_by_exact_geometry(checker, *inside)) return std::nullopt;
   return inside;
 }

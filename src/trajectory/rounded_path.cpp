@@ -100,7 +100,7 @@ double norm(const std::vector<double>& v) {
 }
 
 bool begins_outside(const Robot& robot, const Path& path) {
-  return robot.describe_violation(path.front(), "").has_value();
+  return !robot.is_configuration(path.front());
 }
 
 Legs find_legs(const Robot& robot, const Path& path) {
