@@ -6,6 +6,7 @@
 
 #include "mneme/base.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <exception>
@@ -50,6 +51,20 @@ class Threads {
   std::shared_ptr<Shared> shared_;
   std::vector<JoiningThread> threads_;
 };
+
+/// Calls `work(i)` for each i < count, in any order, from this thread and up to `threads` - 1
+/// others. Rethrows the first exception of one of them.
+template <class Work>
+void run_parallel(std::size_t count, std::size_t threads, const Work& work) {
+  std::atomic<std::size_t> next = 0;
+  const auto run = [&] {
+    for (std::size_t i = next++; i < count; i = next++) work(i);
+  };
+  const std::size_t most = std::min(threads, count);
+  Threads others(most > 1 ? most - 1 : 0, run);
+  run();
+  others.join();
+}
 
 /// Returns the result of `work`, for threads that must outlive a lack of memory. Error: io, with
 /// what the std::exception says that ended it.

@@ -10,7 +10,6 @@
 #include "cell/examine.h"
 
 #include <algorithm>
-#include <atomic>
 #include <optional>
 #include <queue>
 #include <string>
@@ -146,17 +145,11 @@ class CellBuilder {
 
   void examine_all(const std::vector<OpenBox>& open,
                    std::vector<std::optional<Examined>>& results) {
-    std::atomic<std::size_t> next = 0;
-    const auto work = [&] {
-      for (std::size_t i = next++; i < open.size(); i = next++) {
-        // The first is always examined, so that a round makes progress.
-        if (i > 0 && (stopwatch_.elapsed_s() >= seconds_ || is_set(settings_.cancel))) return;
-        results[i] = examiner_.examine(open[i], cell_.boxes, order_);
-      }
-    };
-    Threads threads(as_index(settings_.threads - 1), work);
-    work();
-    threads.join();
+    run_parallel(open.size(), as_index(settings_.threads), [&](std::size_t i) {
+      // The first is always examined, so that a round makes progress.
+      if (i > 0 && (stopwatch_.elapsed_s() >= seconds_ || is_set(settings_.cancel))) return;
+      results[i] = examiner_.examine(open[i], cell_.boxes, order_);
+    });
   }
 
   void take(const OpenBox& open, Examined&& result) {

@@ -464,20 +464,14 @@ class Reprover {
   }
 
   void run(StartCell& start, int threads, CellVerification& result) const {
-    std::atomic<std::size_t> next = 0;
     std::atomic<int> proven = 0, kept = 0;
-    const auto work = [&] {
-      for (std::size_t i = next++; i < start.boxes.size(); i = next++) {
-        CellBox& box = start.boxes[i];
-        const bool is_known = changes_.has_value() && box.was_proven;
-        kept += is_known ? 1 : 0;
-        box.is_proven = box.was_proven = prove(box, is_known);
-        proven += box.is_proven ? 1 : 0;
-      }
-    };
-    internal::Threads others(as_index(std::max(1, threads) - 1), work);
-    work();
-    others.join();
+    internal::run_parallel(start.boxes.size(), as_index(std::max(1, threads)), [&](std::size_t i) {
+      CellBox& box = start.boxes[i];
+      const bool is_known = changes_.has_value() && box.was_proven;
+      kept += is_known ? 1 : 0;
+      box.is_proven = box.was_proven = prove(box, is_known);
+      proven += box.is_proven ? 1 : 0;
+    });
     result.proven += proven;
     result.kept += kept;
     result.checked += static_cast<int>(start.boxes.size());

@@ -4,8 +4,6 @@
 
 #include "base/threads.h"
 
-#include <algorithm>
-#include <atomic>
 #include <memory>
 #include <thread>
 
@@ -39,17 +37,11 @@ Result<std::vector<Result<TimedSolution>>> plan_many(std::span<const Problem> pr
                 "order of the problems; plan them one by one instead");
   }
   std::vector<Result<TimedSolution>> solutions(problems.size());
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < problems.size(); i = next++) {
-      solutions[i] = plan_one(problems[i], database, settings);
-    }
-  };
   const auto jobs = settings.jobs > 0 ? static_cast<std::size_t>(settings.jobs)
-                                      : std::max(1u, std::thread::hardware_concurrency());
-  internal::Threads others(std::min(jobs, std::max<std::size_t>(problems.size(), 1)) - 1, work);
-  work();
-  others.join();
+                                      : std::thread::hardware_concurrency();
+  internal::run_parallel(problems.size(), jobs, [&](std::size_t i) {
+    solutions[i] = plan_one(problems[i], database, settings);
+  });
   return solutions;
 }
 

@@ -21,7 +21,6 @@
 #include <unistd.h>
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -124,19 +123,6 @@ void replace_solids(Link& link, const LinkSpheres& made, const Mesh& surface) {
                         static_cast<int>(made.capsules.size()), made.max_excess};
 }
 
-/// Calls `work(i)` for each i < count, in any order, from a thread per core.
-template <class Work>
-void run_parallel(std::size_t count, const Work& work) {
-  std::atomic<std::size_t> next = 0;
-  const auto run = [&] {
-    for (std::size_t i = next++; i < count; i = next++) work(i);
-  };
-  const std::size_t most = std::min<std::size_t>(std::thread::hardware_concurrency(), count);
-  Threads others(std::max<std::size_t>(most, 1) - 1, run);
-  run();
-  others.join();
-}
-
 /// Numbers of independent joints.
 struct Joints {
   int before = 0;
@@ -204,7 +190,7 @@ Result<CachedSpheres> approximate_robot(Robot::Parts parts, const SphereSettings
   std::vector<Attempt> attempts = MNEME_TRY(find_surfaces(parts, settings));
   std::mutex mutex;
   int done = 0;
-  run_parallel(attempts.size(), [&](std::size_t i) {
+  run_parallel(attempts.size(), std::thread::hardware_concurrency(), [&](std::size_t i) {
     Attempt& attempt = attempts[i];
     attempt.made = approximate_surface(attempt.surface, attempt.settings, cache);
     const std::scoped_lock locked(mutex);
