@@ -335,15 +335,13 @@ inline constexpr std::size_t kCirclePairKeySize = 6;
 
 // The kind "body_pairs": two obstacles of any shapes, touching ones too.
 
-/// Numbers per obstacle in a key of the kind "body_pairs".
+/// Numbers per obstacle in a key of the kind "body_pairs", metres: its centroid (x, y, z), then six
+/// entries of a matrix S (xx, yy, zz, and sqrt(2) times xy, xz, yz). S is the square root of three
+/// times the covariance of the obstacle's volume. For a box with half extents h and rotation R, S
+/// is R diag(h) R^T, independent of the order and sign of its axes. Eigenvalues of S for a
+/// cylinder: sqrt(3)/2 of its radius and half its length; for a sphere: sqrt(3/5) of its radius.
+/// Shapes of one obstacle are weighted by volume.
 inline constexpr int kBodyKeySize = 9;
-/// Returns an obstacle of any shapes as numbers in metres: its centroid (x, y, z), then six entries
-/// of a matrix S (xx, yy, zz, and sqrt(2) times xy, xz, yz). S is the square root of three times
-/// the covariance of the obstacle's volume. For a
-/// box with half extents h and rotation R, S is R diag(h) R^T, independent of the order and sign of
-/// its axes. Eigenvalues of S for a cylinder: sqrt(3)/2 of its radius and half its length; for a
-/// sphere: sqrt(3/5) of its radius. Shapes of one obstacle are weighted by volume.
-[[nodiscard]] std::array<double, kBodyKeySize> body_key(const Obstacle& obstacle);
 /// Brings a pair of bodies to canonical form.
 [[nodiscard]] LocalPrimitive make_body_primitive(const SymmetricJoints& joints, const Obstacle& a,
                                                  const Obstacle& b);

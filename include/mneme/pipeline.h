@@ -175,16 +175,6 @@ struct GlSampler {
   }
 };
 
-/// Runs Algorithm 2, "Create GL-Sampler", for the kinds of memory in the settings or the database,
-/// one after the other. Drops means that a symmetry moves outside the joint limits. Changes the
-/// database only if `learn_budget_s` > 0 and a primitive has neither a complete match nor
-/// `max_matches` incomplete ones. Learning ends `plan.timeout_s` after the call, or soon after
-/// `plan.cancel` is set.
-/// Errors: those of MemoryKind::decompose; wrong_robot for a database of another robot; invalid for
-/// a setting out of range; unsupported if no queried kind can learn within a budget.
-[[nodiscard]] Result<GlSampler> create_gl_sampler(const Problem& problem, Database& database,
-                                                  const SolveSettings& settings);
-
 /// Returns the sampler of the settings for a problem, Algorithm 1 over Algorithm 2, as solve() uses
 /// it. Queries memory at once, but the first `retrieve_after` samples are uniform.
 [[nodiscard]] Result<std::shared_ptr<const Sampler>> make_sampler(const Problem& problem,

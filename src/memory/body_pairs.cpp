@@ -39,7 +39,7 @@ Eigen::Matrix3d square_root(const Eigen::Matrix3d& m) {
          solver.eigenvectors().transpose();
 }
 
-/// Centroid of an obstacle, and S of body_key().
+/// Centroid of an obstacle, and S of kBodyKeySize.
 struct Body {
   Vec3 centroid;
   Eigen::Matrix3d spread;
@@ -79,12 +79,6 @@ LocalPrimitive make_primitive_of(const SymmetricJoints& joints, const Body& a, c
 }
 
 }  // namespace
-
-std::array<double, kBodyKeySize> body_key(const Obstacle& obstacle) {
-  std::array<double, kBodyKeySize> key{};
-  write(make_body(obstacle), key.data());
-  return key;
-}
 
 LocalPrimitive make_body_primitive(const SymmetricJoints& joints, const Obstacle& a,
                                    const Obstacle& b) {

@@ -94,18 +94,6 @@ Recalled synthesize(const MemoryQuery& query, const KindSettings& kind,
   return mixture;
 }
 
-GaussianMixture make_all(Recalled recalled, int joint_count) {
-  if (auto* mixture = std::get_if<GaussianMixture>(&recalled)) return std::move(*mixture);
-  auto source = std::get<std::shared_ptr<const ComponentSource>>(std::move(recalled));
-  const int groups = source->group_count();
-  const SampledComponents all(std::move(source), joint_count, std::nullopt);
-  std::vector<float> mean(static_cast<std::size_t>(joint_count));
-  for (int group = 0; group < groups; ++group) {
-    for (int i = 0; i < all.component_count(group); ++i) (void)all.make(group, i, mean);
-  }
-  return all.made();
-}
-
 void append(GaussianMixture& all, const GaussianMixture& more) {
   const int joints = more.joint_count;
   const int factors = all.factor_count();

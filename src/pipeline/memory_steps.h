@@ -46,9 +46,6 @@ using Recalled = std::variant<GaussianMixture, std::shared_ptr<const ComponentSo
                                   std::span<const PrimitiveRetrieval> primitives,
                                   SampleSource first_source);
 
-/// Makes all components at once.
-[[nodiscard]] GaussianMixture make_all(Recalled recalled, int joint_count);
-
 /// Appends the components of `more` to `all`.
 void append(GaussianMixture& all, const GaussianMixture& more);
 

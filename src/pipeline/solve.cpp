@@ -202,22 +202,6 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   return result;
 }
 
-Result<GlSampler> create_gl_sampler(const Problem& problem, Database& database,
-                                    const SolveSettings& settings) {
-  SolveSettings from_memory = settings;
-  from_memory.sampler = SolveSettings().sampler;
-  const Query query = MNEME_TRY(internal::make_query(problem, &database, from_memory));
-  const MemoryQuery ends = memory_query(problem);
-  GlSampler gl;
-  GaussianMixture all;
-  for (const KindSettings& kind : query.kinds) {
-    Recalled recalled = MNEME_TRY(recall(query, ends, kind, gl));
-    internal::append(all, internal::make_all(std::move(recalled), problem.robot.joint_count()));
-  }
-  gl.mixture = std::make_shared<const GaussianMixture>(std::move(all));
-  return gl;
-}
-
 Result<std::shared_ptr<const Sampler>> make_sampler(const Problem& problem, Database* database,
                                                     const SolveSettings& settings) {
   SolveSettings elsewhere = settings;

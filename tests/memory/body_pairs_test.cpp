@@ -17,6 +17,14 @@ namespace {
 
 using BodyKey = std::array<double, kBodyKeySize>;
 
+/// The numbers of an obstacle in the key of a pair that no joint of the robot turns or lifts.
+BodyKey body_key(const Obstacle& obstacle) {
+  const PrimitiveKey pair = make_body_primitive({}, obstacle, {"", {Sphere{}}}).key;
+  BodyKey key;
+  std::copy_n(pair.begin(), key.size(), key.begin());
+  return key;
+}
+
 double key_distance(const BodyKey& a, const BodyKey& b) {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
@@ -284,9 +292,6 @@ TEST_SUITE("law") {
       const double radius = std::hypot(before.x() - 0.3, before.y() + 0.2);
       REQUIRE((middle(both) - Vec3(radius, 0, 0)).norm() < 1e-12);
       REQUIRE((middle(turn) - Vec3(radius, 0, before.z())).norm() < 1e-12);
-      const BodyKey of_a = body_key(a);
-      const PrimitiveKey as_is = make_body_primitive(neither, a, b).key;
-      REQUIRE(largest_difference(of_a, std::span(as_is).first(kBodyKeySize)) < 1e-12);
     }
   }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "support/kinds.h"
 #include "support/lifting_arm.h"
+#include "support/planar_memory.h"
 
 #include <algorithm>
 
@@ -214,8 +215,7 @@ TEST_SUITE("flow") {
     for (const Symmetry& motion : {Symmetry{}, Symmetry{1.1, false, 0.15}, {-1.7, false, -0.2}}) {
       const Scene scene = moved_scene(transform_of(joints, motion), shelf_scene());
       const CollisionChecker there = checker_of(scene);
-      const auto gl =
-          require(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings));
+      const GlSampler gl = require(recall(problem_in(robot, scene), database, settings));
       CHECK(gl.mixture->component_count() == components);
       int touching = 0;
       for (int i = 0; i < gl.mixture->component_count(); ++i) {
@@ -253,8 +253,7 @@ TEST_SUITE("flow") {
         }
       }
       const Scene scene = moved_scene(transform_of(joints, motion), shelf_scene());
-      const auto gl =
-          require(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings));
+      const GlSampler gl = require(recall(problem_in(robot, scene), database, settings));
       CHECK(gl.mixture->component_count() == expected);
       CHECK(expected > 0);
       CHECK(expected < database.info().components);

@@ -55,7 +55,7 @@ struct PathMemory {
   [[nodiscard]] GlSampler recall(const SolveSettings& settings = {}) {
     SolveSettings of_paths = settings;
     of_paths.memory.kind = "paths";
-    return create_gl_sampler(problem, database, of_paths).value();
+    return test::recall(problem, database, of_paths).value();
   }
 };
 
@@ -316,14 +316,10 @@ TEST_SUITE("flow") {
 
   TEST_CASE("a scene without a query cannot ask a memory of paths") {
     PathMemory memory;
-    SolveSettings of_paths;
-    of_paths.memory.kind = "paths";
-    const auto gl =
-        create_gl_sampler({"", memory.problem.robot, "", memory.problem.scene, {}, {}, {}},
-                          memory.database, of_paths);
-    REQUIRE_FALSE(gl.has_value());
-    CHECK(gl.error().code == ErrorCode::invalid);
-    CHECK(contains(gl.error().message, "start and goal"));
+    const Error error =
+        require_error(decompose({memory.problem.robot, memory.problem.scene}, of_kind("paths")));
+    CHECK(error.code == ErrorCode::invalid);
+    CHECK(contains(error.message, "start and goal"));
   }
 }
 

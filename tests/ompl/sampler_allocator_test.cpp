@@ -121,7 +121,7 @@ TEST_SUITE("unit") {
     LearnedScene world;
     SolveSettings settings;
     settings.drop_invalid_means = false;
-    const auto gl = require(create_gl_sampler(world.problem, world.database, settings));
+    const auto gl = require(recall(world.problem, world.database, settings));
     const auto information = mneme::ompl::make_space_information(checker_of(world.problem));
     for (const double lambda : {0.0, 0.5, 1.0}) {
       settings.lambda = lambda;
@@ -142,8 +142,8 @@ TEST_SUITE("unit") {
     settings.lambda = 1;
     settings.retrieve_after = 100;
     settings.drop_invalid_means = false;
-    const auto gl = create_gl_sampler(world.problem, world.database, settings);
-    const Problem scene_alone{"", world.problem.robot, "", world.problem.scene, {}, {}, {}};
+    const auto gl = recall(world.problem, world.database, settings);
+    const Problem scene_alone{.robot = world.problem.robot, .scene = world.problem.scene};
     const auto allocator =
         require(mneme::ompl::gl_sampler_allocator(scene_alone, world.database, settings));
     const auto information = mneme::ompl::make_space_information(checker_of(world.problem));
@@ -162,7 +162,7 @@ TEST_SUITE("unit") {
     settings.lambda = 1;
     settings.sigma = 1e-4;
     settings.margin = 0.01;
-    const auto gl = require(create_gl_sampler(world.problem, world.database, settings));
+    const auto gl = require(recall(world.problem, world.database, settings));
     const auto careful =
         require(CollisionChecker::make(robot, world.problem.scene, {{}, settings.margin}));
     const GaussianMixture kept = internal::keep_valid_components(careful, *gl.mixture);
@@ -184,8 +184,8 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a database of another robot is refused") {
     LearnedScene world;
-    const Problem other{
-        "", planar_arm({1, 1}), "", make_circle_scene("", {{1.5, 0.75, 0.35}}), {}, {}, {}};
+    const Problem other{.robot = planar_arm({1, 1}),
+                        .scene = make_circle_scene("", {{1.5, 0.75, 0.35}})};
     const Error error = require_error(mneme::ompl::gl_sampler_allocator(other, world.database));
     CHECK(error.code == ErrorCode::wrong_robot);
   }

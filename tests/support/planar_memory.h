@@ -115,6 +115,31 @@ inline Database make_database(const std::string& path, const Robot& robot,
   return require(Database::open(path, make_signature(robot), mode));
 }
 
+/// A problem of `scene` between two configurations that are free in it.
+inline Problem problem_in(const Robot& robot, const Scene& scene) {
+  const CollisionChecker checker = make_checker(robot, scene);
+  Rng rng(1);
+  const auto sample_free = [&] {
+    for (;;) {
+      Configuration q = random_configuration(robot, rng);
+      if (checker.is_valid(std::span<const double>(q))) return q;
+    }
+  };
+  return {.robot = robot, .scene = scene, .start = sample_free(), .goals = {sample_free()}};
+}
+
+/// What Algorithm 2 has for a problem: all matches with their components as stored.
+inline Result<GlSampler> recall(const Problem& problem, Database& database,
+                                SolveSettings settings = {}) {
+  settings.retarget = false;
+  settings.drop_invalid_means = false;
+  settings.retrieve_after = 0;
+  settings.plan.max_iterations = 1;
+  return solve(problem, &database, settings).map([](const SolveResult& result) {
+    return result.gl;
+  });
+}
+
 inline void learn_into(Database& database, const Robot& robot,
                        const std::vector<PrimitiveKey>& keys,
                        const LearnSettings& settings = cheap_settings()) {

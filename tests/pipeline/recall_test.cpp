@@ -8,10 +8,8 @@ namespace mneme::test {
 namespace {
 
 GlSampler create(const Robot& robot, const Scene& scene, Database& database,
-                 SolveSettings settings) {
-  // Components are counted here: what cannot be fitted would be missing.
-  settings.retarget = false;
-  auto gl = require(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings));
+                 const SolveSettings& settings) {
+  auto gl = require(recall(problem_in(robot, scene), database, settings));
   REQUIRE(gl.mixture != nullptr);
   return gl;
 }
@@ -104,23 +102,31 @@ TEST_SUITE("unit") {
     CHECK(create(robot, make_scene(other), database, settings).primitives[0].matches.empty());
   }
 
-  TEST_CASE("components are fitted to the scene's gap, and those that cannot be are left out") {
+  TEST_CASE("more samples are free once components are fitted to the scene's gap") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
     learn_into(database, robot, keys_near(near_pair(), 4, 0.2, 1));
     const Scene scene = make_scene(near_pair());
-    const auto fitted =
-        require(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, {}));
-    const GlSampler moved = create(robot, scene, database, {});
-    CHECK(fitted.mixture->component_count() > 0.5 * moved.mixture->component_count());
+    const Problem problem = problem_in(robot, scene);
     const CollisionChecker checker = make_checker(robot, scene);
-    const auto count_free = [&](const GaussianMixture& mixture) {
-      std::vector<std::uint8_t> is_free(static_cast<std::size_t>(mixture.component_count()));
-      checker.check_states(mixture.means, is_free);
-      return std::ranges::count(is_free, 1);
+    SolveSettings settings;
+    settings.lambda = 1;
+    settings.sigma = 1e-4;
+    settings.retrieve_after = 0;
+    settings.drop_invalid_means = false;
+    const auto count_free = [&](bool is_fitted) {
+      settings.retarget = is_fitted;
+      const auto samples = require(make_sampler(problem, &database, settings))->start(1);
+      std::vector<float> q(8);
+      int count = 0;
+      for (int i = 0; i < 1000; ++i) {
+        samples->next(q);
+        count += checker.is_valid(Configuration(q.begin(), q.end())) ? 1 : 0;
+      }
+      return count;
     };
-    CHECK(count_free(*fitted.mixture) > count_free(*moved.mixture));
+    CHECK(count_free(true) > count_free(false));
   }
 
   TEST_CASE("a miss without a budget leaves sampler and database empty") {
@@ -179,14 +185,10 @@ TEST_SUITE("unit") {
     Database database = make_database(directory / "a.db", robot);
     SolveSettings wrong;
     wrong.sigma = -1.0;
-    const Problem problem{"", robot, "", make_scene(near_pair()), Configuration(8), {}, {}};
-    for (const auto& gl :
-         {create_gl_sampler({"", robot, "", problem.scene, {}, {}, {}}, database, wrong),
-          create_gl_sampler(problem, database, wrong)}) {
-      REQUIRE(!gl.has_value());
-      CHECK(gl.error().code == ErrorCode::invalid);
-      CHECK(contains(gl.error().message, "'sigma'"));
-    }
+    const auto gl = recall(problem_in(robot, make_scene(near_pair())), database, wrong);
+    REQUIRE(!gl.has_value());
+    CHECK(gl.error().code == ErrorCode::invalid);
+    CHECK(contains(gl.error().message, "'sigma'"));
   }
 
   TEST_CASE("a pair of bodies is not learned on a miss as if it were one of circles") {
@@ -198,8 +200,7 @@ TEST_SUITE("unit") {
     settings.memory.kind = "body_pairs";
     settings.memory.max_gap = 5;
     const Scene scene = make_scene(near_pair());
-    const Error refused =
-        require_error(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, settings));
+    const Error refused = require_error(recall(problem_in(robot, scene), database, settings));
     CHECK(contains(refused.message, "cannot learn while planning"));
     settings.learn_budget_s = 0;
     const GlSampler gl = create(robot, scene, database, settings);
@@ -279,8 +280,7 @@ TEST_SUITE("unit") {
     }
     auto database = require(Database::inspect(directory / "a.db"));
     const Scene scene = make_scene(near_pair());
-    const Error error =
-        require_error(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, {}));
+    const Error error = require_error(recall(problem_in(robot, scene), database, {}));
     CHECK(error.code == ErrorCode::wrong_robot);
     for (const std::string& part :
          {directory / "a.db", other.kinematics_hash(), robot.kinematics_hash()}) {
@@ -301,14 +301,12 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
     const Scene scene{"", {{"crate", {Box{}}}}};
-    const Error error =
-        require_error(create_gl_sampler({"", robot, "", scene, {}, {}, {}}, database, {}));
+    const Error error = require_error(recall(problem_in(robot, scene), database, {}));
     CHECK(contains(error.message, "'crate'"));
     SolveSettings unknown;
     unknown.memory.kind = "triples";
     const Scene pair = make_scene(near_pair());
-    const Error refused =
-        require_error(create_gl_sampler({"", robot, "", pair, {}, {}, {}}, database, unknown));
+    const Error refused = require_error(recall(problem_in(robot, pair), database, unknown));
     CHECK(contains(refused.message, "triples"));
   }
 }
