@@ -54,6 +54,16 @@ std::string robot_reference(const std::string& robot) {
              : std::filesystem::absolute(robot).lexically_normal().string();
 }
 
+/// From start to goal of a generated instance.
+template <class Instance>
+Problem problem_of(const std::string& name, const Robot& robot, const Instance& instance) {
+  return {.name = name,
+          .robot = robot,
+          .scene = instance.scene,
+          .start = instance.start,
+          .goals = {instance.goal}};
+}
+
 /// Appends `problem` to a file of problems of one robot; returns its entry.
 Json& append_problem(const Problem& problem, const std::string& robot, Json& file) {
   Json one = Json::parse(to_compact_json(problem, robot_reference(robot)));
@@ -153,7 +163,7 @@ Json to_json(const EnclosedOptions& options, const Robot& robot, const EnclosedI
   for (std::size_t i = 0; i < made.instances.size(); ++i) {
     const EnclosedInstance& instance = made.instances[i];
     const std::string name = fmt::format("e{}_{:04}", options.seed, i);
-    const Problem problem{name, robot, "", instance.scene, instance.start, {instance.goal}, {}};
+    const Problem problem = problem_of(name, robot, instance);
     append_problem(problem, options.robot, file)["witness"] = instance.witness;
   }
   file["generator"] = kEnclosedVersion;
@@ -190,7 +200,7 @@ Json to_json(const BlockedOptions& options, const Robot& robot, const BlockedIns
   for (std::size_t i = 0; i < made.instances.size(); ++i) {
     const BlockedInstance& instance = made.instances[i];
     const std::string name = fmt::format("b{}_{:04}", options.seed, i);
-    const Problem problem{name, robot, "", instance.scene, instance.start, {instance.goal}, {}};
+    const Problem problem = problem_of(name, robot, instance);
     append_problem(problem, options.robot, file)["blocked"] = {
         {"joint", instance.joint}, {"angles", instance.angles}, {"link", instance.link}};
   }
@@ -224,7 +234,7 @@ Json to_json(const ComposedOptions& options, const Robot& robot, const ComposedI
   for (std::size_t i = 0; i < made.instances.size(); ++i) {
     const ComposedInstance& instance = made.instances[i];
     const std::string name = fmt::format("c{}_{:04}_{}", options.seed, i, instance.parts.size());
-    const Problem problem{name, robot, "", instance.scene, instance.start, {instance.goal}, {}};
+    const Problem problem = problem_of(name, robot, instance);
     Json& entry = append_problem(problem, options.robot, file);
     entry["witness"] = instance.witness;
     entry["parts"] = to_json(instance);
@@ -240,8 +250,11 @@ Json modules_to_json(const ComposedOptions& options, const Robot& robot,
   for (std::size_t i = 0; i < modules.size(); ++i) {
     const ComposedModule& module = modules[i];
     const std::string name = fmt::format("m{}_{:04}", options.seed, i);
-    const Problem problem{
-        name, robot, "", module.scene, module.motion.front(), {module.motion.back()}, {}};
+    const Problem problem{.name = name,
+                          .robot = robot,
+                          .scene = module.scene,
+                          .start = module.motion.front(),
+                          .goals = {module.motion.back()}};
     append_problem(problem, options.robot, file)["witness"] = module.motion;
   }
   file["generator"] = kComposedVersion;

@@ -37,7 +37,11 @@ int main() {
   post.pose.translation = {0.6, 0, 0.4};
   post.half_extents = {0.05, 0.05, 0.4};
   const mneme::Scene scene{"post", {{"post", {post}}}};
-  const mneme::Problem problem{"arm3", *robot, "", scene, {-1, 1.2, 0.3}, {{1, 1.2, 0.3}}, {}};
+  const mneme::Problem problem{.name = "arm3",
+                               .robot = *robot,
+                               .scene = scene,
+                               .start = {-1, 1.2, 0.3},
+                               .goals = {{1, 1.2, 0.3}}};
 
   const auto result = mneme::solve(problem, nullptr, {});
   if (!result) return fail_with(result.error());

@@ -59,8 +59,11 @@ SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& sce
   place_goals(pose_goals, robot, from, "pose_goals");
   std::vector<Configuration> rows;
   if (!goals.is_none()) rows = to_goals(goals, joints);
-  Problem problem{std::move(name), robot,           "", {},
-                  std::move(from), std::move(rows), {}, std::move(pose_goals)};
+  Problem problem{.name = std::move(name),
+                  .robot = robot,
+                  .start = std::move(from),
+                  .goals = std::move(rows),
+                  .pose_goals = std::move(pose_goals)};
   problem.constraints = checked(robot, std::move(constraints));
   problem.start_velocity = to_velocity(start_velocity, joints, "start_velocity");
   problem.end_velocity = to_velocity(end_velocity, joints, "end_velocity");

@@ -45,7 +45,7 @@ Configuration rest_of(const Robot& robot) {
   if (!checker) return middle;
   for (const NamedState& state : robot.named_states()) {
     const auto q = robot.configuration_of(state.name);
-    if (q && !robot.describe_violation(*q, "") && checker->is_valid(std::span<const double>(*q)))
+    if (q && robot.is_configuration(*q) && checker->is_valid(std::span<const double>(*q)))
       return *q;
   }
   Rng rng(1);
@@ -172,10 +172,7 @@ Problem resting_problem(const Robot& robot, const std::string& robot_path) {
   return {.name = robot.name(),
           .robot = robot,
           .robot_path = robot_path,
-          .scene = {},
-          .start = internal::rest_of(robot),
-          .goals = {},
-          .warnings = {}};
+          .start = internal::rest_of(robot)};
 }
 
 Result<LivePage> make_live_page(Problem problem, bool has_memory, const TraceSettings& settings) {

@@ -43,7 +43,7 @@ Digest split(std::int64_t value) {
 Digest digest_of_ends(const Query& query) {
   const Problem& problem = query.problem;
   const SolveSettings& settings = query.settings;
-  Problem ends{"", problem.robot, "", {}, problem.start, problem.goals, {}};
+  Problem ends{.robot = problem.robot, .start = problem.start, .goals = problem.goals};
   ends.pose_goals = problem.pose_goals;
   ends.constraints = problem.constraints;
   ColumnDigest digest;

@@ -79,7 +79,7 @@ class MoveitReader {
     ProblemRobot robot = load_robot();
     hold_joints(robot);
     const MoveitFrames frames(scene_input_, state_);
-    Problem problem{stem(address_.request), robot.robot, robot.path, {}, {}, {}, {}};
+    Problem problem{.name = stem(address_.request), .robot = robot.robot, .robot_path = robot.path};
     problem.files = std::move(robot.files);
     problem.files.insert(problem.files.end(), {address_.scene, address_.request});
     problem.scene = place_scene(robot.robot, frames);

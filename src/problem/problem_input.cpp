@@ -336,13 +336,12 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
   add_notes(filter_own_points(read_self_filter(input.problem, options), robot.robot, start, scene));
   add_notes(describe_fixed_contacts(robot.robot, scene));
   add_notes(describe_far_obstacles(robot.robot, scene));
-  Problem problem{input.name,
-                  robot.robot,
-                  robot.path,
-                  std::move(scene),
-                  std::move(start),
-                  {},
-                  std::move(robot.warnings)};
+  Problem problem{.name = input.name,
+                  .robot = robot.robot,
+                  .robot_path = robot.path,
+                  .scene = std::move(scene),
+                  .start = std::move(start),
+                  .warnings = std::move(robot.warnings)};
   problem.allowed_pairs = std::move(allowing.allowed_pairs);
   const auto velocity = [&](const char* key, const std::optional<std::vector<double>>& given) {
     const auto found = input.problem.find(key);

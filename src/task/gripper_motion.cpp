@@ -160,10 +160,14 @@ tl::expected<GripperMotionPtr, Failure> move_gripper(TaskRun& run, const Checked
   if (!is_free) {
     return tl::unexpected(Failure{DropReason::contact, describe_blocked(checker, from, to)});
   }
-  return std::make_shared<const GripperMotion>(GripperMotion{
-      std::make_shared<const Problem>(
-          Problem{run.task.name, *wide, run.task.robot_path, checker.scene(), from, {to}, {}}),
-      {from, to}});
+  Problem world_of_fingers{.name = run.task.name,
+                           .robot = *wide,
+                           .robot_path = run.task.robot_path,
+                           .scene = checker.scene(),
+                           .start = from,
+                           .goals = {to}};
+  return std::make_shared<const GripperMotion>(
+      GripperMotion{std::make_shared<const Problem>(std::move(world_of_fingers)), {from, to}});
 }
 
 }  // namespace mneme::internal

@@ -218,13 +218,12 @@ Result<bool> TaskSearch::plan_moves() {
 Problem TaskSearch::problem_of(std::size_t level, const Configuration& goal) const {
   const Task& task = run_.task;
   const CheckedWorldPtr& world = world_before(level);
-  Problem problem{task.name,
-                  world->world.robot,
-                  task.robot_path,
-                  world->checker.scene(),
-                  end_before(level),
-                  {goal},
-                  {}};
+  Problem problem{.name = task.name,
+                  .robot = world->world.robot,
+                  .robot_path = task.robot_path,
+                  .scene = world->checker.scene(),
+                  .start = end_before(level),
+                  .goals = {goal}};
   if (groups_[level].move) {
     problem.constraints = task.constraints;
     const Stage& stage = task.stages[as_index(*groups_[level].move)];
@@ -456,13 +455,12 @@ void TaskSearch::add_stages(TaskResult& result) const {
         result.notes.push_back(fmt::format("stage '{}' ends in contact: {}", stage.name, touch));
       }
       const CheckedWorld& world = *local.world;
-      stage.world = std::make_shared<const Problem>(Problem{task.name,
-                                                            world.world.robot,
-                                                            task.robot_path,
-                                                            world.checker.scene(),
-                                                            stage.path.front(),
-                                                            {stage.path.back()},
-                                                            {}});
+      stage.world = std::make_shared<const Problem>(Problem{.name = task.name,
+                                                            .robot = world.world.robot,
+                                                            .robot_path = task.robot_path,
+                                                            .scene = world.checker.scene(),
+                                                            .start = stage.path.front(),
+                                                            .goals = {stage.path.back()}});
       add_stage(std::move(stage), local.stage, result);
     }
   }

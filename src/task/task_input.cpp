@@ -135,7 +135,7 @@ class StageReader {
 
   void read_stage_constraints(const Input& input, Stage& stage) {
     if (!input.find("constraints")) return;
-    Problem scratch{"", robot_, "", {}, {}, {}, {}};
+    Problem scratch{.robot = robot_};
     read_constraints(input, X_RF_, scratch);
     stage.constraints = std::move(scratch.constraints);
   }
@@ -165,8 +165,8 @@ class StageReader {
   }
 
   void read_one_goal(const Input& input, Stage& stage) {
-    Problem scratch{
-        "", robot_, "", {}, Configuration(static_cast<std::size_t>(robot_.joint_count())), {}, {}};
+    Problem scratch{.robot = robot_,
+                    .start = Configuration(static_cast<std::size_t>(robot_.joint_count()))};
     read_goal(input, X_RF_, scratch);
     for (Configuration& q : scratch.goals) stage.configurations.push_back(std::move(q));
     for (PoseGoal& goal : scratch.pose_goals) stage.regions.push_back(std::move(goal));

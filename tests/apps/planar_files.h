@@ -17,9 +17,12 @@ inline const Configuration kGoal = {-3.1, -1.349, 2.054, 0.563, -3.021, 0.76, 0.
 inline std::string planar_problem_text(
     const std::vector<std::array<double, 3>>& circles = kTwoCircles) {
   const Robot robot = planar8();
-  const Problem problem{
-      "two",   robot, source_file("robots/planar8.urdf"), make_circle_scene("two", circles), kStart,
-      {kGoal}, {}};
+  const Problem problem{.name = "two",
+                        .robot = robot,
+                        .robot_path = source_file("robots/planar8.urdf"),
+                        .scene = make_circle_scene("two", circles),
+                        .start = kStart,
+                        .goals = {kGoal}};
   return to_yaml(problem, source_file("robots/planar8.urdf"));
 }
 
@@ -44,13 +47,12 @@ class PlanarFiles {
     const auto urdf = require(planar_arm_urdf("short", std::vector<double>{1, 1, 1}));
     write_file(directory_ / "short.urdf", urdf);
     const auto robot = require(load_robot(directory_ / "short.urdf"));
-    const Problem problem{"short",
-                          robot,
-                          directory_ / "short.urdf",
-                          make_circle_scene("two", kTwoCircles),
-                          {0, 0, 0},
-                          {{1, 1, 1}},
-                          {}};
+    const Problem problem{.name = "short",
+                          .robot = robot,
+                          .robot_path = directory_ / "short.urdf",
+                          .scene = make_circle_scene("two", kTwoCircles),
+                          .start = {0, 0, 0},
+                          .goals = {{1, 1, 1}}};
     write_file(directory_ / "short.yaml", to_yaml(problem, directory_ / "short.urdf"));
     return directory_ / "short.yaml";
   }

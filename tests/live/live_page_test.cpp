@@ -63,9 +63,9 @@ TEST_SUITE("flow") {
 
   TEST_CASE("an attached mesh, which the page could not read, is refused by name") {
     Problem problem = load_problem(find_scene("shelf/thick.yaml").value()).value();
-    AttachedObject part{.name = "part", .link = "gripper_link", .shapes = {}};
+    AttachedObject part{.name = "part", .link = "gripper_link"};
     part.meshes.push_back({"part.stl", Vec3::Ones(), Transform()});
-    ApproximatedObject carried{.object = part, .spheres = {{{0, 0, 0}, 0.01}}, .capsules = {}};
+    ApproximatedObject carried{.object = part, .spheres = {{{0, 0, 0}, 0.01}}};
     problem.robot = problem.robot.with_attached({carried}).value();
     const Error error = require_error(make_offline_page(problem, {"script", "module"}));
     CHECK(error.code == ErrorCode::unsupported);

@@ -16,7 +16,7 @@ namespace og = ::ompl::geometric;
 /// An arm of three links that reaches from beside a pair of circles into the gap between them. Its
 /// first joint is continuous, and the short way leads over the seam.
 inline Problem gap_problem() {
-  Problem problem{"gap", planar_arm({1, 0.8, 0.6}), "", {}, {}, {}, {}};
+  Problem problem{.name = "gap", .robot = planar_arm({1, 0.8, 0.6})};
   problem.scene = make_circle_scene("", {{-1.8, 0.6, 0.35}, {-1.8, -0.6, 0.35}});
   problem.start = {-2.0, -0.5, 1.0};
   problem.goals = {{kPi - 0.01, 0, 0}};
@@ -25,7 +25,8 @@ inline Problem gap_problem() {
 
 /// The arm's first link is locked between posts: nothing leads to the goal.
 inline Problem locked_problem() {
-  Problem problem{"locked", planar_arm({1, 0.5}), "", {}, {-kPi, 0.5}, {{0, 0.5}}, {}};
+  Problem problem{
+      .name = "locked", .robot = planar_arm({1, 0.5}), .start = {-kPi, 0.5}, .goals = {{0, 0.5}}};
   std::vector<std::array<double, 3>> ring;
   for (int i = 0; i < 18; ++i) {
     const double angle = i * kPi / 9;

@@ -66,7 +66,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("OMPL's defaults let a planner jump over an obstacle; tuned ones do not") {
     // Two steps of a hundredth of the extent are farther apart than this circle is wide.
-    Problem problem{"post", planar_arm({1}), "", {}, {-0.5}, {{0.5}}, {}};
+    Problem problem{.name = "post", .robot = planar_arm({1}), .start = {-0.5}, .goals = {{0.5}}};
     problem.scene = make_circle_scene("", {{0.95, 0, 0.001}});
     SolveSettings settings = settings_for("RRTConnect");
     SolveSettings careless_settings = settings;

@@ -60,7 +60,10 @@ Problem beside_its_mast(double gap, Whose whose = Whose::its_own) {
 
 /// Below a plate, whose lower side is `gap` metres above the forearm, and raised beside it.
 Problem below_a_plate(double gap, Whose whose = Whose::its_own) {
-  Problem problem{"below a plate", approximated_arm(whose), "", {}, {0, 0}, {{1.2, 0.7}}, {}};
+  Problem problem{.name = "below a plate",
+                  .robot = approximated_arm(whose),
+                  .start = {0, 0},
+                  .goals = {{1.2, 0.7}}};
   const Box plate{{Eigen::Matrix3d::Identity(), {0.9, 0, 0.05 + gap + 0.05}}, {0.2, 0.2, 0.05}};
   problem.scene.obstacles = {{"plate", {plate}}};
   return problem;

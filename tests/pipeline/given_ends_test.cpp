@@ -30,13 +30,10 @@ PlanStatus status_of(const Problem& problem, const SolveSettings& settings) {
 }
 
 Problem make_problem(Robot robot, Scene scene, Configuration start, Configuration goal) {
-  return {.name = "",
-          .robot = std::move(robot),
-          .robot_path = "",
+  return {.robot = std::move(robot),
           .scene = std::move(scene),
           .start = std::move(start),
-          .goals = {std::move(goal)},
-          .warnings = {}};
+          .goals = {std::move(goal)}};
 }
 
 Problem planar_world(Configuration start, Configuration goal,
@@ -69,8 +66,7 @@ struct Placing {
     goal.pose.translation = {x, y, 0.22 - depth};
     const auto reached =
         require(InverseKinematics::make(problem.robot, kHand))
-            .solve(goal, kReady,
-                   {.position_tolerance = 1e-5, .rotation_tolerance = 1e-4, .is_over = {}});
+            .solve(goal, kReady, {.position_tolerance = 1e-5, .rotation_tolerance = 1e-4});
     REQUIRE(!reached.solutions.empty());
     return reached.solutions.front();
   }

@@ -113,7 +113,8 @@ TEST_SUITE("unit") {
       </robot>)",
                                   "arm.urdf")
                           .value();
-    Problem problem{"post", arm, "", {}, {-0.8, 1.2, 0.02}, {{1.2, 1.4, 0.03}}, {}};
+    Problem problem{
+        .name = "post", .robot = arm, .start = {-0.8, 1.2, 0.02}, .goals = {{1.2, 1.4, 0.03}}};
     const Transform pose{Eigen::Matrix3d::Identity(), {0.4, 0.1, 0.6}};
     problem.scene.obstacles.push_back({"post", {Cylinder{pose, 0.04, 1.2}}});
     SolveSettings settings;
@@ -143,7 +144,7 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a path to a goal that came while planning is improved, too") {
     const Robot arm = limited_arm({1, 1}, -0.5, 2.5);
-    const Problem problem{"far", arm, "", {}, {0, 0}, {{2.4, 2.4}}, {}};
+    const Problem problem{.name = "far", .robot = arm, .start = {0, 0}, .goals = {{2.4, 2.4}}};
     SolveSettings settings;
     settings.plan.improve = 1000;
     settings.plan.improve_rounds = 1;

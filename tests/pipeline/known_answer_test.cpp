@@ -36,7 +36,10 @@ struct Remembering {
 
 /// Planned in a few iterations.
 Problem quick_problem() {
-  Problem problem{"easy", limited_arm({1, 1}, -0.5, 2.5), "", {}, {0, 0.5}, {{2, 0.5}}, {}};
+  Problem problem{.name = "easy",
+                  .robot = limited_arm({1, 1}, -0.5, 2.5),
+                  .start = {0, 0.5},
+                  .goals = {{2, 0.5}}};
   problem.scene = make_circle_scene("easy", {{0.5, 0.9, 0.3}});
   return problem;
 }

@@ -38,7 +38,7 @@ struct BudgetedQueries {
   PrimitiveRetrieval ask(bool is_cut_short) {
     SolveSettings settings;
     settings.learn_budget_s = 60;
-    const Problem problem{"", robot, "", scene, {}, {}, {}};
+    const Problem problem{.robot = robot, .scene = scene};
     const auto query = require(internal::make_query(problem, &database, settings));
     const MemoryQuery asked = memory_query(problem);
     internal::KindSettings kind_settings = query.kinds.front();

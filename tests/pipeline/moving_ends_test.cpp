@@ -11,13 +11,10 @@ namespace {
 
 Problem arm_beside(const std::vector<std::array<double, 3>>& circles,
                    std::vector<double> start_velocity) {
-  Problem problem{.name = "",
-                  .robot = thick_arm({1, 1, 0.5}),
-                  .robot_path = "",
+  Problem problem{.robot = thick_arm({1, 1, 0.5}),
                   .scene = make_circle_scene("world", circles),
                   .start = {0, 0.1, 0.1},
-                  .goals = {{1.5, 0.2, 0.1}},
-                  .warnings = {}};
+                  .goals = {{1.5, 0.2, 0.1}}};
   problem.start_velocity = std::move(start_velocity);
   return problem;
 }

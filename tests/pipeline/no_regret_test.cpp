@@ -78,8 +78,11 @@ struct ForeignPassages {
   /// States that a query checks, in the passage turned by `angle`.
   double states(Database* database, double angle) {
     const Path there = turned(motion, angle);
-    const Problem problem{"turned",      robot,          "", turned(scene, angle),
-                          there.front(), {there.back()}, {}};
+    const Problem problem{.name = "turned",
+                          .robot = robot,
+                          .scene = turned(scene, angle),
+                          .start = there.front(),
+                          .goals = {there.back()}};
     settings.plan.seed = static_cast<std::uint64_t>(100 + 10 * angle);
     return static_cast<double>(require(solve(problem, database, settings)).plan.states_checked);
   }

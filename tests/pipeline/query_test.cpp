@@ -23,7 +23,7 @@ struct Completed {
 };
 Result<Completed> request(const Robot& robot, Database* database,
                           const SolveSettings& settings = {}) {
-  const Problem problem{"", robot, "", {}, {}, {}, {}};
+  const Problem problem{.robot = robot};
   return internal::make_query(problem, database, settings).map([](const Query& query) {
     return Completed{query.settings, query.kinds};
   });
@@ -293,7 +293,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a kind of memory that does not handle the robot is refused before a memory is made") {
     const Robot robot = lifting_arm();
     const Configuration start = robot.normalized(Configuration(4, 0));
-    Problem problem{"lift", robot, {}, {}, start, {start}, {}};
+    Problem problem{.name = "lift", .robot = robot, .start = start, .goals = {start}};
     SolveSettings settings;
     settings.sampler = "gl";
     CHECK(check_query(problem, settings).has_value());

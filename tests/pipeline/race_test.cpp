@@ -75,8 +75,11 @@ struct Log : PlanObserver {
 TEST_SUITE("law") {
   TEST_CASE("of several searches the one with the fewest iterations wins, whatever the timing") {
     const Problem gap = planar_problem("threaded_b4");
-    const Problem shelf{"shelf",      lifting_arm(),       "", shelf_scene(),
-                        {0, 0, 0, 0}, {{0, 0, 0.6, -0.4}}, {}};
+    const Problem shelf{.name = "shelf",
+                        .robot = lifting_arm(),
+                        .scene = shelf_scene(),
+                        .start = {0, 0, 0, 0},
+                        .goals = {{0, 0, 0.6, -0.4}}};
     int others = 0;
     for (const std::string planner : {"rrt_connect", "rrt", "prm"}) {
       const Problem& problem = planner == "rrt_connect" ? gap : shelf;

@@ -16,7 +16,7 @@ namespace {
 
 /// The Panda is to go from one side of a post to the other.
 Problem posed_problem(const Configuration& at) {
-  Problem problem{"posed", shipped_robot("panda"), "", {}, kReady, {}, {}};
+  Problem problem{.name = "posed", .robot = shipped_robot("panda"), .start = kReady};
   const Transform at_post{Eigen::Matrix3d::Identity(), Vec3(0.5, 0.3, 0.4)};
   problem.scene.obstacles.push_back({"post", {Cylinder{at_post, 0.05, 0.8}}});
   problem.pose_goals = {pose_at(problem.robot, kHand, at)};
@@ -26,13 +26,9 @@ Problem posed_problem(const Configuration& at) {
 /// Many goals of a planar arm beside a circle, at angles of its first joint. Those around 1.5 are
 /// in contact.
 Problem problem_of_many(int count, double first, double last) {
-  Problem problem{.name = "",
-                  .robot = thick_arm({1, 1, 0.5}),
-                  .robot_path = "",
+  Problem problem{.robot = thick_arm({1, 1, 0.5}),
                   .scene = make_circle_scene("world", {{0, 2, 0.5}}),
-                  .start = {-1, 0.1, 0.1},
-                  .goals = {},
-                  .warnings = {}};
+                  .start = {-1, 0.1, 0.1}};
   for (int i = 0; i < count; ++i) {
     problem.goals.push_back({first + (last - first) * i / std::max(1, count - 1), 0.1, 0.1});
   }

@@ -18,7 +18,11 @@ struct Hopeless {
   <joint name="bend" type="revolute"><parent link="upper"/><child link="fore"/><axis xyz="0 1 0"/>
     <origin xyz="0.5 0 0"/><limit lower="-2.5" upper="2.5" effort="1" velocity="1"/></joint>
 </robot>)");
-  Problem problem{"hopeless", robot, "", {"", {post(0.8)}}, {0, 0}, {{1.6, 0.1}}, {}};
+  Problem problem{.name = "hopeless",
+                  .robot = robot,
+                  .scene = {"", {post(0.8)}},
+                  .start = {0, 0},
+                  .goals = {{1.6, 0.1}}};
   TemporaryDirectory directory;
   Database database =
       Database::open(directory / "m.db", make_signature(robot), OpenMode::create).value();

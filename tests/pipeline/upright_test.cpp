@@ -88,7 +88,11 @@ class Poses {
     }
   }
   Problem problem(const Asked& asked) {
-    Problem problem{"upright", robot_, "", waiter_.table, next(), {next()}, {}};
+    Problem problem{.name = "upright",
+                    .robot = robot_,
+                    .scene = waiter_.table,
+                    .start = next(),
+                    .goals = {next()}};
     problem.constraints = {waiter_.upright};
     if (!asked.is_pose) return problem;
     problem.pose_goals = {pose_at(robot_, waiter_.upright.link, problem.goals[0])};

@@ -328,9 +328,13 @@ TEST_SUITE("unit") {
     Scene scene = strange_scene().scene;
     scene.obstacles[0].may_touch = {"arm", "rod"};
     PoseGoal goal{"finger", kPose, {0.1, 0.2, 0}, Axis::y, 0.5, kPi};
-    const Problem problem{
-        "p 1", *robot, urdf, scene, Configuration(joints, 0.1), {Configuration(joints, -0.2)},
-        {},    {goal}};
+    const Problem problem{.name = "p 1",
+                          .robot = *robot,
+                          .robot_path = urdf,
+                          .scene = scene,
+                          .start = Configuration(joints, 0.1),
+                          .goals = {Configuration(joints, -0.2)},
+                          .pose_goals = {goal}};
     write_file(directory / "p.json", to_compact_json(problem, urdf));
     const auto read = require(load_problem(directory / "p.json" + "#p 1"));
     CHECK(read.name == "p 1");

@@ -472,8 +472,11 @@ Problem read_back(const Problem& problem, const std::string& robot) {
 
 TEST_SUITE("unit") {
   TEST_CASE("a problem is written with its scene inside") {
-    const Problem problem{"p",   planar8(), "", make_circle_scene("s", {{1, 2, 0.5}}),
-                          {0.1}, {{0.2}},   {}};
+    const Problem problem{.name = "p",
+                          .robot = planar8(),
+                          .scene = make_circle_scene("s", {{1, 2, 0.5}}),
+                          .start = {0.1},
+                          .goals = {{0.2}}};
     CHECK(to_yaml(problem, "planar8") ==
           "name: p\n"
           "robot: planar8\n"
@@ -488,7 +491,11 @@ TEST_SUITE("unit") {
 
   TEST_CASE("several goals, an empty scene and NaN read back") {
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    const Problem problem{"a: b", planar8(), "", {"", {}}, {nan, 1.0 / 3}, {{1}, {2}}, {}};
+    const Problem problem{.name = "a: b",
+                          .robot = planar8(),
+                          .scene = {"", {}},
+                          .start = {nan, 1.0 / 3},
+                          .goals = {{1}, {2}}};
     const Problem read = read_back(problem, "planar8");
     CHECK(read.name == "a: b");
     CHECK(std::isnan(read.start.at(0)));
@@ -498,8 +505,11 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("velocities at start and goal read back from both kinds of file") {
-    Problem problem{"p", planar8(), "", {"", {}}, Configuration(8, 0.1), {Configuration(8, 0.2)},
-                    {}};
+    Problem problem{.name = "p",
+                    .robot = planar8(),
+                    .scene = {"", {}},
+                    .start = Configuration(8, 0.1),
+                    .goals = {Configuration(8, 0.2)}};
     problem.start_velocity = Configuration(8, 0.25);
     problem.end_velocity = Configuration(8, -0.5);
     const TemporaryDirectory directory;
@@ -516,7 +526,8 @@ TEST_SUITE("unit") {
     write_file(directory / "lifter.urdf", kLiftUrdf);
     const auto robot = require(load_robot(
         directory / "lifter.urdf", {.joints = {"turn", "lift"}, .fixed_values = {{"grip", 0.03}}}));
-    const Problem problem{"p", robot, "", {"s", {}}, {0, 0}, {{1, 1}}, {}};
+    const Problem problem{
+        .name = "p", .robot = robot, .scene = {"s", {}}, .start = {0, 0}, .goals = {{1, 1}}};
     CHECK(read_back(problem, directory / "lifter.urdf").robot.hash() == robot.hash());
   }
 
@@ -527,7 +538,8 @@ TEST_SUITE("unit") {
         require(load_robot(directory / "lifter.urdf", {.joints = {"lift", "turn", "grip"}}));
     write_file(directory / "lifter.srdf", R"(<robot name="lifter">
       <group name="arm"><joint name="turn"/></group></robot>)");
-    const Problem problem{"p", robot, "", {"s", {}}, {0, 0, 0}, {{1, 1, 0}}, {}};
+    const Problem problem{
+        .name = "p", .robot = robot, .scene = {"s", {}}, .start = {0, 0, 0}, .goals = {{1, 1, 0}}};
     CHECK(read_back(problem, directory / "lifter.urdf").robot.joint_count() == 3);
   }
 }

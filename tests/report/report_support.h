@@ -44,11 +44,9 @@ inline Robot unit_arm(int joints, const Vec3& axis = Vec3::UnitZ()) {
 inline Problem gap_problem() {
   return {.name = "gap",
           .robot = unit_arm(3),
-          .robot_path = "",
           .scene = make_circle_scene("gap", {{2, 1, 0.7}, {2, -1, 0.6}}),
           .start = {0, 0, 0},
-          .goals = {{1.5, 0.4, 0.3}},
-          .warnings = {}};
+          .goals = {{1.5, 0.4, 0.3}}};
 }
 
 /// What the memory knew of that gap: one primitive with two matches, `components` means.

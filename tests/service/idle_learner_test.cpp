@@ -15,8 +15,11 @@ using internal::IdleLearner;
 struct Cell {
   Robot robot = panda();
   Path motion = bent_motion();
-  Problem problem{"passage",      robot,           "", enclose(robot, motion, 3),
-                  motion.front(), {motion.back()}, {}};
+  Problem problem{.name = "passage",
+                  .robot = robot,
+                  .scene = enclose(robot, motion, 3),
+                  .start = motion.front(),
+                  .goals = {motion.back()}};
   TemporaryDirectory directory;
   std::shared_ptr<Database> database = std::make_shared<Database>(
       Database::open(directory / "m.db", make_signature(robot), OpenMode::create).value());

@@ -107,7 +107,10 @@ void bring_ends_close(Problem& problem, double most, Rng& rng) {
 }
 
 Problem random_problem(const Robot& robot, double margin, Rng& rng) {
-  Problem problem{"random", robot, {}, {"random", {}}, free_of_itself(robot, rng), {}, {}};
+  Problem problem{.name = "random",
+                  .robot = robot,
+                  .scene = {"random", {}},
+                  .start = free_of_itself(robot, rng)};
   problem.goals = {free_of_itself(robot, rng)};
   const auto wanted = 2 + static_cast<std::ptrdiff_t>(rng.index(robot.is_planar() ? 6 : 14));
   for (int tries = 0; tries < 200 && std::ssize(problem.scene.obstacles) < wanted; ++tries) {

@@ -132,7 +132,7 @@ Result<Tally> plan_pairs(const std::string& file, const Robot& robot, const Opti
   for (int i = 0; i < options.pairs; ++i) {
     const Configuration start = MNEME_TRY(free_configuration(checker, rng));
     const Configuration goal = MNEME_TRY(free_configuration(checker, rng));
-    Problem problem{"pair", robot, {}, {"empty", {}}, start, {}, {}};
+    Problem problem{.name = "pair", .robot = robot, .scene = {"empty", {}}, .start = start};
     problem.goals = {goal};
     SolveSettings settings;
     settings.plan.timeout_s = options.timeout_s;

@@ -275,13 +275,11 @@ Result<std::vector<Known>> make_problems(const Robot& robot, std::uint64_t seed)
     for (int i = 0; i < 4; ++i) {
       circles.push_back({rng.uniform(-8, 8), rng.uniform(-8, 8), rng.uniform(0.3, 1.2)});
     }
-    Problem problem{fmt::format("p{}", known.size()),
-                    robot,
-                    "",
-                    make_circle_scene("c", circles),
-                    random(),
-                    {random()},
-                    {}};
+    Problem problem{.name = fmt::format("p{}", known.size()),
+                    .robot = robot,
+                    .scene = make_circle_scene("c", circles),
+                    .start = random(),
+                    .goals = {random()}};
     auto checker = CollisionChecker::make(robot, problem.scene);
     if (!checker) return tl::unexpected(checker.error());
     if (refuse_query(*checker, {problem.start, problem.goals})) continue;

@@ -12,7 +12,7 @@ namespace {
 
 /// A run on an arm that is free to go straight from start to goal.
 struct FreeRun {
-  Problem problem{"free", planar_arm({1, 1}), "", {}, {0, 0}, {{1, 1}}, {}};
+  Problem problem{.name = "free", .robot = planar_arm({1, 1}), .start = {0, 0}, .goals = {{1, 1}}};
   CollisionChecker checker = CollisionChecker::make(problem.robot, problem.scene).value();
   SolveSettings settings;
   SolveResult result;

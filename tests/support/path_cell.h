@@ -13,7 +13,10 @@
 namespace mneme::test {
 
 struct PathCell {
-  Problem problem{"cell", limited_arm({1, 1}, -0.5, 2.5), "", {}, {0, 0.5}, {{2, 0.5}}, {}};
+  Problem problem{.name = "cell",
+                  .robot = limited_arm({1, 1}, -0.5, 2.5),
+                  .start = {0, 0.5},
+                  .goals = {{2, 0.5}}};
   TemporaryDirectory directory;
   Database database = make_database(directory / "m.db", problem.robot);
   SolveSettings settings;

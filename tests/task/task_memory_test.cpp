@@ -82,7 +82,11 @@ TEST_SUITE("flow") {
   TEST_CASE("a database with choices serves plans of paths") {
     RememberedTask remembered;
     const Task& task = remembered.task();
-    Problem problem{"home", task.robot, "", task.scene, task.start, {task.start}, {}};
+    Problem problem{.name = "home",
+                    .robot = task.robot,
+                    .scene = task.scene,
+                    .start = task.start,
+                    .goals = {task.start}};
     problem.goals.front()[0] = 0.5;
     require_solved(problem, &remembered.database(), {});
   }
