@@ -372,28 +372,32 @@ std::optional<Candidate> Alternatives::next() {
   return first;
 }
 
-std::vector<Configuration> Alternatives::solve_kinematics(int alternative) {
+/// The region or the pose of an alternative that is no configuration.
+PoseGoal Alternatives::goal_of(int alternative) const {
   const Stage& at = stage(*group_.anchor);
-  const std::size_t first_region = at.configurations.size();
-  const std::size_t first_pose = first_region + at.regions.size();
-  PoseGoal goal;
-  if (as_index(alternative) < first_pose) {
-    goal = at.regions[as_index(alternative) - first_region];
-  } else {
-    goal.link = link_;
-    goal.pose = targets_[as_index(alternative) - first_pose];
+  if (as_index(alternative) < first_target()) {
+    return at.regions[as_index(alternative) - at.configurations.size()];
   }
+  return {.link = link_, .pose = targets_[as_index(alternative) - first_target()]};
+}
+
+IkSettings Alternatives::ik_settings() const {
+  IkSettings settings = run_.settings.solve.ik;
+  settings.seed = run_.settings.solve.plan.seed;
+  settings.seeds = std::min(settings.seeds, std::max(run_.seeds(), kSharedSeeds / count_));
+  settings.solutions = run_.branches();
+  settings.is_over = [this] { return run_.is_over(); };
+  return settings;
+}
+
+std::vector<Configuration> Alternatives::solve_kinematics(int alternative) {
+  const PoseGoal goal = goal_of(alternative);
   const CollisionChecker& checker = touched_->checker;
   const auto kinematics = kinematics_of(goal.link);
   if (!kinematics) {
     drop(failing_stage(), {DropReason::kinematics, kinematics.error().message});
     return {};
   }
-  IkSettings settings = run_.settings.solve.ik;
-  settings.seed = run_.settings.solve.plan.seed;
-  settings.seeds = std::min(settings.seeds, std::max(run_.seeds(), kSharedSeeds / count_));
-  settings.solutions = run_.branches();
-  settings.is_over = [this] { return run_.is_over(); };
   run_.has_tried = true;
   const auto& hint = order_[position_ - 1].second;
   const Configuration& near = hint ? *hint : near_;
@@ -401,7 +405,7 @@ std::vector<Configuration> Alternatives::solve_kinematics(int alternative) {
   const bool may_touch = group_.is_line_anchor && run_.may_touch_at_ends(touched_->world);
   IkResult reached =
       (*kinematics)
-          ->solve(goal, near, settings, may_touch ? nullptr : &checker, kVerificationMargin);
+          ->solve(goal, near, ik_settings(), may_touch ? nullptr : &checker, kVerificationMargin);
   run_.states += reached.solutions.size() + reached.blocked.size();
   if (!reached.solutions.empty()) return std::move(reached.solutions);
   if (reached.blocked.empty()) {

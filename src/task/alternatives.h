@@ -112,6 +112,8 @@ class Alternatives {
   [[nodiscard]] Transform line_begin(int line, const Transform& X_end,
                                      const std::vector<Transform>& link_poses) const;
   void list_configurations(int alternative);
+  [[nodiscard]] PoseGoal goal_of(int alternative) const;
+  [[nodiscard]] IkSettings ik_settings() const;
   [[nodiscard]] std::vector<Configuration> solve_kinematics(int alternative);
   [[nodiscard]] Result<const InverseKinematics*> kinematics_of(const std::string& link);
   void drop(int stage, const Failure& failure) { drops_.add(stage, failure, alternative_); }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "task/follow.h"
+#include "task/groups.h"
 
 #include <array>
 #include <map>
@@ -34,5 +35,13 @@ class DropCounts {
   };
   std::vector<std::array<Entry, kDropReasons>> stages_;
 };
+
+/// Returns the number of configurations, regions and poses of a stage.
+[[nodiscard]] int count_alternatives(const Stage& stage);
+
+/// Returns the stages of a group at which alternatives were dropped, with the reasons; empty if
+/// there are none.
+[[nodiscard]] std::string describe_drops(const Task& task, const Group& group,
+                                         const DropCounts& drops);
 
 }  // namespace mneme::internal

@@ -92,10 +92,7 @@ class TaskSearch {
   [[nodiscard]] StageResult describe_stage(int i, int alternative) const;
   void add_stage(StageResult stage, int i, TaskResult& result) const;
   void add_stages(TaskResult& result) const;
-  [[nodiscard]] std::string describe_choice(const Group& group, int stage) const;
   [[nodiscard]] std::string describe_failure() const;
-  [[nodiscard]] std::string describe_drops(const Group& group) const;
-  [[nodiscard]] int count_of(int stage) const;
   [[nodiscard]] const CheckedWorldPtr& world_before(std::size_t level) const;
   [[nodiscard]] const Configuration& end_before(std::size_t level) const;
 
@@ -352,50 +349,14 @@ void TaskSearch::improve_until_over() {
   } while (run_.round++ == 0 && !run_.is_over() && plans_ < most);
 }
 
-int TaskSearch::count_of(int stage) const {
-  const Stage& at = run_.task.stages[as_index(stage)];
-  const std::size_t all = at.configurations.size() + at.regions.size() + at.poses.poses.size();
-  return static_cast<int>(all);
-}
-
-/// The alternatives that drops at the stage count: its own, or those of the choice near it.
-std::string TaskSearch::describe_choice(const Group& group, int stage) const {
-  if (const int count = count_of(stage); count > 0) {
-    return count > 1 ? fmt::format(" of {} alternatives", count) : "";
-  }
-  const int count = group.anchor ? count_of(*group.anchor) : 0;
-  if (count < 2) return "";
-  return fmt::format(" {} {} alternatives of '{}'", stage < *group.anchor ? "before" : "after",
-                     count, stage_name(run_.task, *group.anchor));
-}
-
 /// The deepest move whose path failed, or the deepest group at which something was dropped: paths
 /// are planned last, so that a move may fail before groups that have candidates.
 std::string TaskSearch::describe_failure() const {
-  std::string text = failed_move_ ? describe_drops(groups_[*failed_move_]) : "";
-  for (std::size_t i = deepest_ + 1; text.empty() && i-- > 0;) text = describe_drops(groups_[i]);
-  return text;
-}
-
-/// The stages of a group at which something was dropped, with the reasons.
-std::string TaskSearch::describe_drops(const Group& group) const {
-  std::vector<int> stages = group.local;
-  if (group.move) stages.insert(stages.begin(), *group.move);
-  std::string text;
-  for (const int stage : stages) {
-    const std::vector<Dropped> all = drops_.of_stage(stage);
-    if (all.empty()) continue;
-    text += fmt::format("{}stage '{}'{}", text.empty() ? "" : "; ", stage_name(run_.task, stage),
-                        describe_choice(group, stage));
-    std::string reasons;
-    for (const Dropped& dropped : all) {
-      reasons += reasons.empty() ? ": " : ", ";
-      if (dropped.count > 1) reasons += fmt::format("{} times ", dropped.count);
-      reasons += to_string(dropped.reason);
-      if (!dropped.what.empty()) reasons += fmt::format(" ({})", dropped.what);
-    }
-    text += reasons;
-  }
+  const auto describe = [&](std::size_t group) {
+    return describe_drops(run_.task, groups_[group], drops_);
+  };
+  std::string text = failed_move_ ? describe(*failed_move_) : "";
+  for (std::size_t i = deepest_ + 1; text.empty() && i-- > 0;) text = describe(i);
   return text;
 }
 
@@ -408,9 +369,10 @@ void TaskSearch::describe_stages(TaskResult& result) const {
 
 StageResult TaskSearch::describe_stage(int i, int alternative) const {
   StageResult stage;
+  const Stage& at = run_.task.stages[as_index(i)];
   stage.name = stage_name(run_.task, i);
-  stage.kind = run_.task.stages[as_index(i)].kind;
-  stage.alternatives = count_of(i);
+  stage.kind = at.kind;
+  stage.alternatives = count_alternatives(at);
   stage.alternative = alternative;
   stage.dropped = drops_.of_stage(i, alternative);
   return stage;

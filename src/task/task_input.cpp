@@ -213,38 +213,45 @@ class StageReader {
     if (const auto carrier = carriers_.find(choice.object); carrier != carriers_.end()) {
       choice.link = carrier->second;
     }
-    std::vector<Transform> poses;
-    if (const auto list = input.find("poses")) {
-      for (const char* single : {"position", "quat_xyzw"}) {
-        if (const auto both = input.find(single)) {
-          both->fail_expecting("it in each of `poses`, or instead of them");
-        }
-      }
-      for (const Input& item : list->items()) {
-        item.allow_keys({"position", "quat_xyzw"});
-        poses.push_back(read_pose(item));
-      }
-      if (poses.empty()) list->fail_expecting("at least one pose");
-    } else {
-      poses.push_back(read_pose(input));
-    }
+    choice.poses = read_poses(input);
     const std::vector<Input> variations = input.items("vary");
     for (auto varied = variations.rbegin(); varied != variations.rend(); ++varied) {
-      std::vector<Transform> product;
-      const std::vector<Transform> all = read_variation(*varied);
-      if (all.size() * poses.size() > kMostPoses) {
-        varied->fail(ErrorCode::invalid, "expected at most {} poses in all", kMostPoses);
-      }
-      for (const Transform& change : all) {
-        for (const Transform& pose : poses) product.push_back(change * pose);
-      }
-      poses = std::move(product);
+      vary(*varied, choice.poses);
     }
     if (choice.frame.empty()) {
-      for (Transform& pose : poses) pose = X_RF_ * pose;
+      for (Transform& pose : choice.poses) pose = X_RF_ * pose;
     }
-    choice.poses = std::move(poses);
     return choice;
+  }
+
+  static std::vector<Transform> read_poses(const Input& input) {
+    const auto list = input.find("poses");
+    if (!list) return {read_pose(input)};
+    for (const char* single : {"position", "quat_xyzw"}) {
+      if (const auto both = input.find(single)) {
+        both->fail_expecting("it in each of `poses`, or instead of them");
+      }
+    }
+    std::vector<Transform> poses;
+    for (const Input& item : list->items()) {
+      item.allow_keys({"position", "quat_xyzw"});
+      poses.push_back(read_pose(item));
+    }
+    if (poses.empty()) list->fail_expecting("at least one pose");
+    return poses;
+  }
+
+  /// Replaces each pose by its variations.
+  static void vary(const Input& variation, std::vector<Transform>& poses) {
+    const std::vector<Transform> changes = read_variation(variation);
+    if (changes.size() * poses.size() > kMostPoses) {
+      variation.fail(ErrorCode::invalid, "expected at most {} poses in all", kMostPoses);
+    }
+    std::vector<Transform> varied;
+    for (const Transform& change : changes) {
+      for (const Transform& pose : poses) varied.push_back(change * pose);
+    }
+    poses = std::move(varied);
   }
 
   const Robot& robot_;
