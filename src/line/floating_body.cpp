@@ -59,6 +59,45 @@ Link moved_link(Link link, const Transform& X) {
   return link;
 }
 
+/// A robot of three prismatic and three revolute joints that carries `links`.
+Robot::Parts make_parts(std::vector<Link> links) {
+  Robot::Parts parts;
+  parts.name = "floating";
+  parts.allowed_pairs.emplace();
+  for (int i = 0; i <= 6; ++i) {
+    parts.links.push_back({.name = fmt::format("floating_link_{}", i), .parent_joint = i - 1});
+  }
+  for (int i = 0; i < 3; ++i) parts.joints.push_back(joint_along(i, JointType::prismatic, i));
+  for (int i = 0; i < 3; ++i)
+    parts.joints.push_back(joint_along(2 - i, JointType::revolute, 3 + i));
+  for (Link& link : links) {
+    Joint joint;
+    joint.name = "to_" + link.name;
+    joint.parent_link = 6;
+    joint.child_link = static_cast<int>(parts.links.size());
+    link.parent_joint = static_cast<int>(parts.joints.size());
+    parts.joints.push_back(std::move(joint));
+    parts.links.push_back(std::move(link));
+  }
+  return parts;
+}
+
+/// The scene without what it says of other links.
+Scene scene_for(const Robot& robot, Scene scene) {
+  scene.exact_pairs.clear();
+  // Contact that is allowed at the ends of a line is no reason to drop a pose there.
+  for (const EndContact& contact : std::exchange(scene.end_contacts, {})) {
+    if (Obstacle* other = scene.find(contact.second)) other->may_touch.push_back(contact.first);
+    if (Obstacle* other = scene.find(contact.first)) other->may_touch.push_back(contact.second);
+  }
+  for (Obstacle& obstacle : scene.obstacles) {
+    obstacle.exact_links.clear();
+    std::erase_if(obstacle.may_touch,
+                  [&](const std::string& name) { return !robot.find_link(name); });
+  }
+  return scene;
+}
+
 }  // namespace
 
 std::optional<FloatingBody> FloatingBody::make(std::vector<Link> links, Scene scene,
@@ -73,40 +112,10 @@ std::optional<FloatingBody> FloatingBody::make(std::vector<Link> links, Scene sc
     if (!settings.is_exact) link.approximation.reset();
     if (link.approximation) excess = std::max(excess, link.approximation->excess);
   }
-  Robot::Parts parts;
-  parts.name = "floating";
-  parts.allowed_pairs.emplace();
-  for (int i = 0; i <= 6; ++i) {
-    parts.links.push_back({fmt::format("floating_link_{}", i), i - 1, {}, {}, {}, {}});
-  }
-  for (int i = 0; i < 3; ++i) parts.joints.push_back(joint_along(i, JointType::prismatic, i));
-  for (int i = 0; i < 3; ++i)
-    parts.joints.push_back(joint_along(2 - i, JointType::revolute, 3 + i));
-  for (Link& link : links) {
-    Joint joint;
-    joint.name = "to_" + link.name;
-    joint.parent_link = 6;
-    joint.child_link = static_cast<int>(parts.links.size());
-    link.parent_joint = static_cast<int>(parts.joints.size());
-    parts.joints.push_back(std::move(joint));
-    parts.links.push_back(std::move(link));
-  }
-  const auto robot = make_robot(std::move(parts));
+  const auto robot = make_robot(make_parts(std::move(links)));
   if (!robot) return std::nullopt;
-  scene.exact_pairs.clear();
-  // Contact that is allowed at the ends of a line is no reason to drop a pose there.
-  for (const EndContact& contact : std::exchange(scene.end_contacts, {})) {
-    if (Obstacle* other = scene.find(contact.second)) other->may_touch.push_back(contact.first);
-    if (Obstacle* other = scene.find(contact.first)) other->may_touch.push_back(contact.second);
-  }
-  for (Obstacle& obstacle : scene.obstacles) {
-    obstacle.exact_links.clear();
-    std::erase_if(obstacle.may_touch,
-                  [&](const std::string& name) { return !robot->find_link(name); });
-  }
-  CheckerSettings checking;
-  checking.isa = settings.isa;
-  auto checker = CollisionChecker::make(*robot, scene, checking);
+  auto checker =
+      CollisionChecker::make(*robot, scene_for(*robot, std::move(scene)), {.isa = settings.isa});
   if (!checker) return std::nullopt;
   return FloatingBody(*std::move(checker), excess, has_surfaces);
 }
