@@ -309,6 +309,11 @@ std::vector<std::string> describe_far_obstacles(const Robot& robot, const Scene&
                   first, others, nearest, robot.name(), reach)};
 }
 
+/// Empty if the key is missing.
+std::vector<double> read_velocity(const std::optional<Input>& input, const Robot& robot) {
+  return input ? read_joint_values(*input, robot) : std::vector<double>();
+}
+
 /// `allow(options)` returns the robot with allowed pairs of links.
 template <class Allow>
 Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOptions& options,
@@ -344,10 +349,7 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
                   .warnings = std::move(robot.warnings)};
   problem.allowed_pairs = std::move(allowing.allowed_pairs);
   const auto velocity = [&](const char* key, const std::optional<std::vector<double>>& given) {
-    const auto found = input.problem.find(key);
-    return given   ? *given
-           : found ? read_joint_values(*found, problem.robot)
-                   : std::vector<double>();
+    return given ? *given : read_velocity(input.problem.find(key), problem.robot);
   };
   problem.start_velocity = velocity("start_velocity", options.start_velocity);
   problem.end_velocity = velocity("end_velocity", options.end_velocity);
