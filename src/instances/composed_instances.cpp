@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Frozen: raise kComposedVersion with each change of the samples or their order.
+// Files name kComposedVersion: raise it with each change of the samples or their order.
 #include "mneme/instances.h"
 #include "mneme/memory.h"
 
