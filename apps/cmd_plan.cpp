@@ -352,24 +352,29 @@ Result<ExitCode> run_stages(const PlanOptions& options) {
   return run_task(task);
 }
 
+/// Prints a note if the sampler lacks a database, or the database has no use.
+void note_unused_memory(const PlanOptions& options, bool has_database) {
+  const SolveSettings& settings = options.settings;
+  const bool samples_memory = needs_memory(settings.sampler);
+  if (samples_memory && options.db.empty()) {
+    print_note(fmt::format("without --db there is no memory: the sampler '{}' is uniform",
+                           settings.sampler));
+  }
+  if (has_database && !samples_memory && !(settings.replay > 0) && !settings.remember_after) {
+    print_note(
+        fmt::format("--db has no effect: the sampler '{}' uses no memory; --replay 0.5 "
+                    "tries known tasks all the same",
+                    settings.sampler));
+  }
+}
+
 Result<ExitCode> run_plan(const PlanOptions& options) {
   if (is_task_file(options.problem)) return run_stages(options);
   LoadedPlan loaded = MNEME_TRY(load(options));
   SolveSettings settings = options.settings;
   settings.plan.cancel = interrupt_flag();
   settings.plan.limits = loaded.limits;
-  if (needs_memory(settings.sampler) && options.db.empty()) {
-    print_note(fmt::format("without --db there is no memory: the sampler '{}' is uniform",
-                           settings.sampler));
-  }
-  const bool asks_memory =
-      needs_memory(settings.sampler) || settings.replay > 0 || settings.remember_after.has_value();
-  if (loaded.database && !asks_memory) {
-    print_note(
-        fmt::format("--db has no effect: the sampler '{}' uses no memory; --replay 0.5 "
-                    "tries known tasks all the same",
-                    settings.sampler));
-  }
+  note_unused_memory(options, loaded.database.has_value());
   PlanRecorder recorder;
   if (options.files.needs_recorder()) settings.plan.observer = &recorder;
   Database* database = loaded.database ? &*loaded.database : nullptr;
