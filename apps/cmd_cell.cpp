@@ -420,7 +420,7 @@ double quantile_us(std::vector<float>& seconds, double share) {
   return 1e6 * double{seconds[static_cast<std::size_t>(rank)]};
 }
 
-/// What became of random tasks.
+/// Outcomes of random tasks.
 struct CellTally {
   std::array<std::vector<float>, 4> seconds;  ///< by tier
 

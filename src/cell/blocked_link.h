@@ -29,7 +29,7 @@ class BlockedLink {
   BlockedLink(const BlockedLink&) = delete;
   BlockedLink& operator=(const BlockedLink&) = delete;
 
-  /// What the link may come close to in a box of tasks.
+  /// Parts that the link may come close to in a box of tasks.
   struct Vicinity {
     std::optional<BlockedBy> blocked;  ///< a contact that all tasks share, if one is proven
     std::vector<std::pair<const Part*, const Place*>> near;

@@ -142,7 +142,7 @@ void visit_body(File& f, Starts& starts, Progress& progress, const BoxShape& sha
   f.list(progress, [](auto& file, auto& step) { visit_progress(file, step); });
 }
 
-// What a reader relies on, whatever is in the file.
+// Checks that readers rely on, whatever is in the file.
 
 /// Sets the children of nodes, which are in the order of their depth. False if they do not fit.
 bool link_nodes(SplitTree& tree, const TaskFrame& frame) {

@@ -44,7 +44,7 @@ struct PointMargin {
 /// Distance of the link's farthest point from the z axis of a frame in which the link is at X.
 [[nodiscard]] double radius_about_axis(const ExactLink& link, const Transform& X);
 
-/// What a link can reach while it rolls about an axis: in slices along the axis, the largest
+/// Reach of a link that rolls about an axis: in slices along the axis, the largest
 /// distance from it.
 class RoundBody {
  public:

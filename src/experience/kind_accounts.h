@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What kinds of memory cost and save.
+/// Costs and savings of kinds of memory.
 #pragma once
 
 #include <cstdint>

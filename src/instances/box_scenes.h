@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What random problems are made of: free configurations and paths in a scene, and boxes that keep
+/// Parts of random problems: free configurations and paths in a scene, and boxes that keep
 /// a distance to paths.
 #pragma once
 

@@ -17,7 +17,7 @@
 
 namespace mneme::internal {
 
-/// What a search has found of the memory's motions.
+/// Motions of the memory that a search has found.
 struct FoundMotions {
   std::string_view kind;     ///< version of the kind; empty without motions
   MotionPlaces places;       ///< of the motions that were looked for

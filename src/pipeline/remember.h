@@ -10,7 +10,7 @@
 
 namespace mneme::internal {
 
-/// What planning a path took, without improving it.
+/// Work of planning a path, without improving it.
 struct PlanningWork {
   std::uint64_t states = 0, iterations = 0;
 };

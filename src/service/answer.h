@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the service answers, without HTTP.
+/// Answers of the service, without HTTP.
 #pragma once
 
 #include "mneme/base.h"

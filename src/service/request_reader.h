@@ -48,7 +48,7 @@ class RequestReader {
   [[nodiscard]] std::optional<Answer> read_body(boost::beast::flat_buffer& bytes);
   [[nodiscard]] bool is_done() const { return parser_.is_done(); }
 
-  /// What was read so far.
+  /// The request as read so far.
   [[nodiscard]] const HttpRequest& request() const { return parser_.get(); }
   /// True if the connection may bring further requests. Call after the head.
   [[nodiscard]] bool keep_alive() const { return parser_.keep_alive(); }

@@ -148,7 +148,7 @@ class SeparationTableMaker {
     return box;
   }
 
-  /// What is left of pairs in a box.
+  /// State of the pairs in a box.
   enum class Verdict { apart, touching, open };
 
   /// Writes the pairs that may be close somewhere in the box to `left`.

@@ -25,7 +25,7 @@ struct CheckedWorld {
 };
 using CheckedWorldPtr = std::shared_ptr<const CheckedWorld>;
 
-/// What every step of a search over alternatives needs.
+/// State that every step of a search over alternatives needs.
 struct TaskRun {
   const Task& task;
   const TaskSettings& settings;

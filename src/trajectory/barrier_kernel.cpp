@@ -231,7 +231,7 @@ class JointBlock {
     store(hn::Mul(y, inverse), array(kBorderMove, i));
   }
 
-  /// What the next three rows lose: pending.v[0] is for the next one.
+  /// Adds the losses of the next three rows; pending.v[0] is that of the next one.
   static HWY_INLINE void advance(Last& pending, D next, D second, D third) {
     pending.v[0] = hn::Add(pending.v[1], next);
     pending.v[1] = hn::Add(pending.v[2], second);

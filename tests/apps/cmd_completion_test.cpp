@@ -6,7 +6,7 @@
 namespace mneme::test {
 namespace {
 
-/// What bash offers for the last of `words` once the script of the program is read.
+/// Returns bash's completions of the last of `words` with the script of the program.
 std::string complete_in_bash(const std::string& words) {
   const TemporaryDirectory files;
   write_file(files / "mneme.bash", run_program({"completion", "bash"}).out);

@@ -42,7 +42,7 @@ class SocketClient {
       sent += static_cast<std::size_t>(count);
     }
   }
-  /// What has come once it contains `end`, or the service has closed the connection.
+  /// Reads until the text contains `end` or the service closes the connection.
   [[nodiscard]] std::string hear(const std::string& end) const {
     std::string text;
     char buffer[4096];

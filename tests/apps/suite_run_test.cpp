@@ -32,7 +32,7 @@ std::vector<BenchmarkRow> rows_of_suite(const std::string& path) {
   return require(parse_csv(read_file(path), path)).rows;
 }
 
-/// What tells runs apart.
+/// Names that tell runs apart.
 std::set<std::string> names_of(const std::vector<BenchmarkRow>& rows) {
   std::set<std::string> names;
   for (const BenchmarkRow& row : rows) {

@@ -208,7 +208,7 @@ settings:
   }
 
   TEST_CASE("The suites that come with mneme are sound, and their files are there") {
-    // Those of OMPL's are taken as they are where it was not built in.
+    // Planners of OMPL are accepted in builds without it.
     const std::set<std::string> foreign = {"ompl:RRT",       "ompl:RRTConnect", "ompl:PRM",
                                            "ompl:BKPIECE1",  "ompl:KPIECE1",    "ompl:BiEST",
                                            "ompl:STRIDE",    "ompl:SBL",        "ompl:BITstar",

@@ -87,7 +87,7 @@ std::vector<Shape> shapes_of(const Link& link) {
   return shapes;
 }
 
-/// Whether an attached object itself, not its spheres, touches what it may not.
+/// True if an attached object itself, not its spheres, is in forbidden contact.
 bool is_object_in_contact(const Robot& robot, const Scene& scene, std::span<const float> q) {
   const std::vector<Transform> poses = robot.link_poses(Configuration(q.begin(), q.end()));
   const std::size_t bare = robot.links().size() - robot.attached().size();

@@ -13,7 +13,7 @@
 namespace mneme::test {
 namespace {
 
-/// What single precision may make of a distance.
+/// Rounding of a distance in single precision.
 constexpr double kTolerance = 1e-4;
 
 constexpr std::array kMakers = {random_cloud, random_mesh, random_octree};

@@ -45,7 +45,7 @@ Link approximated_link(const std::string& name, const Box& box) {
   return link;
 }
 
-/// What each link may touch of the others: all, or a few.
+/// True if a link may touch another one: always, or one time in four.
 bool may_touch_other(bool checks_links, Rng& rng) { return !checks_links || rng.index(4) == 0; }
 
 Robot carrying_box(const Robot& bare, const Box& box, bool checks_links, Rng& rng) {
@@ -121,7 +121,7 @@ struct Gaps {
   [[nodiscard]] double least() const { return std::min(solids, spheres); }
 };
 
-/// Of links that move from obstacles.
+/// Distances of moving links from obstacles.
 Gaps obstacle_gaps_at(const ApproximatedRobot& robot_of_boxes, const Scene& scene,
                       const Configuration& q) {
   const Robot& robot = robot_of_boxes.robot;
@@ -146,7 +146,7 @@ Gaps obstacle_gaps_at(const ApproximatedRobot& robot_of_boxes, const Scene& scen
   return gaps;
 }
 
-/// Of links from each other; solids in FCL.
+/// Distances of links from each other; solids by FCL.
 Gaps link_gaps_at(const ApproximatedRobot& robot_of_boxes, const Scene& scene,
                   const Configuration& q) {
   const Robot& robot = robot_of_boxes.robot;

@@ -96,7 +96,7 @@ double clearance_from(const Scene& scene, const Robot& robot, const Configuratio
   return least;
 }
 
-/// Of states of a box.
+/// Least distances over states of a box.
 struct Clearances {
   double obstacles = std::numeric_limits<double>::infinity();
   double links = obstacles;  ///< within the limits only

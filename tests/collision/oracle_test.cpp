@@ -174,7 +174,7 @@ class FclWorld {
   std::vector<Transform> poses_;
 };
 
-/// What contacts() says of each pair that it names; a margin makes it name those that are near.
+/// Distances by contacts() for each pair that it names; with a margin it names near pairs, too.
 std::map<std::pair<std::string, std::string>, double> gaps_of(
     const std::vector<Contact>& contacts) {
   std::map<std::pair<std::string, std::string>, double> gaps;

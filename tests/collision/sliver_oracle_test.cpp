@@ -13,7 +13,7 @@
 namespace mneme::test {
 namespace {
 
-/// What single precision may make of a distance from slivers within a metre or two.
+/// Rounding of a distance from slivers within a metre or two in single precision.
 constexpr double kSliverDoubt = 2e-5;
 
 double gap_by_sections(const Robot& robot, const std::vector<Triangle>& slivers,
@@ -30,7 +30,7 @@ double gap_by_sections(const Robot& robot, const std::vector<Triangle>& slivers,
   return least;
 }
 
-/// Of the sliding hand, with a link of it about as far from a sliver as its radius.
+/// A configuration of the sliding hand with a link about its radius away from a sliver.
 Configuration configuration_beside(const Robot& robot, const Triangle& sliver, Rng& rng) {
   Configuration q = random_configuration(robot, rng);
   std::fill_n(q.begin(), 3, 0.0);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What a motion sweeps, and what it touches there.
+/// Dense states of a motion, and its contacts there.
 #pragma once
 
 #include "mneme/collision.h"
@@ -44,7 +44,7 @@ inline double deepest_contact(const CollisionChecker& checker, const Configurati
   return deepest;
 }
 
-/// What sweeps were compared with a dense row of states.
+/// Outcomes of sweeps that were compared with dense states.
 struct SweepTally {
   int free = 0, blocked = 0;
   int refused = 0;  ///< of those blocked, without any contact found

@@ -117,7 +117,7 @@ struct Situation {
   Scene scene;
 };
 
-/// Of the links besides link 4, which the obstacle is at.
+/// Least distance of the links except link 4, which is at the obstacle.
 double clearance_of_others(const Robot& robot, const Situation& s) {
   const std::vector<Transform> poses = robot.link_poses(s.q);
   double least = 1e9;
@@ -129,7 +129,7 @@ double clearance_of_others(const Robot& robot, const Situation& s) {
   return least;
 }
 
-/// Of all links from the obstacles.
+/// Least distance of all links from the obstacles.
 double scene_clearance(const Robot& robot, const Scene& scene, std::span<const float> q) {
   const std::vector<Transform> poses = robot.link_poses(to_configuration(q));
   double least = 1e9;

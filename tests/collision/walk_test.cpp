@@ -65,7 +65,7 @@ bool hinges_on_rounding(const CollisionChecker& checker, const OwnedStep& step,
   return false;
 }
 
-/// What a candidate must be, whatever the step.
+/// Checks that a candidate is within the limits, whatever the step.
 void check_within_limits(const Robot& robot, std::span<const float> candidate) {
   for (int j = 0; j < robot.joint_count(); ++j) {
     const Joint& joint = robot.group_joint(j);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kRows = 40, kTransactions = 20;
 
-/// What a killed process leaves of a database: the file, its log, and the record beside them.
+/// The files that a killed process leaves: the database, its log, and the record beside them.
 struct Leftover {
   std::string file, log, record;
 };

@@ -18,7 +18,7 @@ std::string copy_of(const std::string& name, const TemporaryDirectory& directory
   return path;
 }
 
-/// What tests/engines/schema3.db was made from.
+/// The rows of tests/engines/schema3.db.
 std::vector<Experience> golden_rows() {
   Experience full;
   full.kind = kPairs;

@@ -17,7 +17,7 @@ void create(const std::string& path) {
   REQUIRE(internal::create_schema(connection, arm_signature()));
 }
 
-/// What becomes of a database when `sql` is done to it.
+/// Reads a database after running `sql` in it.
 Result<int> kind_after(const std::string& sql) {
   const TemporaryDirectory directory;
   create(directory / "a.db");

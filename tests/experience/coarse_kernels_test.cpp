@@ -26,7 +26,7 @@ std::vector<CoarsePair> random_pairs(Rng& rng, std::size_t count) {
   return pairs;
 }
 
-/// Of key or box `key`, whose block has `arrays` arrays per pair.
+/// The cell of key or box `key`, whose block has `arrays` arrays per pair.
 int cell_of(const std::vector<CoarsePair>& blocks, std::size_t pairs, std::size_t arrays,
             std::size_t array, std::size_t key, std::size_t number) {
   const std::size_t pair = key / kCoarseBlock * pairs + number / 2;

@@ -101,7 +101,7 @@ TEST_SUITE("unit") {
     Rng rng(3);
     const Experience row = random_rows(rng, 1, 1).front();
     std::atomic<bool> is_open = false;
-    // Of the queue's thread alone.
+    // Used by the queue's thread alone.
     int made = 0, inserted = 0, most_ahead = 0;
     bool is_first = true;
     WriteQueue queue([&](const std::vector<Experience>& batch) -> Result<std::int64_t> {

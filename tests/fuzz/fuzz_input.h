@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the fuzz targets share: the entry point, and input as a file for readers that want one.
+/// Shared by the fuzz targets: the entry point, and input as a file for readers that want one.
 #pragma once
 
 #include <cstddef>

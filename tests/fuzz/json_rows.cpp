@@ -8,7 +8,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   mneme::fuzz::expect_message(mneme::internal::parse_signature(line));
   const auto row = mneme::internal::parse_row(line);
   mneme::fuzz::expect_message(row);
-  // What was read can be written, and reads back.
+  // Rows that were read can be written and read back.
   if (row && !mneme::internal::parse_row(mneme::internal::json_of(*row))) std::abort();
   return 0;
 }

@@ -7,7 +7,7 @@
 
 namespace {
 
-/// What stands before the first mark is the planning scene, what follows is the request.
+/// Separates the planning scene from the request.
 constexpr std::string_view kMark = "\n---\n";
 
 std::string as_file(std::string_view text, const std::string& name) {

@@ -8,7 +8,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   auto parts = mneme::parse_robot_parts(mneme::fuzz::as_text(data, size), "fuzz.urdf");
   mneme::fuzz::expect_message(parts);
   if (!parts) return 0;
-  // What was read can be written, and reads back.
+  // Parts that were read can be written and read back.
   const std::string text = mneme::to_urdf(*parts);
   const auto again = mneme::parse_robot_parts(text, "again.urdf");
   if (!again || again->links.size() != parts->links.size()) std::abort();

@@ -33,7 +33,7 @@ inline Triangle random_sliver(Rng& rng) {
   return {corners[first], corners[(first + 1) % 3], corners[(first + 2) % 3]};
 }
 
-/// Of the triangle, `share` of the way from one corner to the opposite edge.
+/// The section of a triangle at `share` of the way from one corner to the opposite edge.
 inline std::array<Vec3, 2> section_of(const Triangle& t, double share) {
   return {t.a + share * (t.b - t.a), t.a + share * (t.c - t.a)};
 }

@@ -59,7 +59,7 @@ Screw random_screw(Rng& rng) {
   return {from, random_vector(rng, 1), axis, rng.uniform(-2.0, 2.0), random_vector(rng, 0.5)};
 }
 
-/// Of any kind, near the origin.
+/// A shape of any kind, near the origin.
 Shape any_shape(int i, Rng& rng) {
   if (i % 7 < kShapeKinds) return transformed(random_pose(rng, 0.5), random_shape(i % 7, rng));
   return transformed(random_pose(rng, 0.5),

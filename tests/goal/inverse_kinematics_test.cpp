@@ -33,7 +33,7 @@ void check_solutions(const Robot& robot, const PoseGoal& goal, const Configurati
   }
 }
 
-/// Of so many poses that a random configuration has, how many are reached.
+/// Returns how many of `poses` poses of random configurations are reached.
 int count_reached(const Robot& robot, const std::string& link, int poses, Isa isa) {
   const InverseKinematics kinematics = require(InverseKinematics::make(robot, link, isa));
   Rng rng(5);

@@ -25,7 +25,7 @@ struct Fixture {
   const XmlElement* root = nullptr;
 };
 
-/// What `read` throws; an empty message if it does not.
+/// Returns the error that `read` throws; an empty one if it does not.
 Error failure_of(const auto& read) {
   const auto result = internal::without_throwing([&] { static_cast<void>(read()); });
   return result ? Error{} : result.error();

@@ -18,7 +18,7 @@ EnclosedSettings few_boxes() {
   return settings;
 }
 
-/// Whether all obstacles are more than `margin` metres away all along the witness.
+/// True if all obstacles are more than `margin` metres away along the whole witness.
 bool has_clearance(const Robot& robot, const EnclosedInstance& instance, double margin) {
   const auto checker = require(CollisionChecker::make(robot, instance.scene, {.margin = margin}));
   CheckCounters counters;

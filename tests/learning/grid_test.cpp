@@ -120,7 +120,7 @@ TEST_SUITE("law") {
     const auto more = cover(grid, 3);
     REQUIRE(more.size() >= 260);
     CHECK(std::equal(keys.begin(), keys.begin() + 150, more.begin()));
-    // What completes the cover of a few comes after them.
+    // Keys that complete the cover of a few come after them.
     grid.count = 3;
     const auto few = cover(grid, 3);
     CHECK(few.size() > 10);

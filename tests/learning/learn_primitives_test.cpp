@@ -288,7 +288,7 @@ TEST_SUITE("flow") {
         return learn_primitives(robot, keys, *database, job) ? 0 : 2;
       });
       spin(std::chrono::microseconds(1000 + rng.index(100000)));
-      // What another process can read is safe.
+      // Rows that another process can read are safe.
       if (round % 2 == 1 && std::filesystem::exists(path)) {
         const std::set<std::int64_t> now = stored_ids(path, robot);
         stored.insert(now.begin(), now.end());

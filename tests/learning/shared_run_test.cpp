@@ -37,7 +37,7 @@ Result<LearnSummary> work(const std::string& url, const Robot& robot,
   return learn_primitives(robot, keys, *database, job);
 }
 
-/// What one process learns of the same in a file.
+/// The same lessons by one process in a file.
 std::string learned_alone(const Robot& robot, const std::vector<PrimitiveKey>& keys) {
   const TemporaryDirectory directory;
   Database database = make_database(directory / "a.db", robot);

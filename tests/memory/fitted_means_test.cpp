@@ -23,7 +23,7 @@ std::shared_ptr<const Experience> lesson(const PrimitiveKey& key, std::uint64_t 
   return std::make_shared<const Experience>(std::move(row));
 }
 
-/// What Algorithm 2 knows of a pair if memory has only this experience.
+/// The matches of a pair if memory has only this experience.
 PrimitiveRetrieval retrieval_of(const PrimitiveKey& scene_pair,
                                 std::vector<std::shared_ptr<const Experience>> experiences) {
   const MemoryKind& kind = kind_named("pairs");
@@ -93,7 +93,7 @@ TEST_SUITE("law") {
         const CollisionChecker checker = make_checker(planar8(), make_scene(pair));
         const auto means = means_of(*source, 0);
         CHECK(static_cast<int>(means.size()) == known->sampler().component_count());
-        // Those at the surface may be in contact by a rounding error.
+        // Means at the surface may be in contact by a rounding error.
         CHECK(count_free(checker, means) >= 0.97 * static_cast<double>(means.size()));
         std::rotate(pair.begin(), pair.begin() + 3, pair.end());
       }

@@ -32,7 +32,7 @@ Path reaching_path(const Robot& robot, int count, std::uint64_t seed) {
   return path;
 }
 
-/// Whether one shape of the column or of what it carries is within `reach` of both obstacles:
+/// True if one shape of the column or of its load is within `reach` of both obstacles:
 /// links of lifting_arm() named by number, spheres and capsules alike as shapes.
 bool belongs(const Robot& robot, const Scene& scene, const LocalPrimitive& primitive,
              const Configuration& q, double reach) {

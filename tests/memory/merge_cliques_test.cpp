@@ -149,7 +149,7 @@ TEST_SUITE("unit") {
       require(covariance_of(merged, after));
       CHECK(*covariance_of(merged, after) == *covariance_of(sampler, before));
     }
-    // What has nothing more to join is merged already.
+    // Merged mixtures have nothing more to join.
     CHECK(is_same_mixture(merge_cliques(checker, merged), merged));
   }
 

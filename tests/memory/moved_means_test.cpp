@@ -171,7 +171,7 @@ TEST_SUITE("unit") {
     CHECK(factor_of(back, 0).empty());
     CHECK(factor_of(back, 1) == std::vector<float>{4, 5, 6});
     CHECK(synthesized({3.2, false}).component_count() == 0);
-    // What lies on a limit stays.
+    // Means on a limit stay.
     CHECK(synthesized({0.5, false}).means == std::vector<float>{0, 1, 0.5f, -2, 2, 3});
   }
 

@@ -8,7 +8,7 @@ namespace mneme::test {
 namespace {
 
 constexpr double kHalfTurn = std::numbers::pi;
-/// Those of a planar arm.
+/// Joints of a planar arm.
 constexpr SymmetricJoints kFirst{0, -1, 0, 0};
 
 /// The same configuration up to full turns of joint 1.

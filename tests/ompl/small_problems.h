@@ -53,7 +53,7 @@ inline const PlannerEntry& ompl_planner(const std::string& name) {
   return **entry;
 }
 
-/// Of all OMPL's planners, without the prefix.
+/// Names of all OMPL planners, without the prefix.
 inline std::vector<std::string> ompl_names() {
   add_ompl_planners();
   std::vector<std::string> names;
@@ -64,7 +64,7 @@ inline std::vector<std::string> ompl_names() {
   return names;
 }
 
-/// Of OMPL's samplers of valid states.
+/// Names of OMPL's samplers of valid states.
 inline std::vector<std::string> valid_sampler_names() {
   add_ompl_planners();
   std::vector<std::string> names;

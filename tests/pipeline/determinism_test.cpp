@@ -60,7 +60,7 @@ Database memory_of(const Problem& problem, const std::string& path) {
 
 using Hashes = std::vector<std::uint64_t>;
 
-/// Of each sampler with the seeds 1 and 2.
+/// Hashes of the paths of each sampler with the seeds 1 and 2.
 Hashes hashes_of(const Problem& problem, Database* database, const std::string& planner,
                  const std::vector<std::string>& samplers) {
   Hashes hashes;

@@ -16,7 +16,7 @@ namespace {
 
 const Box kForearm{{Eigen::Matrix3d::Identity(), {0.4, 0, 0}}, {0.35, 0.05, 0.05}};
 
-/// Whose box it is that moves.
+/// The moving box: of a link, or carried.
 enum class Whose { its_own, carried };
 constexpr std::array kAll = {Whose::its_own, Whose::carried};
 
@@ -96,7 +96,7 @@ double least_gap(const Problem& problem, const Path& path) {
   return least;
 }
 
-/// What moves, as messages name it.
+/// Name of the moving body in messages.
 std::string name_of(Whose whose, const std::string& link) {
   return whose == Whose::carried ? "load" : link;
 }

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the notes of a result say.
+/// Searches the notes of a result.
 #pragma once
 
 #include "mneme/pipeline.h"

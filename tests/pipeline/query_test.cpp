@@ -29,7 +29,7 @@ Result<Completed> request(const Robot& robot, Database* database,
   });
 }
 
-/// What counts for the first kind of memory that an empty database of the robot is asked for.
+/// Settings of the first kind of memory that a query of an empty database uses.
 KindSettings completed(const Robot& robot, const SolveSettings& settings = {}) {
   const TemporaryDirectory directory;
   Database database = open_of(directory / "m.db", robot);

@@ -17,7 +17,7 @@ namespace {
 
 using internal::kAlone;
 
-/// Of race.cpp: the seeds from which the searches begin.
+/// Seeds of the searches, as in race.cpp.
 std::uint64_t seed_of_search(std::uint64_t seed, int index) {
   const auto task = (std::uint64_t{1} << 62) + static_cast<std::uint64_t>(index);
   return index == 0 ? seed : derive_seed(seed, task);
@@ -31,7 +31,7 @@ SolveSettings racing_settings(int threads) {
   return settings;
 }
 
-/// What a race must end with: each search by itself, and the one that wins by the rules.
+/// Expected result of a race: runs each search by itself and picks the winner by the rules.
 PlanResult expected_winner(const Problem& problem, Database* database, SolveSettings settings) {
   const int searches = std::exchange(settings.threads, 1);
   const std::uint64_t seed = settings.plan.seed;

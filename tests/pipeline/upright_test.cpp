@@ -59,7 +59,7 @@ Robot with_cup(const Waiter& waiter) {
   return require(attach(shipped_robot(waiter.robot), {cup}));
 }
 
-/// What is asked of a goal that a random configuration reaches.
+/// A goal that a random configuration reaches.
 struct Asked {
   std::string name;
   bool is_pose = true;  ///< that of the cup; otherwise the configuration

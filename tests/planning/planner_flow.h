@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What every planner must do. The test of each planner runs all of it; to add a planner, copy the
-/// shortest of those tests.
+/// Requirements on every planner. The test of each planner runs all of it; to add a planner, copy
+/// the shortest of those tests.
 #pragma once
 
 #include "planning/scripted_sampler.h"
@@ -38,7 +38,7 @@ inline double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Of the processor.
+/// Processor time.
 inline double work_seconds_since(std::clock_t begin) {
   return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
 }
@@ -464,7 +464,7 @@ inline void check_reports_every_draw(OwnPlanner plan) {
   CHECK(static_cast<std::uint64_t>(accepted) <= result.nodes);
 }
 
-/// What an observer is told, as a caller would check it.
+/// Records what an observer receives, to check it.
 struct Watcher : PlanObserver {
   std::vector<std::vector<float>> samples;
   std::vector<std::pair<Configuration, Configuration>> edges;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What problem files say of attached objects and of what may touch.
+// Attached objects and allowed contact in problem files.
 #include "mneme/problem.h"
 
 #include "problem/problem_input.h"

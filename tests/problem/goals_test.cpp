@@ -103,7 +103,7 @@ TEST_SUITE("unit") {
     CHECK(problem.pose_goals[1].cone == 0.2);
     CHECK(problem.pose_goals[1].turn == std::numbers::pi);
     CHECK(problem.pose_goals[2].position_tolerance == Vec3(0, 0.1, 0.2));
-    // What is written reads back to the same.
+    // Written problems read back to the same.
     write_file(lifter.path("again.yaml"), to_yaml(problem, "lifter.urdf"));
     const auto again = require(load_problem(lifter.path("again.yaml")));
     REQUIRE(again.pose_goals.size() == 3);

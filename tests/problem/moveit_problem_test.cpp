@@ -85,7 +85,7 @@ TEST_SUITE("unit") {
 
 using internal::Input;
 
-/// What a matrix allows of the lifter, a cup and a box, and of a lid that its arm carries.
+/// Pairs that a matrix allows of the lifter, a cup, a box, and a lid that its arm carries.
 struct Allowed {
   std::vector<std::pair<std::string, std::string>> links;
   std::vector<std::string> cup, box, lid;

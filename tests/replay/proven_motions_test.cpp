@@ -18,7 +18,7 @@ struct StaticCell : PathCell {
   void put(double offset) {
     problem.scene = make_circle_scene("cell", {{-1.5 + offset, -1.5, 0.1}});
   }
-  /// Of a query that is replayed.
+  /// States checked by a query that is replayed.
   std::uint64_t states() {
     const auto result = require(solve(problem, &database, settings));
     REQUIRE(result.replay.is_hit());
@@ -112,7 +112,7 @@ TEST_SUITE("flow") {
     const std::uint64_t first = cell.states();
     cell.put(0.01);
     CHECK(cell.states() < first);
-    // What came into the way is found all the same.
+    // New obstacles are found all the same.
     cell.problem.scene = make_circle_scene("cell", {{0.484, 0.264, 0.03}});
     REQUIRE(make_checker(cell.problem.robot, cell.problem.scene).contacts(folded[0]).empty());
     const auto result = require(solve(cell.problem, &cell.database, cell.settings));

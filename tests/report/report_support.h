@@ -49,7 +49,7 @@ inline Problem gap_problem() {
           .goals = {{1.5, 0.4, 0.3}}};
 }
 
-/// What the memory knew of that gap: one primitive with two matches, `components` means.
+/// Memory of that gap: one primitive with two matches, `components` means.
 inline GlSampler gap_memory(int components) {
   GlSampler gl;
   PrimitiveRetrieval retrieval;

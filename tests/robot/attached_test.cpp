@@ -20,7 +20,7 @@ Robot carrying(const Robot& robot, std::vector<ApproximatedObject> objects) {
 
 using Pairs = std::vector<std::pair<int, int>>;
 
-/// Those with links from `first` on.
+/// Self pairs whose second link is `first` or later.
 Pairs pairs_from(const Robot& robot, int first) {
   Pairs pairs;
   for (const auto& pair : robot.self_pairs()) {

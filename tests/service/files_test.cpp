@@ -28,7 +28,7 @@ void check_no_file_is_read(const Reply& reply, const std::string& name) {
   CHECK(reply.status == 400);
   const std::string message = reply.body["error"]["message"];
   CHECK(contains(message, "no files are read for a request"));
-  // Whether there is such a file is not told either: all messages are the same.
+  // Messages do not tell either whether there is such a file: all are the same.
   CHECK(!contains(message, "passwd"));
 }
 

@@ -91,7 +91,7 @@ TEST_SUITE("flow") {
       CHECK(count_answers(heard) == 1);
       CHECK(heard.starts_with("HTTP/1.1 4"));
     }
-    // What is sound goes on.
+    // The connection goes on after a sound request.
     const std::string heard = heard_after(
         running, kGet +
                      "Content-Length: 0\r\n\r\nDELETE /v1/scenes/a HTTP/1.1\r\nHost: localhost\r\n"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What a service does where there is too much of something, and when memory fails.
+// The service beyond its limits, and without memory.
 #include "service/endpoints.h"
 #include "service/service_fixture.h"
 

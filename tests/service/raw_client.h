@@ -69,7 +69,7 @@ class RawClient {
     }
     return text;
   }
-  /// What has come by now.
+  /// Returns the bytes that have arrived by now.
   [[nodiscard]] std::string hear_now() const { return hear("\377", MSG_DONTWAIT); }
 
  private:

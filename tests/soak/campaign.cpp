@@ -17,12 +17,12 @@
 namespace mneme::soak {
 namespace {
 
-/// Those that need no more than a database of any kind.
+/// Samplers that need no more than a database of any kind.
 constexpr std::array<std::string_view, 4> kSamplers = {"gl", "uniform", "halton", "pooled"};
 constexpr double kRefusalClearance = 1e-4;
 constexpr double kLimitTolerance = 1e-9;
 
-/// What is wrong with the path apart from contact.
+/// Returns a flaw of the path other than contact.
 std::optional<std::string> flaw_of(const Problem& problem, const Path& path) {
   if (path.size() < 2) return "fewer than two waypoints";
   if (path.front() != problem.start) return "another start";

@@ -24,7 +24,7 @@ struct CampaignSettings {
   double near = 0;  ///< metres; above 0, starts and goals are at most so far from contact
 };
 
-/// What came of the plans of one robot, planner and sampler.
+/// Outcomes of the plans of one robot, planner and sampler.
 struct Tally {
   int plans = 0;
   int solved = 0;

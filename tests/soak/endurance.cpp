@@ -99,7 +99,7 @@ Value median_of(std::span<const Round> rounds, Value Round::*member) {
 }  // namespace
 
 std::int64_t resident_bytes() {
-  // What the allocator keeps for later, and pages of files, differ from run to run.
+  // Memory that the allocator keeps for later, and pages of files, differ from run to run.
   ::malloc_trim(0);
   std::int64_t total = 0, resident = 0, of_files = 0;
   std::ifstream("/proc/self/statm") >> total >> resident >> of_files;

@@ -21,7 +21,7 @@ struct Round {
   int open_files = 0;    ///< after the round
 };
 
-/// Of this process, now: its own memory, after what is free was given back to the system.
+/// Memory of this process without shared pages, after free memory was returned to the system.
 [[nodiscard]] std::int64_t resident_bytes();
 [[nodiscard]] int open_files();
 

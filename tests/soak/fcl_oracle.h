@@ -32,7 +32,7 @@ class FclOracle {
   /// The robot's shapes are inflated by `margin` metres against obstacles.
   FclOracle(const Robot& robot, const Scene& scene, double margin = 0);
 
-  /// What overlaps at `q` by more than `tolerance` metres, if anything does.
+  /// Returns a pair that overlaps at `q` by more than `tolerance` metres, if there is one.
   [[nodiscard]] std::optional<Overlap> overlap(std::span<const double> q, double tolerance = 0);
   /// Of the states of `path` at `resolution` radians or finer, the one that overlaps most, if any
   /// does.

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What a robot remembers during a campaign.
+/// The memory of a robot during a campaign.
 #pragma once
 
 #include "mneme/pipeline.h"

@@ -238,7 +238,7 @@ Result<bool> compare_cells(const std::string&, const Robot& robot, const Options
   return is_right;
 }
 
-/// What `compare_robot` says of a robot's file; false if it does not load.
+/// Returns the result of `compare_robot` for a robot's file; false if it does not load.
 template <class Compare>
 bool compare(const std::string& file, const Options& options, const Compare& compare_robot) {
   const auto is_right =

@@ -21,7 +21,7 @@ std::vector<Sphere> ends_of(const Link& link) {
   return ends;
 }
 
-/// Whether the joint stands between the root and the link.
+/// True if the joint is between the root and the link.
 bool carries(const Robot& robot, int joint, int link) {
   while (link > 0) {
     const int parent = robot.links()[static_cast<std::size_t>(link)].parent_joint;

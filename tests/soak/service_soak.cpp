@@ -61,7 +61,7 @@ Json scene_keys(const Scene& scene) {
   return keys;
 }
 
-/// What came out, and what was wrong with it.
+/// Counts of outcomes, and flaws.
 class Ledger {
  public:
   void count(const std::string& what) {

@@ -105,7 +105,7 @@ int run_all(const Options& options) {
   return has_failed || all.invalid > 0 || all.refused > 0 || all.solved == 0 ? 1 : 0;
 }
 
-/// What lies between two states of a motion, at the resolution of planning and of verification.
+/// Prints the gaps between states of a motion at the resolutions of planning and verification.
 int print_limits(const Options& options) {
   fmt::print("{:12} {:>8} {:>9} {:>8} {:>9} {:>8} {:>9}\n", "robot", "m/rad", "radius m", "plan m",
              "cut m", "verify m", "cut m");

@@ -47,7 +47,7 @@ struct Options {
   [[nodiscard]] double most_slower_than_brute_force() const { return jerk > 0 ? 0 : most_slower; }
 };
 
-/// What came of many trajectories.
+/// Outcomes of many trajectories.
 struct Tally {
   std::vector<double> total_times_s;  ///< of planning and timing, by the clock
   std::vector<double> ratios;         ///< of the durations to those that brute force finds

@@ -9,7 +9,7 @@
 namespace mneme::test {
 namespace {
 
-/// What is wrong with a sound row once `change` was done to it.
+/// Returns the flaw of a sound row after `change`.
 std::string flaw_after(const std::function<void(Experience&)>& change) {
   Rng rng(41);
   Experience experience = random_experience(rng);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Whether one path is led into another without contact: then both go the same way round obstacles.
+/// Deforms a path into another without contact: then both pass obstacles on the same side.
 #pragma once
 
 #include "mneme/collision.h"
@@ -89,7 +89,7 @@ class Deformation {
       const auto checker =
           CollisionChecker::make(robot_, scene_between(from.scene, to.scene, share));
       if (!checker) return false;
-      // What was pushed off has to come back, however late.
+      // States that were pushed off have to come back, however late.
       const float path_left =
           std::max(static_cast<float>(left) - (1 - pace.path_end) * static_cast<float>(rows), 1.0f);
       const float step = done > pace.path_begin ? 1 / path_left : 0;
@@ -142,7 +142,7 @@ class Deformation {
     return std::sqrt(sum);
   }
 
-  /// What is blocked goes off what it touches, and its neighbours come along.
+  /// Pushes states in contact away from what they touch, together with their neighbours.
   void push(const CollisionChecker& checker, Rows& row) const {
     const std::size_t count = row.size() / joints_;
     std::vector<std::uint8_t> is_free(count);

@@ -8,7 +8,7 @@
 
 namespace mneme::test {
 
-/// What a database holds, but for the times: the lines of its export.
+/// The lines of a database's export, without times.
 inline std::string exported(const std::string& url) {
   const TemporaryDirectory directory;
   require(export_database(url, directory / "export.jsonl"));

@@ -16,7 +16,7 @@ inline const MemoryKind& kind_named(std::string_view name) {
   return *find_memory_kind(name).value();
 }
 
-/// Of two keys of the kind "pairs".
+/// Similarity error of two keys of the kind "pairs".
 inline double pair_error(const PrimitiveKey& a, const PrimitiveKey& b) {
   return similarity_error(kind_named("pairs"), a, b);
 }

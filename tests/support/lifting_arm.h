@@ -70,7 +70,7 @@ inline Robot::Parts lifting_arm_parts() {
 }
 inline Robot lifting_arm() { return robot_of(lifting_arm_parts()); }
 
-/// What `motion`, without a mirror image, does to points.
+/// The transform of points by `motion`, without its mirror image.
 inline Transform transform_of(const SymmetricJoints& joints, const Symmetry& motion) {
   const Eigen::Matrix3d turn = rotation_about(Vec3::UnitZ(), motion.rotation);
   const Vec3 axis(joints.axis_x, joints.axis_y, 0);

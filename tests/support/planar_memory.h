@@ -128,7 +128,7 @@ inline Problem problem_in(const Robot& robot, const Scene& scene) {
   return {.robot = robot, .scene = scene, .start = sample_free(), .goals = {sample_free()}};
 }
 
-/// What Algorithm 2 has for a problem: all matches with their components as stored.
+/// Runs Algorithm 2 for a problem: returns all matches with their components as stored.
 inline Result<GlSampler> recall(const Problem& problem, Database& database,
                                 SolveSettings settings = {}) {
   settings.retarget = false;

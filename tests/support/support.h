@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What the tests of several rooms need: files, the planar arm, problems from MNEME_DATA.
+/// Shared by tests of several rooms: files, the planar arm, problems from MNEME_DATA.
 #pragma once
 
 #include "mneme/mneme.h"
@@ -20,7 +20,7 @@ namespace mneme::test {
 
 inline constexpr double kPi = std::numbers::pi;
 
-/// What tests of time allow for: instrumented code is so many times slower.
+/// How many times slower instrumented code is.
 #ifdef MNEME_INSTRUMENTED
 inline constexpr double kSlowdown = 20;
 #else

@@ -39,7 +39,7 @@ Result<Robot> long_chain(int count, int fixed) {
   return make_robot(parts);
 }
 
-/// Of a tip that turns about `axis`.
+/// Returns the frame of a tip that turns about `axis`.
 internal::FrameRow frame_about(const Vec3& axis) {
   Robot::Parts parts;
   parts.name = "pointer";
@@ -134,7 +134,7 @@ const Transform& pose_of(const internal::BodyRow& body, const std::vector<Transf
   return poses.at(static_cast<std::size_t>(body.frame));
 }
 
-/// Whether two lists hold the same shapes in any order, but for rounding.
+/// True if two lists hold the same shapes in any order, up to rounding.
 bool is_same(const std::vector<Capsule>& first, const std::vector<Capsule>& second) {
   const auto count_in = [](const std::vector<Capsule>& list, const Capsule& shape) {
     return std::ranges::count_if(list, [&](const Capsule& other) {

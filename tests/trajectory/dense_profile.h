@@ -17,7 +17,7 @@
 
 namespace mneme::test {
 
-/// What the joints allow between two points, where the squared path speed is x and the path
+/// Limits of the joints between two points, where the squared path speed is x and the path
 /// acceleration u: |q'| sqrt(x) <= v and |q' u + q'' x| <= a for each joint, also at the second
 /// point, where it is x + 2 step u. (Where all slopes vanish in between, as at a reversal, velocity
 /// could jump otherwise.)

@@ -59,7 +59,7 @@ inline RateLimits random_limits(const Robot& robot, Rng& rng) {
   return limits;
 }
 
-/// Of jerk, too, so that the times of all of them are of one order of magnitude; now and then a
+/// Adds limits of jerk whose times are of the order of the others'; now and then a
 /// joint has none.
 inline RateLimits random_jerk_limits(const Robot& robot, Rng& rng) {
   RateLimits limits = random_limits(robot, rng);

@@ -187,7 +187,7 @@ void fill_database(const std::string& path, const std::vector<Experience>& rows)
   require(open_database(path).insert(rows));
 }
 
-/// What a database holds but for its ids.
+/// The rows of a database without their ids.
 std::vector<std::string> contents(const std::string& path) {
   const Database database = open_database(path, OpenMode::read_only);
   std::vector<std::string> result;

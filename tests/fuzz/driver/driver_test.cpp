@@ -17,7 +17,7 @@ struct Outcome {
   std::string output;
 };
 
-/// What the driver says of a target that has `word` among its seeds.
+/// Runs the driver on a target that has `word` among its seeds.
 Outcome drive(const test::TemporaryDirectory& directory, const std::string& word,
               const std::string& flags = "") {
   std::filesystem::create_directory(directory / "seeds");

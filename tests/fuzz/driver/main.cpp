@@ -82,7 +82,7 @@ Limits limits_of(const Arguments& arguments) {
   return limits;
 }
 
-/// What the two processes share.
+/// Memory that the two processes share.
 struct Board {
   std::uint64_t runs = 0;  ///< the last one may not have ended
   bool has_ended = false;

@@ -21,7 +21,7 @@ Result<std::string> read_file(const std::filesystem::path& path) {
   return text;
 }
 
-/// What stands between the first and the last quote, or nothing if it is no word.
+/// Returns the text between the first and the last quote; nothing if it is no word.
 std::optional<std::string> read_word(std::string_view line) {
   const std::size_t first = line.find('"');
   const std::size_t last = line.rfind('"');

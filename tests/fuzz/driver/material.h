@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// What inputs are made of: seeds, words of a dictionary, and simple changes.
+/// Sources of inputs: seeds, words of a dictionary, and simple changes.
 #pragma once
 
 #include "mneme/base.h"
