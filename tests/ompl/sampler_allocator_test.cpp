@@ -158,11 +158,11 @@ TEST_SUITE("unit") {
   TEST_CASE("remembered means that come closer than the margin are not drawn around") {
     LearnedScene world;
     const Robot& robot = world.problem.robot;
+    const auto gl = require(recall(world.problem, world.database));
     SolveSettings settings;
     settings.lambda = 1;
     settings.sigma = 1e-4;
     settings.margin = 0.01;
-    const auto gl = require(recall(world.problem, world.database, settings));
     const auto careful =
         require(CollisionChecker::make(robot, world.problem.scene, {{}, settings.margin}));
     const GaussianMixture kept = internal::keep_valid_components(careful, *gl.mixture);

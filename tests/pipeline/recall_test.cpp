@@ -300,7 +300,7 @@ TEST_SUITE("unit") {
     const Robot robot = planar8();
     const TemporaryDirectory directory;
     Database database = make_database(directory / "a.db", robot);
-    const Scene scene{"", {{"crate", {Box{}}}}};
+    const Scene scene{"", {{"crate", {box_at({20, 0, 0}, {1, 1, 1})}}}};
     const Error error = require_error(recall(problem_in(robot, scene), database, {}));
     CHECK(contains(error.message, "'crate'"));
     SolveSettings unknown;
