@@ -28,10 +28,6 @@ Vec3 turned(const Vec3& axis, double angle, const Vec3& v) {
   return c * v + s * axis.cross(v) + (1 - c) * axis.dot(v) * axis;
 }
 
-bool turns(const Joint& joint) {
-  return joint.type == JointType::revolute || joint.type == JointType::continuous;
-}
-
 }  // namespace
 
 Cone::Cone(const Robot& robot, const OrientationConstraint& constraint)
@@ -42,7 +38,7 @@ Cone::Cone(const Robot& robot, const OrientationConstraint& constraint)
   for (const int i : joints) {
     const Joint& joint = robot.joints()[as_index(i)];
     before = before * joint.origin.rotation;
-    if (!turns(joint)) continue;
+    if (!is_turning(joint)) continue;
     const auto drive = find_drive(robot, i);
     if (!drive) {
       before = before * rotation_about(joint.axis, joint.fixed_value);
@@ -184,7 +180,7 @@ std::optional<std::string> describe_fault(const Robot& robot,
     return fmt::format("expected a link of robot {}, got \"{}\"", robot.name(), constraint.link);
   }
   const auto is_turned = [&](int joint) {
-    return internal::turns(robot.joints()[internal::as_index(joint)]) &&
+    return internal::is_turning(robot.joints()[internal::as_index(joint)]) &&
            internal::find_drive(robot, joint);
   };
   if (std::ranges::none_of(internal::joints_to(robot, *link), is_turned)) {
