@@ -74,7 +74,7 @@ RequestReader::RequestReader(const RequestLimits& limits) : limits_(limits) {
 }
 
 /// Beast gets the whole head at once: it joins folded lines, which are found before. Each byte is
-/// looked at once, in whatever pieces the head arrives.
+/// examined once, in whatever pieces the head arrives.
 std::optional<Answer> RequestReader::read_head(boost::beast::flat_buffer& bytes) {
   const std::string_view text = text_of(bytes);
   const std::size_t end = text.find(kHeadEnd, seen_ - std::min(seen_, kHeadEnd.size() - 1));
