@@ -145,7 +145,7 @@ class TimeShortener {
     }
   }
 
-  /// Boxes grow, but for points whose pieces did not pass on the way to `next`.
+  /// Boxes grow, except at points whose pieces did not pass on the way to `next`.
   void change_radii(const TimeSpline& next) {
     for (std::size_t i = 0; i < radii_.size(); ++i) {
       double& radius = radii_[i];
