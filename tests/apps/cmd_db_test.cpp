@@ -3,19 +3,10 @@
 
 #include "apps/planar_files.h"
 
-#include <nlohmann/json.hpp>
-
 namespace mneme::test {
 namespace {
 
 using Json = nlohmann::json;
-
-Json run_json(std::vector<std::string> arguments, int exit_code = 0) {
-  arguments.emplace_back("--json");
-  const ProgramRun run = run_program(arguments);
-  REQUIRE_MESSAGE(run.exit_code == exit_code, run.err);
-  return Json::parse(run.out);
-}
 
 TEST_SUITE("flow") {
   TEST_CASE("info tells whose experience a database holds and how much") {

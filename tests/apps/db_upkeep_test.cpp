@@ -3,24 +3,15 @@
 
 #include "apps/planar_files.h"
 
-#include <nlohmann/json.hpp>
-
 namespace mneme::test {
 namespace {
 
 using Json = nlohmann::json;
 
-Json run_upkeep(std::vector<std::string> arguments, int exit_code = 0) {
-  arguments.emplace_back("--json");
-  const ProgramRun run = run_program(arguments);
-  REQUIRE_MESSAGE(run.exit_code == exit_code, run.err);
-  return Json::parse(run.out);
-}
-
 /// A copy of the database with a bit of its row's key flipped.
 std::string damaged_copy(const PlanarFiles& files) {
   std::string bytes = read_file(files.database());
-  const Json key = run_upkeep({"db", "list", files.database()})["rows"][0]["key"];
+  const Json key = run_json({"db", "list", files.database()})["rows"][0]["key"];
   const double first = key[0].get<double>();
   const std::string stored(reinterpret_cast<const char*>(&first), sizeof first);
   const std::size_t at = bytes.find(stored);
@@ -33,7 +24,7 @@ std::string damaged_copy(const PlanarFiles& files) {
 TEST_SUITE("flow") {
   TEST_CASE("verify passes a sound database, reports damage and sets it aside") {
     const PlanarFiles files;
-    CHECK(run_upkeep({"db", "verify", files.database()})["is_clean"] == true);
+    CHECK(run_json({"db", "verify", files.database()})["is_clean"] == true);
     CHECK(contains(run_program({"db", "verify", files.database()}).out, "is sound"));
     CHECK_FALSE(contains(run_program({"db", "verify", files.database()}).err, ".tally"));
     write_file(files / "copy.db", read_file(files.database()));
@@ -48,7 +39,7 @@ TEST_SUITE("flow") {
     CHECK(contains(run_program({"db", "verify", files / "empty.db"}).out, "is empty"));
 
     const std::string damaged = damaged_copy(files);
-    const Json report = run_upkeep({"db", "verify", damaged, "--report"}, 5);
+    const Json report = run_json({"db", "verify", damaged, "--report"}, 5);
     CHECK(report["is_clean"] == false);
     REQUIRE(report["damages"].size() == 1);
     CHECK(report["damages"][0]["id"] == 1);
@@ -59,12 +50,12 @@ TEST_SUITE("flow") {
     CHECK(cured.exit_code == 5);
     CHECK(contains(cured.out, "row 1: "));
     CHECK(contains(cured.out, "(set aside)"));
-    CHECK(run_upkeep({"db", "verify", damaged})["is_clean"] == true);
-    CHECK(run_upkeep({"db", "info", damaged})["tombstones"] == 1);
+    CHECK(run_json({"db", "verify", damaged})["is_clean"] == true);
+    CHECK(run_json({"db", "info", damaged})["tombstones"] == 1);
 
-    CHECK(run_upkeep({"db", "merge", damaged, files.database()})["added"] == 1);
-    CHECK(run_upkeep({"db", "compact", damaged})["removed"] == 1);
-    CHECK(run_upkeep({"db", "info", damaged})["samplers"] == 1);
+    CHECK(run_json({"db", "merge", damaged, files.database()})["added"] == 1);
+    CHECK(run_json({"db", "compact", damaged})["removed"] == 1);
+    CHECK(run_json({"db", "info", damaged})["samplers"] == 1);
   }
 
   TEST_CASE("what verify quotes from a damaged file is printed, not obeyed") {
@@ -83,13 +74,13 @@ TEST_SUITE("flow") {
   TEST_CASE("merging, exporting and importing give the same set") {
     const PlanarFiles files;
     const Json merged =
-        run_upkeep({"db", "merge", files / "all.db", files.database(), files.database()});
+        run_json({"db", "merge", files / "all.db", files.database(), files.database()});
     CHECK(merged["read"] == 2);
     CHECK(merged["added"] == 1);
     const std::string file = files / "rows.jsonl", again = files / "again.jsonl";
-    CHECK(run_upkeep({"db", "export", files.database(), file})["rows"] == 1);
-    CHECK(run_upkeep({"db", "import", files / "new.db", file})["added"] == 1);
-    CHECK(run_upkeep({"db", "import", files / "all.db", file})["added"] == 0);
+    CHECK(run_json({"db", "export", files.database(), file})["rows"] == 1);
+    CHECK(run_json({"db", "import", files / "new.db", file})["added"] == 1);
+    CHECK(run_json({"db", "import", files / "all.db", file})["added"] == 0);
     require_run({"db", "export", files / "new.db", again});
     CHECK(read_file(file) == read_file(again));
     CHECK(contains(read_file(files / "rows.jsonl"), "mneme experience 3"));

@@ -6,7 +6,17 @@
 
 #include "apps/run_program.h"
 
+#include <nlohmann/json.hpp>
+
 namespace mneme::test {
+
+/// Runs a command with --json.
+inline nlohmann::json run_json(std::vector<std::string> arguments, int exit_code = 0) {
+  arguments.emplace_back("--json");
+  const ProgramRun run = run_program(arguments);
+  REQUIRE_MESSAGE(run.exit_code == exit_code, run.err);
+  return nlohmann::json::parse(run.out);
+}
 
 /// The geometry of the paper's first scenario: two circles with a gap of 1 m.
 inline const std::vector<std::array<double, 3>> kTwoCircles = {{-5.75, -1.15, 1.73},

@@ -14,11 +14,6 @@ std::vector<Experience> learn_rows(const Robot& robot, const Scene& scene,
   return require(learn_from_paths({robot, scene}, paths, {}, reach));
 }
 
-Configuration row_of(const GaussianMixture& mixture, int component) {
-  const auto begin = mixture.means.begin() + component * mixture.joint_count;
-  return {begin, begin + mixture.joint_count};
-}
-
 /// Configurations that reach towards the shelf, as a path of their own.
 Path reaching_path(const Robot& robot, int count, std::uint64_t seed) {
   Rng rng(seed);
@@ -109,7 +104,7 @@ TEST_SUITE("unit") {
     REQUIRE(rows.size() == 1);
     CHECK(rows[0].key == decompose({robot, scene})->at(0).key);
     REQUIRE(rows[0].sampler().component_count() == 1);
-    CHECK(robot.distance(row_of(rows[0].sampler(), 0), through) < 1e-6);
+    CHECK(robot.distance(mean_of(rows[0].sampler(), 0), through) < 1e-6);
   }
 }
 
@@ -132,7 +127,7 @@ TEST_SUITE("law") {
         const LocalSampler &a = here[row].sampler(), &b = there[row].sampler();
         REQUIRE(a.component_count() == b.component_count());
         for (int c = 0; c < a.component_count(); ++c) {
-          CHECK(robot.distance(row_of(a, c), row_of(b, c)) < 1e-5);
+          CHECK(robot.distance(mean_of(a, c), mean_of(b, c)) < 1e-5);
         }
       }
     }
@@ -181,7 +176,7 @@ TEST_SUITE("oracle") {
         CHECK(rows[next].key == primitive.key);
         REQUIRE(rows[next].sampler().component_count() == static_cast<int>(expected.size()));
         for (std::size_t i = 0; i < expected.size(); ++i) {
-          CHECK(robot.distance(row_of(rows[next].sampler(), static_cast<int>(i)), expected[i]) <
+          CHECK(robot.distance(mean_of(rows[next].sampler(), static_cast<int>(i)), expected[i]) <
                 1e-6);
         }
         ++next;
@@ -196,10 +191,7 @@ TEST_SUITE("flow") {
   TEST_CASE("a scene turned and lifted retrieves the waypoints, moved along and still free") {
     const Robot robot = lifting_arm();
     const SymmetricJoints joints = find_symmetric_joints(robot);
-    const auto checker_of = [&](const Scene& scene) {
-      return require(CollisionChecker::make(robot, scene, {}));
-    };
-    const CollisionChecker here = checker_of(shelf_scene());
+    const CollisionChecker here = make_checker(robot, shelf_scene());
     Path path;
     for (const Configuration& q : reaching_path(robot, 400, 7)) {
       if (here.is_valid(std::span<const double>(q))) path.push_back(q);
@@ -214,12 +206,12 @@ TEST_SUITE("flow") {
     settings.similarity = 1e-6;
     for (const Symmetry& motion : {Symmetry{}, Symmetry{1.1, false, 0.15}, {-1.7, false, -0.2}}) {
       const Scene scene = moved_scene(transform_of(joints, motion), shelf_scene());
-      const CollisionChecker there = checker_of(scene);
+      const CollisionChecker there = make_checker(robot, scene);
       const GlSampler gl = require(recall(problem_in(robot, scene), database, settings));
       CHECK(gl.mixture->component_count() == components);
       int touching = 0;
       for (int i = 0; i < gl.mixture->component_count(); ++i) {
-        const Configuration q = row_of(*gl.mixture, i);
+        const Configuration q = mean_of(*gl.mixture, i);
         const Configuration back = moved_configuration(joints, inverse(motion), q);
         CHECK(std::ranges::any_of(
             path, [&](const auto& waypoint) { return robot.distance(waypoint, back) < 1e-5; }));
@@ -248,7 +240,7 @@ TEST_SUITE("flow") {
         const Symmetry all = compose(motion, (*primitives)[row].to_scene);
         for (int i = 0; i < learned[row].sampler().component_count(); ++i) {
           const Configuration q =
-              moved_configuration(joints, all, row_of(learned[row].sampler(), i));
+              moved_configuration(joints, all, mean_of(learned[row].sampler(), i));
           expected += robot.describe_violation(q, "mean") ? 0 : 1;
         }
       }

@@ -7,6 +7,7 @@
 #include "mneme/line.h"
 
 #include "line/line_oracle.h"
+#include "soak/measures.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -16,7 +17,6 @@
 #include <map>
 #include <string>
 #include <vector>
-#include <time.h>
 
 namespace mneme::soak {
 namespace {
@@ -31,18 +31,6 @@ struct Options {
   bool is_verbose = false, is_confirming = false;
   LineSettings line;
 };
-
-double cpu_time_s() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-double quantile(std::vector<double>& values, double share) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
 
 struct Tally {
   int lines = 0, whole = 0, searched = 0, missed = 0, wrong = 0;

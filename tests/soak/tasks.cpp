@@ -6,6 +6,7 @@
 /// without a contact. With --optimum compares improved plans with the best of all choices instead.
 #include "mneme/experience.h"
 
+#include "soak/measures.h"
 #include "soak/random_task.h"
 
 #include <CLI/CLI.hpp>
@@ -49,12 +50,6 @@ std::vector<Task> single_choices(const Task& task) {
     tasks = std::move(further);
   }
   return tasks;
-}
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
 struct Sums {

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Trajectories of random paths, or along the paths of given problems, looked at by other code.
+/// Trajectories of random paths, or along the paths of given problems, checked by other code.
 /// Succeeds if nothing was wrong with any of them.
 #include "mneme/benchmark.h"
 #include "mneme/pipeline.h"
 
+#include "soak/measures.h"
 #include "trajectory/dense_profile.h"
 #include "trajectory/empty_scene.h"
 #include "trajectory/trajectory_flaws.h"
@@ -22,7 +23,6 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <time.h>
 
 namespace mneme::soak {
 namespace {
@@ -55,18 +55,6 @@ struct Tally {
   std::vector<double> durations_s;
   int flawed = 0;
 };
-
-double cpu_time_s() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-double quantile(std::vector<double> values, double share) {
-  if (values.empty()) return 0;
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
 
 void note_flaw(Tally& tally, const std::string& name, const std::string& flaw) {
   ++tally.flawed;

@@ -24,9 +24,9 @@ RobotTables require_tables(const Robot& robot) {
 Result<Robot> long_chain(int count, int fixed) {
   Robot::Parts parts;
   parts.name = "snake";
-  parts.links.push_back({"link0", -1, {{{0, 0, 0}, 0.01}}, {}, {}});
+  parts.links.push_back({.name = "link0", .spheres = {{{0, 0, 0}, 0.01}}});
   for (int i = 1; i <= count + fixed; ++i) {
-    parts.links.push_back({"link" + std::to_string(i), -1, {{{0, 0, 0}, 0.01}}, {}, {}});
+    parts.links.push_back({.name = "link" + std::to_string(i), .spheres = {{{0, 0, 0}, 0.01}}});
     Joint joint;
     joint.name = "joint" + std::to_string(i);
     joint.type = i <= fixed ? JointType::fixed : JointType::continuous;
@@ -43,7 +43,7 @@ Result<Robot> long_chain(int count, int fixed) {
 internal::FrameRow frame_about(const Vec3& axis) {
   Robot::Parts parts;
   parts.name = "pointer";
-  parts.links = {{"base", -1, {}, {}, {}}, {"tip", -1, {{{1, 0, 0}, 0.1}}, {}, {}}};
+  parts.links = {{.name = "base"}, {.name = "tip", .spheres = {{{1, 0, 0}, 0.1}}}};
   Joint joint;
   joint.name = "turn";
   joint.type = JointType::continuous;
@@ -61,11 +61,11 @@ internal::FrameRow frame_about(const Vec3& axis) {
 Robot comb(int count) {
   Robot::Parts parts;
   parts.name = "comb";
-  parts.links.push_back({"base", -1, {}, {}, {}});
-  parts.links.push_back({"bar", -1, {}, {}, {}});
+  parts.links.push_back({.name = "base"});
+  parts.links.push_back({.name = "bar"});
   parts.joints.emplace_back();
   for (int i = 1; i <= count; ++i) {
-    parts.links.push_back({"tooth" + std::to_string(i), -1, {{{0, 0, 0}, 0.05}}, {}, {}});
+    parts.links.push_back({.name = "tooth" + std::to_string(i), .spheres = {{{0, 0, 0}, 0.05}}});
     parts.joints.emplace_back().origin.translation = Vec3(i, 0, 0);
   }
   for (std::size_t i = 0; i < parts.joints.size(); ++i) {
@@ -214,9 +214,9 @@ TEST_SUITE("unit") {
     for (const double distance : {0.05, 0.5}) {
       Robot::Parts parts;
       parts.name = "hand";
-      parts.links = {{"base", -1, {}, {}, {}},
-                     {"palm", -1, {{{0, 0, 0}, 0.1}}, {}, {}},
-                     {"finger", -1, {{{0, 0, 0}, 0.1}}, {}, {}}};
+      parts.links = {{.name = "base"},
+                     {.name = "palm", .spheres = {{{0, 0, 0}, 0.1}}},
+                     {.name = "finger", .spheres = {{{0, 0, 0}, 0.1}}}};
       for (int i = 0; i < 2; ++i) {
         Joint joint;
         joint.name = "joint" + std::to_string(i);
@@ -238,8 +238,7 @@ TEST_SUITE("unit") {
   TEST_CASE("links without shapes have no row") {
     Robot::Parts parts;
     parts.name = "bare";
-    parts.links = {
-        {"a", -1, {}, {}, {}}, {"b", -1, {}, {}, {}}, {"c", -1, {{{0, 0, 0}, 1}}, {}, {}}};
+    parts.links = {{.name = "a"}, {.name = "b"}, {.name = "c", .spheres = {{{0, 0, 0}, 1}}}};
     for (int i = 0; i < 2; ++i) {
       Joint joint;
       joint.name = "joint" + std::to_string(i);
@@ -414,14 +413,6 @@ SceneTables require_tables(const Scene& scene) {
   return require(internal::make_scene_tables(scene));
 }
 
-Vec3 row_of(const float* p) { return {p[0], p[1], p[2]}; }
-
-Eigen::Matrix3d turn_of(const float* r) {
-  Eigen::Matrix3d m;
-  for (int i = 0; i < 9; ++i) m(i / 3, i % 3) = r[i];
-  return m;
-}
-
 Scene scene_of(const std::vector<Shape>& shapes) { return {"s", {{"thing", shapes}}}; }
 
 /// Boxes that are turned by `angle` about z, and one that is turned about x as well.
@@ -443,16 +434,16 @@ TEST_SUITE("unit") {
     const SceneTables tables = require_tables(scene);
     REQUIRE(tables.obstacles.size() == 5);
     CHECK(tables.obstacles[0].kind == ObstacleKind::sphere);
-    CHECK(row_of(tables.obstacles[0].center) == Vec3(1, 2, 3));
+    CHECK(vector_of(tables.obstacles[0].center) == Vec3(1, 2, 3));
     CHECK(tables.obstacles[0].rounding == 0.5f);
     CHECK(tables.obstacles[1].kind == ObstacleKind::aligned_box);
-    CHECK(row_of(tables.obstacles[1].half_extents).isApprox(Vec3(4, 2, 1), 1e-6));
+    CHECK(vector_of(tables.obstacles[1].half_extents).isApprox(Vec3(4, 2, 1), 1e-6));
     CHECK(tables.obstacles[2].kind == ObstacleKind::capsule);
-    CHECK(row_of(tables.obstacles[2].along) == Vec3(1, 1, 1));
+    CHECK(vector_of(tables.obstacles[2].along) == Vec3(1, 1, 1));
     CHECK(tables.obstacles[2].rounding == 0.25f);
     CHECK(tables.obstacles[3].kind == ObstacleKind::cylinder);
-    CHECK(row_of(tables.obstacles[3].half_extents) == Vec3(0.5, 0.5, 1.5));
-    CHECK(turn_of(tables.obstacles[3].rotation).isApprox(X.rotation.transpose(), 1e-6));
+    CHECK(vector_of(tables.obstacles[3].half_extents) == Vec3(0.5, 0.5, 1.5));
+    CHECK(matrix_of(tables.obstacles[3].rotation).isApprox(X.rotation.transpose(), 1e-6));
     CHECK(tables.obstacles[4].kind == ObstacleKind::upright_cylinder);
     CHECK(tables.obstacles[4].rounding == 0);
   }
@@ -464,19 +455,19 @@ TEST_SUITE("unit") {
       CHECK(tables.obstacles[0].kind == ObstacleKind::aligned_box);
       CHECK(tables.obstacles[1].kind == ObstacleKind::aligned_box);
       CHECK(tables.obstacles[2].kind == ObstacleKind::box);
-      CHECK(row_of(tables.obstacles[0].center)
-                .isApprox(turn_of(tables.rotation) * Vec3(1, 0, 0), 1e-6));
-      const Eigen::Matrix3d in_scene = turn_of(tables.rotation) * turn;
+      CHECK(vector_of(tables.obstacles[0].center)
+                .isApprox(matrix_of(tables.rotation) * Vec3(1, 0, 0), 1e-6));
+      const Eigen::Matrix3d in_scene = matrix_of(tables.rotation) * turn;
       CHECK(in_scene.cwiseAbs().rowwise().maxCoeff().isApprox(Vec3::Ones(), 1e-6));
     }
   }
 
   TEST_CASE("the robot's own axes are those of a scene without boxes, or of one that has them") {
     auto shapes = turned_boxes(0);
-    CHECK(turn_of(require_tables(scene_of(shapes)).rotation).isIdentity());
+    CHECK(matrix_of(require_tables(scene_of(shapes)).rotation).isIdentity());
     shapes = {Cylinder{{rotation_about(Vec3::UnitX(), 0.3), {1, 0, 0}}, 0.1, 0.2}};
-    CHECK(turn_of(require_tables(scene_of(shapes)).rotation).isIdentity());
-    CHECK(turn_of(require_tables({}).rotation).isIdentity());
+    CHECK(matrix_of(require_tables(scene_of(shapes)).rotation).isIdentity());
+    CHECK(matrix_of(require_tables({}).rotation).isIdentity());
   }
 
   TEST_CASE("bounds fill whole blocks, the rest of which nothing overlaps") {
@@ -555,7 +546,7 @@ TEST_SUITE("law") {
       shapes.push_back(random_shape(i % kShapeKinds, rng));
       const SceneTables tables = require_tables(scene_of(shapes));
       // The rotation of floats is not orthogonal enough for so long a view.
-      const Eigen::Quaterniond turn(turn_of(tables.rotation));
+      const Eigen::Quaterniond turn(matrix_of(tables.rotation));
       const Transform X_SW{turn.normalized().toRotationMatrix(), Vec3::Zero()};
       const Shape shape = transformed(X_SW, shapes.back());
       const auto bound = [&](const auto& bounds, int axis) {
