@@ -16,7 +16,7 @@ using internal::JointVector;
 Robot odd_chain() {
   Robot::Parts parts;
   parts.name = "odd";
-  parts.links.push_back({"base", -1, {}, {}, {}});
+  parts.links.push_back({.name = "base"});
   const auto hang = [&](JointType type, const Vec3& at, const Vec3& axis, double most) {
     const int parent = static_cast<int>(parts.links.size()) - 1;
     hang_link(parts, parent, joint_at(type, at, axis.normalized(), -most, most), {}, {});

@@ -144,9 +144,8 @@ TEST_SUITE("unit") {
   TEST_CASE("a link that is welded to a moving one does not stand still") {
     Robot::Parts parts;
     parts.name = "welded";
-    parts.links = {{"base", -1, {}, {}, {}},
-                   {"arm", -1, {}, {}, {}},
-                   {"tool", -1, {{{1, 0, 0}, 0.1}}, {}, {}}};
+    parts.links = {
+        {.name = "base"}, {.name = "arm"}, {.name = "tool", .spheres = {{{1, 0, 0}, 0.1}}}};
     for (int i = 0; i < 2; ++i) {
       Joint joint;
       joint.name = "joint" + std::to_string(i);
@@ -176,7 +175,7 @@ TEST_SUITE("law") {
       const Robot robot = random_robot(rng);
       const Scene scene = random_scene(robot, 5, rng, small_shape);
       const Transform X = random_pose(rng, 1.0);
-      Robot::Parts parts{"moved", {{"ground", -1, {}, {}, {}}}, {}};
+      Robot::Parts parts{"moved", {{.name = "ground"}}, {}};
       for (Link link : robot.links()) parts.links.push_back(link);
       Joint mount;
       mount.name = "mount";
@@ -316,8 +315,8 @@ TEST_SUITE("unit") {
     Robot::Parts parts;
     parts.name = "post";
     parts.links.resize(2);
-    parts.links[0] = {"base", -1, {{Vec3::Zero(), 0.1}}, {}, {}};
-    parts.links[1] = {"arm", -1, {{Vec3(1, 0, 0), 0.1}}, {}, {}};
+    parts.links[0] = {.name = "base", .spheres = {{Vec3::Zero(), 0.1}}};
+    parts.links[1] = {.name = "arm", .spheres = {{Vec3(1, 0, 0), 0.1}}};
     Joint& joint = parts.joints.emplace_back();
     joint.name = "turn";
     joint.type = JointType::continuous;

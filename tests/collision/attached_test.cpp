@@ -157,7 +157,7 @@ TEST_SUITE("unit") {
   TEST_CASE("more objects than bodies fit are merged") {
     Robot::Parts parts;
     parts.name = "ring";
-    parts.links.push_back({"base", -1, {}, {}, {}});
+    parts.links.push_back({.name = "base"});
     for (int i = 0; i < internal::kMaxBodies; ++i) {
       Joint joint;
       joint.name = "joint" + std::to_string(i);
@@ -166,7 +166,8 @@ TEST_SUITE("unit") {
       joint.parent_link = i == 0 ? 0 : 1;
       joint.child_link = i + 1;
       parts.joints.push_back(joint);
-      parts.links.push_back({"link" + std::to_string(i), -1, {{{10.0 + i, 0, 0}, 0.1}}, {}, {}});
+      parts.links.push_back(
+          {.name = "link" + std::to_string(i), .spheres = {{{10.0 + i, 0, 0}, 0.1}}});
     }
     const auto bare = require(make_robot(parts));
     const Robot robot = require(attach(bare, {{"cup", "link0", {Sphere{{0, 5, 0}, 0.1}}}}));

@@ -23,7 +23,7 @@ int lanes_of(Isa isa) { return internal::collision_kernels(isa).lanes; }
 Robot pointer(JointType type = JointType::continuous) {
   Robot::Parts parts;
   parts.name = "pointer";
-  parts.links = {{"base", -1, {}, {}, {}}, {"tip", -1, {{{1, 0, 0}, 1e-3}}, {}, {}}};
+  parts.links = {{.name = "base"}, {.name = "tip", .spheres = {{{1, 0, 0}, 1e-3}}}};
   Joint joint;
   joint.name = "turn";
   joint.type = type;
@@ -225,10 +225,10 @@ TEST_SUITE("unit") {
   TEST_CASE("a link that never moves blocks nothing, but what it touches is told") {
     Robot::Parts parts;
     parts.name = "stand";
-    parts.links = {{"floor", -1, {}, {}, {}},
-                   {"post", -1, {}, {{{0, 0, 0}, {0, 0, 1}, 0.1}}, {}},
-                   {"flap", -1, {{{1, 0, 0}, 0.1}}, {}, {}},
-                   {"arm", -1, {{{5, 0, 0}, 0.1}}, {}, {}}};
+    parts.links = {{.name = "floor"},
+                   {.name = "post", .capsules = {{{0, 0, 0}, {0, 0, 1}, 0.1}}},
+                   {.name = "flap", .spheres = {{{1, 0, 0}, 0.1}}},
+                   {.name = "arm", .spheres = {{{5, 0, 0}, 0.1}}}};
     for (int i = 0; i < 3; ++i) {
       Joint joint;
       joint.name = "joint" + std::to_string(i);
@@ -264,9 +264,9 @@ TEST_SUITE("unit") {
   TEST_CASE("the margin inflates the robot against obstacles but not against itself") {
     Robot::Parts parts;
     parts.name = "scissors";
-    parts.links = {{"base", -1, {}, {}, {}},
-                   {"left", -1, {}, {{{0.8, 0, 0}, {1, 0, 0}, 0.1}}, {}},
-                   {"right", -1, {{{1, 0, 0.201}, 0.1}}, {}, {}}};
+    parts.links = {{.name = "base"},
+                   {.name = "left", .capsules = {{{0.8, 0, 0}, {1, 0, 0}, 0.1}}},
+                   {.name = "right", .spheres = {{{1, 0, 0.201}, 0.1}}}};
     for (int i = 0; i < 2; ++i) {
       Joint joint;
       joint.name = "joint" + std::to_string(i);
@@ -370,7 +370,7 @@ TEST_SUITE("unit") {
       REQUIRE(is_free(1, 1));
       CHECK(counters.states == expected + lanes);
       CHECK(counters.motions == 2);
-      // The end is among the states that are looked at first.
+      // The end is among the states that are checked first.
       REQUIRE(!is_free(-0.5f, 2));
       CHECK(counters.states == expected + 2 * lanes);
       CHECK(counters.motions == 3);
@@ -543,9 +543,9 @@ TEST_SUITE("unit") {
   TEST_CASE("a robot with too many joints is refused each time") {
     Robot::Parts parts;
     parts.name = "snake";
-    parts.links.push_back({"link0", -1, {}, {}, {}});
+    parts.links.push_back({.name = "link0"});
     for (int i = 1; i <= 80; ++i) {
-      parts.links.push_back({"link" + std::to_string(i), -1, {}, {}, {}});
+      parts.links.push_back({.name = "link" + std::to_string(i)});
       Joint joint;
       joint.name = "joint" + std::to_string(i);
       joint.type = JointType::continuous;

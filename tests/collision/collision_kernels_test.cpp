@@ -19,9 +19,10 @@ int lane_count_of(Isa isa) { return internal::collision_kernels(isa).lanes; }
 Robot folding_arm(int links) {
   Robot::Parts parts;
   parts.name = "folding";
-  parts.links.push_back({"base", -1, {}, {}, {}});
+  parts.links.push_back({.name = "base"});
   for (int i = 1; i <= links; ++i) {
-    parts.links.push_back({"link" + std::to_string(i), -1, {}, {{{0, 0, 0}, {1, 0, 0}, 0.02}}, {}});
+    parts.links.push_back(
+        {.name = "link" + std::to_string(i), .capsules = {{{0, 0, 0}, {1, 0, 0}, 0.02}}});
     Joint joint;
     joint.name = "joint" + std::to_string(i);
     joint.type = JointType::revolute;
@@ -36,7 +37,7 @@ Robot folding_arm(int links) {
   return require(make_robot(parts));
 }
 
-/// Joints that are straight or folded back, but for a bend of 1e-6 to `largest` radians.
+/// Joints that are straight or folded back, up to a bend of 1e-6 to `largest` radians.
 std::vector<float> folded_states(const Robot& robot, int count, double largest, Rng& rng) {
   std::vector<float> rows;
   for (int i = 0; i < count; ++i) {
@@ -204,7 +205,7 @@ TEST_SUITE("oracle") {
       } else {
         tip.spheres.push_back({{0, 0, 0}, 0.05});
       }
-      parts.links = {{"base", -1, {}, {}, {}}, {"x", -1, {}, {}, {}}, tip};
+      parts.links = {{.name = "base"}, {.name = "x"}, tip};
       for (int k = 0; k < 2; ++k) {
         Joint joint;
         joint.name = "slide" + std::to_string(k);

@@ -18,8 +18,8 @@ constexpr double kTolerance = 1e-4;
 
 constexpr std::array kMakers = {random_cloud, random_mesh, random_octree};
 
-/// Clearances of a robot's shapes to the parts of a scene. Of parts that lie in a ball that is too
-/// far away to matter, the ball is looked at instead of each.
+/// Clearances of a robot's shapes to the parts of a scene. The ball around parts that is too
+/// far away to matter stands for all of them.
 class GapByParts {
  public:
   GapByParts(const Robot& robot, const Scene& scene)

@@ -43,9 +43,9 @@ TEST_SUITE("unit") {
   TEST_CASE("huge limits of a slide cost nothing where it does not go") {
     Robot::Parts parts;
     parts.name = "tower";
-    parts.links = {{"base", -1, {}, {}, {}},
-                   {"column", -1, {}, {}, {}},
-                   {"tool", -1, {{Vec3(0.5, 0, 0), 0.05}}, {}, {}}};
+    parts.links = {{.name = "base"},
+                   {.name = "column"},
+                   {.name = "tool", .spheres = {{Vec3(0.5, 0, 0), 0.05}}}};
     Joint turn{"turn", JointType::revolute, 0, 1, {}, Vec3::UnitZ(), -3, 3, 0};
     Joint lift{"lift", JointType::prismatic, 1, 2, {}, Vec3::UnitZ(), -1e6, 1e6, 0};
     parts.joints = {turn, lift};

@@ -29,7 +29,7 @@ inline void hang_next(Robot::Parts& parts, JointType type, const Vec3& offset, c
 inline Robot::Parts parts_named(const std::string& name) {
   Robot::Parts parts;
   parts.name = name;
-  parts.links.push_back({"base", -1, {}, {}, {}});
+  parts.links.push_back({.name = "base"});
   return parts;
 }
 

@@ -39,7 +39,7 @@ inline Robot odd_arm() {
   Robot::Parts parts;
   parts.name = "odd";
   parts.allowed_pairs.emplace();
-  parts.links.push_back({"base", -1, {}, {}, {}});
+  parts.links.push_back({.name = "base"});
   const auto hang = [&](int parent, JointType type, const Vec3& at, const Vec3& axis, double most) {
     hang_link(parts, parent, joint_at(type, at, axis, -most, most), {{Vec3(0.05, 0, 0), 0.03}}, {});
   };

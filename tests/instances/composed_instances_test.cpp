@@ -106,7 +106,7 @@ TEST_SUITE("unit") {
     CHECK(refusal(robot, settings).find("expected at least one box") == 0);
     Robot::Parts parts;
     parts.name = "rail";
-    parts.links = {{"base", -1, {}, {}, {}}, {"slide", 0, {{Vec3::Zero(), 0.1}}, {}, {}}};
+    parts.links = {{.name = "base"}, {"slide", 0, {{Vec3::Zero(), 0.1}}, {}, {}}};
     Joint joint;
     joint.name = "x";
     joint.type = JointType::prismatic;

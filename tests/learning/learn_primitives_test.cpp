@@ -26,7 +26,7 @@ std::vector<PrimitiveKey> keys_of(const Database& database) {
   return keys;
 }
 
-/// Checks that two databases hold the same but for the time of their rows.
+/// Checks that two databases hold the same, except the time of their rows.
 void check_same_contents(const Database& a, const Database& b) {
   REQUIRE(a.size() == b.size());
   for (std::int64_t i = 0; i < a.size(); ++i) {

@@ -34,7 +34,7 @@ TEST_SUITE("unit") {
   TEST_CASE("what single precision cannot say is brought within the limits") {
     Robot::Parts parts;
     parts.name = "locked";
-    parts.links.push_back({"base", -1, {}, {}, {}});
+    parts.links.push_back({.name = "base"});
     add_link(parts, JointType::continuous, Vec3::Zero(), Vec3::UnitZ(), kPi, {});
     add_link(parts, JointType::revolute, Vec3::Zero(), Vec3::UnitZ(), 0, {});
     parts.joints[1].lower = parts.joints[1].upper = 0.1;

@@ -51,7 +51,7 @@ std::pair<double, double> spread_of(const std::vector<Row>& rows, const Row& new
 Robot lift() {
   Robot::Parts parts;
   parts.name = "lift";
-  parts.links.push_back({"base", -1, {}, {}, {}});
+  parts.links.push_back({.name = "base"});
   add_link(parts, JointType::prismatic, Vec3::Zero(), Vec3::UnitZ(), 2, {{Vec3::Zero(), 0.1}});
   add_link(parts, JointType::revolute, Vec3(0, 0, 0.3), Vec3::UnitZ(), 2, {{Vec3(1, 0, 0), 0.1}});
   add_link(parts, JointType::continuous, Vec3(1, 0, 0), Vec3::UnitZ(), kPi, {{Vec3(1, 0, 0), 0.1}});
@@ -182,7 +182,7 @@ TEST_SUITE("law") {
     PlanSettings settings = anchored(1);
     Robot::Parts parts;
     parts.name = "wide";
-    parts.links.push_back({"base", -1, {}, {}, {}});
+    parts.links.push_back({.name = "base"});
     for (int i = 0; i < 4; ++i) {
       add_link(parts, JointType::revolute, Vec3(0.1, 0, 0), Vec3::UnitZ(), 100, {});
     }

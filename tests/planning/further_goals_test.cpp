@@ -30,7 +30,7 @@ World walled_slider() {
   Robot::Parts parts;
   parts.name = "slider";
   parts.allowed_pairs.emplace();
-  parts.links.push_back({"base", -1, {}, {}, {}});
+  parts.links.push_back({.name = "base"});
   add_link(parts, JointType::prismatic, Vec3::Zero(), Vec3::UnitX(), 1, {});
   add_link(parts, JointType::prismatic, Vec3::Zero(), Vec3::UnitY(), 1, {{Vec3::Zero(), 0.05}});
   Scene scene;

@@ -36,11 +36,11 @@ struct RunFixture {
   internal::PlannerRun run;
 };
 
-/// So many joints that no steps are computed for it.
+/// An arm with too many joints for computed steps.
 inline Robot chain_without_limbs() {
   Robot::Parts parts;
   parts.name = "chain";
-  parts.links.push_back({"base", -1, {}, {}, {}});
+  parts.links.push_back({.name = "base"});
   parts.allowed_pairs.emplace();
   for (int i = 0; i < 33; ++i) {
     add_link(parts, JointType::revolute, Vec3(0.1, 0, 0), Vec3::UnitZ(), 0.2,

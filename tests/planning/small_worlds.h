@@ -59,7 +59,7 @@ inline Robot spatial_arm() {
   };
   Robot::Parts parts;
   parts.name = "spatial_arm";
-  parts.links.push_back({"base", -1, {{Vec3(0, 0, -0.1), 0.1}}, {}, {}});
+  parts.links.push_back({.name = "base", .spheres = {{Vec3(0, 0, -0.1), 0.1}}});
   add_link(parts, JointType::continuous, Vec3(0, 0, 0.3), Vec3::UnitZ(), kPi,
            {{Vec3::Zero(), 0.1}});
   add_link(parts, JointType::revolute, Vec3(0, 0, 0.1), Vec3::UnitY(), 2, spheres(0.6, 0.06));
@@ -73,7 +73,7 @@ inline Robot spatial_arm() {
 inline Robot gantry() {
   Robot::Parts parts;
   parts.name = "gantry";
-  parts.links.push_back({"rail", -1, {}, {}, {}});
+  parts.links.push_back({.name = "rail"});
   add_link(parts, JointType::prismatic, Vec3::Zero(), Vec3::UnitX(), 2, {});
   add_link(parts, JointType::prismatic, Vec3::Zero(), Vec3::UnitY(), 2, {});
   add_link(parts, JointType::prismatic, Vec3::Zero(), Vec3::UnitZ(), 2, {{Vec3::Zero(), 0.1}});
@@ -102,7 +102,7 @@ inline Scene wall_with_hole(double width) {
   return scene;
 }
 
-/// Two posts just where an arm that swings straight from start to goal is not looked at, with
+/// Two posts where no state of an arm that swings straight from start to goal is checked, with
 /// coarse_states(): only bounds on its motion keep it from passing through them.
 inline World posts_between_states() {
   World world{"posts", spatial_arm(), {}, {{0, 0.3, 0.2, 0}, {{2.75, 0.3, 0.2, 0}}}};
@@ -203,7 +203,7 @@ inline std::string to_text(std::span<const double> q) {
   return "[" + text.str() + "]";
 }
 
-/// What is wrong with a motion, looked at in double precision by code that shares nothing with the
+/// Returns a flaw of a motion, found in double precision by code that shares nothing with the
 /// kernels, at `refinement` times the checker's resolution; nothing if it is free.
 inline std::optional<std::string> motion_flaw(const CollisionChecker& checker,
                                               const Configuration& from, const Configuration& to,

@@ -32,7 +32,7 @@ class Files {
     write_file(directory_ / "lifter.urdf", urdf);
   }
 
-  /// A problem of the lifter with a table and a cup, and these keys besides.
+  /// A problem of the lifter with a table, a cup and these further keys.
   [[nodiscard]] Result<Problem> read(const std::string& keys) const {
     write_file(directory_ / "p.yaml", kHead + keys);
     return load_problem(directory_ / "p.yaml");

@@ -355,7 +355,7 @@ TEST_SUITE("law") {
                                  : static_cast<float>(rng.uniform(-20.0, 20.0));
         if (i % 8 == 0) value = std::nextafter(value, i % 16 == 0 ? 100.0f : -100.0f);
         q.push_back(space.into_limits(j, value));
-        // Again changes nothing, but for half a turn that rounding put on the other side.
+        // A second time changes nothing except half a turn that rounding put on the other side.
         const double change = space.into_limits(j, static_cast<float>(q.back())) - q.back();
         REQUIRE(std::abs(j == 0 ? std::remainder(change, 2 * kPi) : change) < 1e-6);
       }
@@ -385,7 +385,8 @@ TEST_SUITE("law") {
 
 TEST_SUITE("unit") {
   TEST_CASE("a link's spheres are capsules of length 0, and move with it") {
-    const Link link{"tool", -1, {{{1, 0, 0}, 0.5}}, {{{0, 0, 0}, {0, 2, 0}, 0.25}}, {}};
+    const Link link{
+        .name = "tool", .spheres = {{{1, 0, 0}, 0.5}}, .capsules = {{{0, 0, 0}, {0, 2, 0}, 0.25}}};
     const Transform turned{rotation_about(Vec3::UnitZ(), std::numbers::pi / 2), Vec3(0, 0, 3)};
     const std::vector<Capsule> shapes = internal::shapes_of(link, turned);
     REQUIRE(shapes.size() == 2);
@@ -398,9 +399,9 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("has_shapes tells empty links from others") {
-    CHECK_FALSE(internal::has_shapes({"frame", -1, {}, {}, {}}));
-    CHECK(internal::has_shapes({"ball", -1, {{{0, 0, 0}, 1}}, {}, {}}));
-    CHECK(internal::has_shapes({"rod", -1, {}, {{{0, 0, 0}, {1, 0, 0}, 1}}, {}}));
+    CHECK_FALSE(internal::has_shapes({.name = "frame"}));
+    CHECK(internal::has_shapes({.name = "ball", .spheres = {{{0, 0, 0}, 1}}}));
+    CHECK(internal::has_shapes({.name = "rod", .capsules = {{{0, 0, 0}, {1, 0, 0}, 1}}}));
   }
 
   TEST_CASE("the bound of no shapes is a point, that of one sphere the sphere") {
@@ -415,7 +416,7 @@ TEST_SUITE("unit") {
     Robot::Parts parts;
     parts.name = "hand";
     for (const char* name : {"base", "arm", "finger", "thumb", "lamp", "stop"}) {
-      parts.links.push_back({name, -1, {{{0, 0, 0}, 0.01}}, {}, {}});
+      parts.links.push_back({.name = name, .spheres = {{{0, 0, 0}, 0.01}}});
     }
     const auto add = [&](const char* name, JointType type, int parent, int child) {
       Joint joint;

@@ -301,7 +301,7 @@ TEST_SUITE("unit") {
       source.allowed_pairs = made.allowed_pairs;
       source.groups = made.groups;
       for (Robot::Parts* parts : {&source, &made}) {
-        for (Link& link : parts->links) link = Link{link.name, -1, {}, {}, {}};
+        for (Link& link : parts->links) link = Link{.name = link.name};
       }
       CHECK(test::require_robot(source).hash() == test::require_robot(made).hash());
     }

@@ -19,9 +19,9 @@ namespace mneme::test {
 inline Robot joints_of(const std::vector<JointType>& types) {
   Robot::Parts parts;
   parts.name = "chain";
-  parts.links.push_back({"link0", -1, {}, {}, {}});
+  parts.links.push_back({.name = "link0"});
   for (std::size_t i = 0; i < types.size(); ++i) {
-    parts.links.push_back({"link" + std::to_string(i + 1), -1, {}, {}, {}});
+    parts.links.push_back({.name = "link" + std::to_string(i + 1)});
     Joint joint;
     joint.name = "joint" + std::to_string(i + 1);
     joint.type = types[i];

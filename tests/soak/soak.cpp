@@ -27,7 +27,7 @@ using mneme::soak::Tally;
 
 struct Options {
   std::vector<std::string> robots = {"planar8", "fetch", "panda", "ur5"};
-  double plans_per_spatial = 5;  ///< a planar plan is so many times cheaper
+  double plans_per_spatial = 5;  ///< how many times cheaper a planar plan is
   CampaignSettings settings;
   bool has_limits = false;
   bool is_detailed = false;

@@ -149,7 +149,7 @@ Robot arm_with_ring(double radius) {
   Robot::Parts parts;
   parts.name = "ringed";
   parts.links.resize(3);
-  parts.links[0] = {"base", -1, {{Vec3(0, 0, 0), 0.1}}, {}, {}};
+  parts.links[0] = {.name = "base", .spheres = {{Vec3(0, 0, 0), 0.1}}};
   parts.links[1] = {"arm", 0, {{Vec3(0.5, 0, 0), 0.1}}, {}, {}};
   parts.links[2] = {"ring", 1, {{Vec3(radius, 0, 0), 0.1}}, {}, {}};
   parts.allowed_pairs.emplace();

@@ -165,7 +165,7 @@ class Deformation {
     }
   }
 
-  /// `q` becomes `pushed`, but for whole turns.
+  /// `q` becomes `pushed`, up to whole turns.
   void move_near(std::span<float> q, const Rows& pushed) const {
     const internal::JointSpace space(robot_);
     Rows delta(joints_);

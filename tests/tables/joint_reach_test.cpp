@@ -18,9 +18,9 @@ namespace {
 Robot row_of_links(const std::vector<JointType>& types, double limit) {
   Robot::Parts parts;
   parts.name = "row";
-  parts.links.push_back({"link0", -1, {{{0, 0, 0}, 0.1}}, {}, {}});
+  parts.links.push_back({.name = "link0", .spheres = {{{0, 0, 0}, 0.1}}});
   for (std::size_t i = 0; i < types.size(); ++i) {
-    parts.links.push_back({"link" + std::to_string(i + 1), -1, {{{0, 0, 0}, 0.1}}, {}, {}});
+    parts.links.push_back({.name = "link" + std::to_string(i + 1), .spheres = {{{0, 0, 0}, 0.1}}});
     Joint joint;
     joint.name = "joint" + std::to_string(i);
     joint.type = types[i];

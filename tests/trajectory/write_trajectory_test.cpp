@@ -13,7 +13,7 @@ namespace {
 Robot arm(const std::string& name) {
   Robot::Parts parts;
   parts.name = "arm";
-  parts.links = {{"base", -1, {}, {}, {}}, {"tool", -1, {}, {}, {}}};
+  parts.links = {{.name = "base"}, {.name = "tool"}};
   Joint joint;
   joint.name = name;
   joint.type = JointType::continuous;
