@@ -186,6 +186,9 @@ class Cell {
   [[nodiscard]] bool is_of(const Problem& problem) const;
   [[nodiscard]] const std::vector<CellProgress>& progress() const;
 
+  /// Makes what answers without a proven box need, which the first of them waits for otherwise:
+  /// milliseconds.
+  void prepare() const;
   /// Looks the task up among proven boxes. Writes an answer of tier `certified` or `none`. Cost:
   /// microseconds, without allocation if `answer` is used again.
   void look_up(const CellTask& task, CellAnswer& answer, std::size_t start = 0) const;

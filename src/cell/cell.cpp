@@ -31,12 +31,20 @@ using internal::StartCell;
 Result<std::shared_ptr<internal::CellData>> internal::make_cell_data(const CellRegion& region,
                                                                      double margin) {
   const Problem& problem = region.problem;
-  const std::string& link = region.middle().link;
+  LinkChain chain = MNEME_TRY(LinkChain::make(problem.robot, region.middle().link));
   return std::make_shared<CellData>(
-      CellData{region, MNEME_TRY(LinkChain::make(problem.robot, link)),
-               MNEME_TRY(InverseKinematics::make(problem.robot, link)), TaskFrame(region),
-               MNEME_TRY(CollisionChecker::make(problem.robot, problem.scene)), margin,
-               hash_world(problem)});
+      CellData{region, std::move(chain), TaskFrame(region), margin, hash_world(problem)});
+}
+
+const Result<internal::CellTools>& internal::CellData::make_tools() const {
+  std::call_once(made->once, [&] {
+    const Problem& problem = region.problem;
+    made->tools = [&]() -> Result<CellTools> {
+      return CellTools{MNEME_TRY(InverseKinematics::make(problem.robot, region.middle().link)),
+                       MNEME_TRY(CollisionChecker::make(problem.robot, problem.scene))};
+    }();
+  });
+  return *made->tools;
 }
 
 void internal::StartCell::drop_hints() {
@@ -196,6 +204,8 @@ bool Cell::is_of(const Problem& problem) const {
 }
 const std::vector<CellProgress>& Cell::progress() const { return data_->progress; }
 
+void Cell::prepare() const { static_cast<void>(data_->make_tools()); }
+
 std::size_t Cell::box_count() const {
   std::size_t count = 0;
   for (const StartCell& start : data_->starts) count += start.boxes.size();
@@ -299,7 +309,7 @@ class PathBender {
       if ((other.q - q).norm() >= kSame) continue;
       if (!other.is_free || other.origin == origin) return false;
     }
-    tried_.push_back({q, origin, data_.checker.is_valid(internal::to_configuration(q))});
+    tried_.push_back({q, origin, data_.tools().checker.is_valid(internal::to_configuration(q))});
     return tried_.back().is_free;
   }
 
@@ -331,7 +341,7 @@ class PathBender {
   /// Makes the path an answer if it is free. Its first motions may be proven.
   bool take(int index, std::size_t proven) {
     const Robot& robot = data_.region.problem.robot;
-    const MotionVerifier verifier(data_.checker);
+    const MotionVerifier verifier(data_.tools().checker);
     CheckCounters counters;
     const auto row = [&](std::size_t i) {
       const Configuration q = robot.normalized(answer_.path[i]);
@@ -367,7 +377,9 @@ void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t
   const Stopwatch stopwatch;
   IkSettings ik;
   ik.is_over = [&] { return stopwatch.elapsed_s() > timeout_s; };
-  const IkResult found = data.kinematics.solve(goal, from, ik, &data.checker, kVerificationMargin);
+  const internal::CellTools& tools = data.tools();
+  const IkResult found =
+      tools.kinematics.solve(goal, from, ik, &tools.checker, kVerificationMargin);
   if (found.solutions.empty()) {
     answer.note = found.blocked.empty() ? "inverse kinematics finds no configuration of this task"
                                         : "all configurations found for this task are in contact";
@@ -376,7 +388,7 @@ void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t
   if (PathBender(data, task, start, answer).run(found.solutions)) return;
   PlanSettings settings;
   settings.timeout_s = std::max(0.0, timeout_s - stopwatch.elapsed_s());
-  const PlanResult planned = plan_with(rrt_connect, data.checker, {from, found.solutions},
+  const PlanResult planned = plan_with(rrt_connect, tools.checker, {from, found.solutions},
                                        *make_uniform_sampler(robot), settings);
   answer.note = planned.message;
   if (!planned.is_solved()) return;
@@ -487,7 +499,7 @@ class Reprover {
     settings.has_links = !is_known;
     internal::ProofFailure failure;
     CheckCounters counters;
-    const CollisionChecker& checker = is_known ? *changes_ : data_.checker;
+    const CollisionChecker& checker = is_known ? *changes_ : data_.tools().checker;
     return internal::prove(checker, box.path, box.shift, settings, failure, counters);
   }
 

@@ -16,6 +16,7 @@
 #include <array>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <queue>
 #include <string>
@@ -102,12 +103,16 @@ struct WorldHash {
 /// Errors: unsupported, for what no box can be proven with.
 [[nodiscard]] Result<void> check_region(const CellRegion& region);
 
+/// What proofs and answers without a proven box need.
+struct CellTools {
+  InverseKinematics kinematics;
+  CollisionChecker checker;
+};
+
 struct CellData {
   CellRegion region;
   LinkChain chain;
-  InverseKinematics kinematics;
   TaskFrame frame;
-  CollisionChecker checker;
   double margin = 0;
   WorldHash world = {};  ///< hash_world() of the region's problem
   bool is_of_this_world = true;
@@ -115,6 +120,17 @@ struct CellData {
   std::optional<Scene> changed = {};
   std::vector<StartCell> starts = {};
   std::vector<CellProgress> progress = {};
+
+  /// Made by the first call, which takes milliseconds: certified answers do without. Thread-safe.
+  [[nodiscard]] const Result<CellTools>& make_tools() const;
+  /// The tools of a region that make_tools() takes.
+  [[nodiscard]] const CellTools& tools() const { return make_tools().value(); }
+
+  struct MadeTools {
+    std::once_flag once;
+    std::optional<Result<CellTools>> tools;
+  };
+  std::shared_ptr<MadeTools> made = std::make_shared<MadeTools>();  ///< copies share them
 };
 
 /// Returns a cell without boxes.

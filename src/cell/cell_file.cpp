@@ -265,8 +265,10 @@ Result<Cell> load_cell(const std::string& path, const std::string& region_path,
   MNEME_TRY(internal::check_head(head, region, path));
   auto data = MNEME_TRY(internal::make_cell_data(region, head.margin));
   data->is_of_this_world = head.world == data->world;
-  if (!data->is_of_this_world && head.world.robot == data->world.robot) {
-    data->changed = internal::find_changed(head, *data);
+  if (!data->is_of_this_world) {
+    // What was built has tools; what has changed may be refused.
+    if (const auto& made = data->make_tools(); !made) return tl::unexpected(made.error());
+    if (head.world.robot == data->world.robot) data->changed = internal::find_changed(head, *data);
   }
   internal::visit_body(reader, data->starts, data->progress, internal::shape_of(*data));
   bool is_sound = reader.is_complete() && data->starts.size() == region.starts.size();

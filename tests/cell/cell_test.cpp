@@ -313,6 +313,20 @@ TEST_SUITE("unit") {
     CHECK_FALSE(find_invalid_start(region, 0.0005).value().has_value());
   }
 
+  TEST_CASE("proven boxes are looked up without checkers") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    const auto data = require(internal::make_cell_data(region, 5e-4));
+    data->starts.resize(1);
+    const Cell empty(data);
+    CellAnswer answer;
+    empty.look_up({}, answer);
+    CHECK(answer.tier == CellTier::none);
+    CHECK_FALSE(data->made->tools.has_value());
+    empty.prepare();
+    CHECK(data->made->tools.has_value());
+  }
+
   TEST_CASE("a cell reads back as it was, and a damaged one is refused") {
     const TemporaryDirectory directory;
     const CellRegion region = require_region(directory, region_text());
