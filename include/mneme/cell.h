@@ -104,8 +104,9 @@ enum class CellTier {
 
 struct CellAnswer {
   CellTier tier = CellTier::none;
-  int box = -1;    ///< the box that `path` comes from; -1: none
-  Path path = {};  ///< begins at the start as given and is unwrapped; empty without an answer
+  int box = -1;           ///< the box that `path` comes from; -1: none
+  std::size_t start = 0;  ///< index of the task's start
+  Path path = {};         ///< begins at the start as given, unwrapped; empty without an answer
   std::string note = {};  ///< why there is no path
 };
 
@@ -223,6 +224,7 @@ class Cell {
   explicit Cell(std::shared_ptr<const internal::CellData> data) : data_(std::move(data)) {}
 
  private:
+  friend class CellMotions;
   std::shared_ptr<const internal::CellData> data_;
 };
 

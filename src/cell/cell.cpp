@@ -233,6 +233,7 @@ std::size_t Cell::path_count() const {
 void Cell::look_up(const CellTask& task, CellAnswer& answer, std::size_t start) const {
   answer.tier = CellTier::none;
   answer.box = -1;
+  answer.start = start;
   LookUp look_up(*data_, task, start, answer);
   data_->starts[start].visit_boxes(task, [&](int box) { return look_up.try_box(box); });
   if (answer.tier == CellTier::none) answer.path.clear();
@@ -400,6 +401,7 @@ void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t
 
 CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s) const {
   CellAnswer answer;
+  answer.start = start;
   if (!data_->frame.whole().contains(task)) {
     answer.note = "the task is beyond the region";
     const CellTask& half = data_->frame.half_extents();
