@@ -78,13 +78,16 @@ Json state_json(const CollisionChecker& checker, const Configuration& q) {
 }
 
 /// Nothing if no trajectory is wanted, or there is no path.
-Result<TimedPath> time_path(const PlanRequest& request, const SolveResult& result) {
+Result<TimedPath> time_path(const PlanRequest& request, const SolveResult& result,
+                            std::optional<Trajectory> motion) {
   if (!request.timing || !result.plan.is_solved()) return TimedPath{};
   const RateLimits& limits = *request.settings.plan.limits;
-  const Trajectory motion = MNEME_TRY(make_trajectory(request.problem, request.settings,
-                                                      result.plan.path, limits, *request.timing));
-  const auto points = MNEME_TRY(motion.sample(request.timing->dt));
-  return TimedPath{measure_motion(motion, limits), to_json(request.problem.robot, points)};
+  if (!motion) {
+    motion = MNEME_TRY(make_trajectory(request.problem, request.settings, result.plan.path, limits,
+                                       *request.timing));
+  }
+  const auto points = MNEME_TRY(motion->sample(request.timing->dt));
+  return TimedPath{measure_motion(*motion, limits), to_json(request.problem.robot, points)};
 }
 
 }  // namespace
@@ -107,6 +110,10 @@ Endpoints::Endpoints(const Robot& robot, std::shared_ptr<Database> database,
       queue_(settings.threads, settings.queue) {
   // Fills the caches of the robot, so that the first client does not wait for them.
   static_cast<void>(CollisionChecker::make(robot_, {}));
+  for (const std::shared_ptr<const Cell>& cell : settings.cells) {
+    cell->prepare();
+    motions_.emplace_back(*cell);
+  }
   if (settings_.learn_idle) learner_ = std::make_unique<IdleLearner>(database_);
 }
 
@@ -146,9 +153,10 @@ std::optional<Endpoints::Outcome> Endpoints::ask_cells(const PlanRequest& reques
   if (request.wants_trace || settings.plan.improve > 0) return std::nullopt;
   if (request.problem.is_moving()) return std::nullopt;
   const Stopwatch stopwatch;
-  for (const std::shared_ptr<const Cell>& cell : settings_.cells) {
-    if (settings.margin > cell->margin()) continue;
-    auto found = answer_from(*cell, request.problem);
+  for (std::size_t i = 0; i < settings_.cells.size(); ++i) {
+    const Cell& cell = *settings_.cells[i];
+    if (settings.margin > cell.margin()) continue;
+    auto found = answer_from(cell, request.problem);
     if (!found) continue;
     Outcome outcome;
     SolveResult& result = outcome.result;
@@ -161,6 +169,10 @@ std::optional<Endpoints::Outcome> Endpoints::ask_cells(const PlanRequest& reques
     result.seed = settings.plan.seed;
     result.isa = default_isa();
     metrics_.add_cell_answer(to_string(found->tier));
+    if (request.timing) {
+      auto timed = motions_[i].time(*found, *settings.plan.limits, *request.timing);
+      if (timed) outcome.motion = std::move(timed->motion);
+    }
     outcome.cell = std::move(found);
     return outcome;
   }
@@ -276,7 +288,7 @@ Result<Answer> Endpoints::plan_in_turn(const Call& call, Work& work) {
   if (request.wants_clearance)
     measures = measure_path(request.problem.robot, checked_scene(request.problem, result),
                             result.plan.path);
-  const TimedPath timed = MNEME_TRY(time_path(request, result));
+  const TimedPath timed = MNEME_TRY(time_path(request, result, std::move(outcome.motion)));
   work.end_turn();
   if (learner_ != nullptr && request.may_remember && !outcome.cell) {
     learner_->offer(request.problem, settings, result.plan);

@@ -4,6 +4,7 @@
 /// The endpoints without HTTP: from the body of a request to the body of its answer.
 #pragma once
 
+#include "mneme/cell_motion.h"
 #include "mneme/live.h"
 #include "mneme/report.h"
 #include "mneme/service.h"
@@ -23,6 +24,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace mneme::internal {
 
@@ -85,7 +87,8 @@ class Endpoints {
   struct Outcome {
     SolveResult result;
     std::string memory_failure;  ///< the reason why it planned without memory, or empty
-    std::optional<CellAnswer> cell = std::nullopt;  ///< the answer of a cell, if it has one
+    std::optional<CellAnswer> cell = std::nullopt;    ///< the answer of a cell, if it has one
+    std::optional<Trajectory> motion = std::nullopt;  ///< of the cell's answer
   };
   class Work;
   /// Waits for a planning thread of the service and returns the answer that `work` makes on it,
@@ -112,6 +115,7 @@ class Endpoints {
   Robot robot_;
   std::shared_ptr<Database> database_;
   ServiceSettings settings_;
+  std::vector<CellMotions> motions_;  ///< of the settings' cells
   LivePage page_;
   SceneStore scenes_;
   PlanQueue queue_;

@@ -29,6 +29,18 @@ TEST_SUITE("flow") {
     CHECK(certified.body["planner"] == "cell");
     CHECK(
         contains(client.Get("/metrics")->body, "mneme_cell_answers_total{tier=\"certified\"} 1\n"));
+    const Reply timed = post(client, "/v1/plan?trajectory=true", body);
+    REQUIRE(timed.body.contains("trajectory"));
+    CHECK(timed.body["cell"]["tier"] == "certified");
+    // All tasks of a box take equally long.
+    Json near = body;
+    near["goal"]["position"] = {0.511, -0.021, 0.35};
+    const Reply second = post(client, "/v1/plan?trajectory=true", near);
+    REQUIRE(second.body["cell"] == timed.body["cell"]);
+    const auto duration_of = [](const Reply& reply) {
+      return reply.body["trajectory"]["duration_s"].get<double>();
+    };
+    CHECK(duration_of(second) == duration_of(timed));
     // Another start, another scene and a pose beyond the region are planned.
     Json other = body;
     other["start"][0] = 0.1;
