@@ -4,6 +4,7 @@
 /// mneme cell: builds, queries, verifies and shows certified cells, and makes regions for them.
 #include "mneme/benchmark.h"
 #include "mneme/cell.h"
+#include "mneme/cell_motion.h"
 #include "mneme/instances.h"
 #include "mneme/report.h"
 
@@ -12,6 +13,7 @@
 #include "console.h"
 #include "inputs.h"
 #include "options.h"
+#include "trajectory_file.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -22,6 +24,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -72,8 +75,6 @@ void print_coverage(const CellCoverage& coverage) {
     fmt::print("{:>8.2f} %  not proven: {}\n", 100 * share, to_string(static_cast<CellGap>(i)));
   }
 }
-
-// build
 
 struct CellBuildOptions {
   std::string region;
@@ -165,13 +166,12 @@ void add_cell_build(CLI::App& group, Action& action) {
   add_json(command, options->is_json);
 }
 
-// query
-
 struct CellQueryOptions {
   CellFile cell;
   CellTask task = {};
   std::string start;
   double timeout_s = 1;
+  TrajectoryOptions trajectory;
   bool is_json = false;
 };
 
@@ -206,24 +206,50 @@ Result<std::size_t> find_start(const CellRegion& region, const std::string& name
                           did_you_mean(name, names)));
 }
 
-void print_answer(const CellAnswer& answer) {
+/// Writes the answer's trajectory. Returns nothing if none is wanted, or without a path.
+Result<std::optional<CellMotion>> time_answer(const CellQueryOptions& options, const Cell& cell,
+                                              const CellAnswer& answer) {
+  const TrajectoryOptions& wanted = options.trajectory;
+  if (!wanted.is_wanted() || answer.tier == CellTier::none) return std::nullopt;
+  const Robot& robot = cell.region().problem.robot;
+  const RateLimits limits = MNEME_TRY(find_rate_limits(robot, wanted.settings, wanted.limits));
+  for (const std::string& warning : limits.warnings) print_warning(warning);
+  CellMotion timed = MNEME_TRY(CellMotions(cell).time(answer, limits, wanted.settings));
+  MNEME_TRY(write_trajectory(wanted, robot, timed.motion));
+  return timed;
+}
+
+void print_answer(const CellAnswer& answer, const std::optional<CellMotion>& timed, bool is_json) {
+  if (is_json) {
+    Json json = {{"tier", to_string(answer.tier)},
+                 {"box", answer.box < 0 ? Json() : Json(answer.box)},
+                 {"path", answer.path},
+                 {"message", answer.note.empty() ? Json() : Json(answer.note)}};
+    if (timed) {
+      json["motion"] = {{"duration_s", timed->motion.duration_s()},
+                        {"is_of_box", timed->is_of_box}};
+    }
+    return print_json(json);
+  }
+  if (answer.tier == CellTier::none) return;
   fmt::print("{}{}\n", to_string(answer.tier),
              answer.box < 0 ? "" : fmt::format(": box {}", answer.box));
   for (const Configuration& q : answer.path) fmt::print("{:.6f}\n", fmt::join(q, ","));
+  if (!timed) return;
+  fmt::print("motion: {:.3f} s, {}\n", timed->motion.duration_s(),
+             timed->is_of_box ? "as of all tasks of the box" : "of this path");
 }
 
 Result<ExitCode> run_cell_query(const CellQueryOptions& options) {
   const Cell cell = MNEME_TRY(read_cell(options.cell));
+  std::vector<ReadFile> inputs = {{"the cell", options.cell.path},
+                                  {"the file of limits", options.trajectory.limits}};
+  add_files("a file of the problem", cell.region().problem.files, inputs);
+  MNEME_TRY(check_files_to_write(std::array{options.trajectory.file}, inputs));
   const std::size_t start = MNEME_TRY(find_start(cell.region(), options.start));
   const CellAnswer answer = cell.ask(options.task, start, options.timeout_s);
-  if (options.is_json) {
-    print_json({{"tier", to_string(answer.tier)},
-                {"box", answer.box < 0 ? Json() : Json(answer.box)},
-                {"path", answer.path},
-                {"message", answer.note.empty() ? Json() : Json(answer.note)}});
-  } else if (answer.tier != CellTier::none) {
-    print_answer(answer);
-  }
+  const auto timed = MNEME_TRY(time_answer(options, cell, answer));
+  print_answer(answer, timed, options.is_json);
   if (answer.tier != CellTier::none) return ExitCode::done;
   print_error(answer.note);
   return ExitCode::no_path;
@@ -243,10 +269,9 @@ void add_cell_query(CLI::App& group, Action& action) {
   command.add_option("--start", options->start, "name of the start (default: the first)");
   add_number(command, "--timeout", options->timeout_s, 0.0, 1e6,
              "time to plan where the cell has no path, seconds; 0: do not plan");
+  add_trajectory_flags(command, options->trajectory);
   add_json(command, options->is_json);
 }
-
-// verify
 
 struct CellVerifyOptions {
   CellFile cell;
@@ -294,8 +319,6 @@ void add_cell_verify(CLI::App& group, Action& action) {
   add_json(command, options->is_json);
 }
 
-// show
-
 struct CellShowOptions {
   CellFile cell;
   int count = 10;
@@ -305,17 +328,19 @@ struct CellShowOptions {
   bool is_json = false;
 };
 
-std::string describe_place(const UnprovenBox& box) {
-  std::string text;
+/// The offsets that vary, with `half_extents` if they are given.
+std::string describe_task(const CellRegion& region, const CellTask& task,
+                          const CellTask* half_extents = nullptr) {
+  std::vector<std::string> texts;
   for (std::size_t k = 0; k < kTaskSize; ++k) {
-    if (box.half_extents[k] == 0) continue;
-    text += fmt::format("{}{} {:.3f}+-{:.3f}", text.empty() ? "" : ", ", kTaskNames[k],
-                        box.center[k], box.half_extents[k]);
+    if (region.half_extents[k] == 0) continue;
+    texts.push_back(fmt::format("{} {:.3f}", kTaskNames[k], task[k]));
+    if (half_extents) texts.back() += fmt::format("+-{:.3f}", (*half_extents)[k]);
   }
-  return text;
+  return fmt::format("{}", fmt::join(texts, ", "));
 }
 
-void print_unproven(const std::vector<UnprovenBox>& boxes, int count) {
+void print_unproven(const CellRegion& region, const std::vector<UnprovenBox>& boxes, int count) {
   if (boxes.empty()) return;
   const auto shown = std::min(boxes.size(), static_cast<std::size_t>(count));
   fmt::print("largest of {} not proven throughout:\n",
@@ -327,17 +352,8 @@ void print_unproven(const std::vector<UnprovenBox>& boxes, int count) {
                                     : fmt::format(": {} and {} at {:.0f} % of the way", box.first,
                                                   box.other, 100 * box.along);
     fmt::print("{:>8.3f} %  {}{}\n            {}\n", 100 * box.share, to_string(box.gap),
-               printable(contact), describe_place(box));
+               printable(contact), describe_task(region, box.center, &box.half_extents));
   }
-}
-
-std::string describe_task(const CellRegion& region, const CellTask& task) {
-  std::string text;
-  for (std::size_t k = 0; k < kTaskSize; ++k) {
-    if (region.half_extents[k] == 0) continue;
-    text += fmt::format("{}{} {:.3f}", text.empty() ? "" : ", ", kTaskNames[k], task[k]);
-  }
-  return text;
 }
 
 void print_jumps(const CellRegion& region, const CellContinuity& found, int count) {
@@ -370,7 +386,7 @@ Result<ExitCode> run_cell_show(const CellShowOptions& options) {
   const std::vector<CellStart>& starts = cell.region().starts;
   for (std::size_t i = 0; i < starts.size(); ++i) {
     if (starts.size() > 1) fmt::print("start '{}':\n", printable(starts[i].name));
-    print_unproven(cell.unproven(i), options.count);
+    print_unproven(cell.region(), cell.unproven(i), options.count);
     print_jumps(cell.region(), cell.continuity(i), options.jumps);
   }
   return ExitCode::done;
@@ -392,8 +408,6 @@ void add_cell_show(CLI::App& group, Action& action) {
                      "name of the start for --view (default: the first)");
   add_json(command, options->is_json);
 }
-
-// bench
 
 struct CellBenchOptions {
   CellFile cell;
@@ -498,8 +512,6 @@ void add_cell_bench(CLI::App& group, Action& action) {
   add_seed(command, options->seed, "seed of the tasks");
   add_json(command, options->is_json);
 }
-
-// regions
 
 struct CellRegionsOptions {
   std::vector<std::string> problems;

@@ -51,6 +51,14 @@ TEST_SUITE("flow") {
     const Json answer = Json::parse(asked.out);
     CHECK(answer["tier"] == "certified");
     CHECK(answer["path"][0][0] == 0.4);
+    CHECK_FALSE(answer.contains("motion"));
+    const std::string csv = directory / "a.csv";
+    const ProgramRun timed =
+        require_run({"cell", "query", cell, "--at", "0.01,-0.02,0,0", "--trajectory", csv});
+    CHECK(contains(timed.out, "s, as of all tasks of the box"));
+    CHECK(read_file(csv).starts_with("time,"));
+    CHECK(run_program({"cell", "query", cell, "--at", "0,0,0,0", "--trajectory", region + ".txt"})
+              .exit_code == 2);
 
     const ProgramRun verified = require_run({"cell", "verify", cell, "--samples", "50"});
     CHECK(contains(verified.out, "0 in contact"));
