@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/cell.h"
+#include "mneme/cell_motion.h"
 
 #include "arrays.h"
 #include "bindings.h"
 #include "errors.h"
 #include "interruptible.h"
 #include "keywords.h"
+#include "timed_plan.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -84,6 +86,45 @@ py::dict verify(Cell& cell, int samples, std::uint64_t seed, int threads) {
   return result;
 }
 
+/// Motions of a cell's answers, and the robot that moves.
+struct BoundMotions {
+  Robot robot;
+  CellMotions motions;
+
+  explicit BoundMotions(const Cell& cell) : robot(cell.region().problem.robot), motions(cell) {}
+};
+
+TimedPlan time_answer(const BoundMotions& self, const CellAnswer& answer, const py::object& dt,
+                      const py::object& limits, const py::kwargs& arguments) {
+  TrajectorySettings timing;
+  py::kwargs all(arguments);
+  if (!dt.is_none()) all["dt"] = dt;
+  Keywords keywords("CellMotions.trajectory", all);
+  keywords.apply(timing);
+  keywords.finish();
+  const RateLimits rates = find_limits(self.robot, timing, limits);
+  auto points = run_interruptible([&] {
+    return self.motions.time(answer, rates, timing).and_then([&](const CellMotion& timed) {
+      return timed.motion.sample(timing.dt);
+    });
+  });
+  return {self.robot, unwrap(std::move(points))};
+}
+
+void bind_motions(py::module_& module) {
+  py::class_<BoundMotions>(module, "CellMotions",
+                           "Times answers of a cell, as it is when this is made.")
+      .def(py::init<const Cell&>(), py::arg("cell"))
+      .def(
+          "trajectory", &time_answer, py::arg("answer"), py::arg("dt") = py::none(),
+          py::arg("limits") = py::none(),
+          ("Returns the motion of an answer, sampled every dt seconds, as Plan.trajectory() does.\n"
+           "A box is timed with its first certified answer; later ones bend its motion, and all\n"
+           "take equally long. Keeps boxes for the last four limits.\n\n" +
+           describe_keywords<TrajectorySettings>())
+              .c_str());
+}
+
 void bind_answer(py::module_& module) {
   py::class_<CellAnswer>(module, "CellAnswer", "The path of a task.")
       .def_property_readonly(
@@ -107,6 +148,7 @@ void bind_answer(py::module_& module) {
 
 void bind_cell(py::module_& module) {
   bind_answer(module);
+  bind_motions(module);
   py::class_<Cell>(module, "Cell", "Tasks of a region with motions that are proven beforehand.")
       .def_static("build", &build, py::arg("region"),
                   ("Builds the cell of a region file (docs/cells.md).\n\n" +

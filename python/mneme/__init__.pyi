@@ -186,6 +186,11 @@ class CellAnswer:
     @property
     def message(self) -> str: ...
 
+class CellMotions:
+    def __init__(self, cell: Cell) -> None: ...
+    def trajectory(self, answer: CellAnswer, dt: Optional[float] = None,
+                   limits: Optional[PathLike] = None, **settings: Any) -> Trajectory: ...
+
 class Cell:
     @staticmethod
     def build(

@@ -37,6 +37,21 @@ def test_a_cell_answers_certified_tasks_and_survives_its_file(region, tmp_path):
     assert done["proven"] == done["boxes"] and done["in_contact"] == 0
 
 
+def test_certified_answers_of_a_box_take_equally_long(region):
+    cell = mneme.Cell.build(region, boxes=20, seconds=1000)
+    motions = mneme.CellMotions(cell)
+    answers = [cell.ask([x, -0.02, 0, 0]) for x in (0.01, 0.0101)]
+    assert answers[0].tier == "certified" and answers[0].box == answers[1].box
+    timed = [motions.trajectory(answer, 0.01, jerk_limit=500) for answer in answers]
+    assert timed[0].duration == timed[1].duration
+    for answer, motion in zip(answers, timed):
+        assert np.allclose(motion.positions[[0, -1]], answer.path[[0, -1]], atol=1e-6)
+    with pytest.raises(mneme.Error, match="the answer has no path"):
+        motions.trajectory(cell.ask([1, 0, 0, 0]))
+    with pytest.raises(TypeError):
+        motions.trajectory(answers[0], colour="red")
+
+
 def test_wrong_words_of_a_cell_raise(region, tmp_path):
     cell = mneme.Cell.build(region, boxes=1)
     with pytest.raises(mneme.Error, match="start: expected one of start"):
