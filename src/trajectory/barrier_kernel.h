@@ -15,7 +15,7 @@ namespace mneme::internal {
 inline constexpr std::size_t kJointLanes = 8;
 /// Control points at each end of a spline that do not move.
 inline constexpr std::size_t kFixedPoints = 3;
-/// Arrays of `count` rows that a Newton step works in.
+/// Values of a joint at a control point that a Newton step works in.
 inline constexpr std::size_t kBarrierArrays = 14;
 
 struct BarrierTables {
