@@ -26,6 +26,9 @@ constexpr double kTurnRoom = 1e-3;
 /// Largest part of an end's velocity across its leg, as a share of the speed, and rounding of the
 /// leg's ends.
 constexpr double kMostAcross = 1e-6, kRoundingOfEnds = 1e-14;
+/// Clearance of corners, metres, from which rounds begin if they find nothing from free ones.
+/// Rounds want less of states, and their first spline is not quite on the corner.
+constexpr double kCornerMargin = 1e-3;
 
 /// Words for an end of a path at which the robot moves, for errors.
 struct End {
@@ -146,19 +149,37 @@ Trajectory follow_from_rest(const Timing& timing, const Path& path) {
   const Legs legs = find_legs(robot, path);
   const FollowSettings following{settings.path_tolerance, begins_outside(robot, path)};
   const bool has_rounds = verifier != nullptr && !following.stops_first && settings.time_rounds > 0;
-  const auto follow = [&] {
-    return has_jerk_limit(limits)
-               ? to_trajectory(follow_legs(legs, limits, following, verifier), legs.end)
-               : follow_fastest(round_corners(robot, path, settings.path_tolerance, verifier),
-                                limits);
+  const bool has_jerk = has_jerk_limit(limits);
+  const auto pass_corners = [&](const FollowSettings& how) {
+    return to_trajectory(follow_legs(legs, limits, how, verifier), legs.end);
   };
-  if (!has_rounds) return follow();
-  // Rounds mostly leave the corners, so that these are proven only if they remain.
-  FollowSettings guiding = following;
-  guiding.is_guide = true;
-  const Trajectory guide = to_trajectory(follow_legs(legs, limits, guiding, verifier), legs.end);
-  auto faster = shorten_time(robot, guide, legs, limits, settings, *verifier);
-  return faster ? *std::move(faster) : follow();
+  const auto follow_parabolas = [&] {
+    return follow_fastest(round_corners(robot, path, settings.path_tolerance, verifier), limits);
+  };
+  if (!has_rounds) return has_jerk ? pass_corners(following) : follow_parabolas();
+  const auto shorten = [&](const Trajectory& guide) {
+    return shorten_time(robot, guide, legs, limits, settings, *verifier);
+  };
+  // Rounds mostly leave the corners, so that these are proven only if they may remain.
+  FollowSettings guiding = following, estimating = following;
+  guiding.is_guide = estimating.is_estimate = true;
+  const Trajectory guide = pass_corners(guiding);
+  auto best = shorten(guide);
+  if (!best) {
+    // The corners may be so near to obstacles that no round passes.
+    guiding.guide_margin = kCornerMargin;
+    const Trajectory wider = pass_corners(guiding);
+    if (wider.duration_s() > guide.duration_s()) best = shorten(wider);
+  }
+  if (best && best->duration_s() <= duration_along(legs, limits, estimating, nullptr)) {
+    return *std::move(best);
+  }
+  const auto offer = [&](Trajectory motion) {
+    if (!best || motion.duration_s() < best->duration_s()) best = std::move(motion);
+  };
+  offer(pass_corners(following));
+  if (!has_jerk) offer(follow_parabolas());
+  return *std::move(best);
 }
 
 /// Stops on the first leg and starts for the end on the last one, as far as there is a speed.

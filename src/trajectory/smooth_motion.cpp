@@ -228,14 +228,16 @@ class SmoothCorner {
 };
 
 /// As a guide, a corner is free if its states are, without a proof.
-bool is_free(const SmoothCorner& corner, const MotionVerifier& verifier, bool is_guide) {
+bool is_free(const SmoothCorner& corner, const MotionVerifier& verifier,
+             const FollowSettings& settings) {
   const auto [states, bow] = corner.chords();
   if (states.empty()) return true;
   CheckCounters counters;
-  if (!is_guide) return verifier.is_curve_free(states, bow, counters);
+  if (!settings.is_guide) return verifier.is_curve_free(states, bow, counters);
   // The first state is on a leg.
   std::array<std::uint8_t, kChords> passes;
-  verifier.checker().check_states(std::span(states).subspan(bow.size()), passes, counters);
+  verifier.checker().check_states(std::span(states).subspan(bow.size()), passes, counters,
+                                  settings.guide_margin);
   return std::ranges::find(passes, 0) == passes.end();
 }
 
@@ -245,9 +247,9 @@ class SmoothMotion {
   SmoothMotion(const Legs& legs, const RateLimits& limits, const FollowSettings& settings,
                const MotionVerifier* verifier)
       : legs_(legs.legs),
+        settings_(settings),
         begin_speed_(settings.begin_speed),
         end_speed_(settings.end_speed),
-        is_guide_(settings.is_guide),
         verifier_(verifier) {
     for (const Leg& leg : legs_) along_.push_back(limits_along(leg.direction, limits));
     for (std::size_t i = 1; i < legs_.size(); ++i) {
@@ -354,7 +356,7 @@ class SmoothMotion {
     bool has_passed = true;
     for (SmoothCorner& corner : corners_) {
       if (corner.share == corner.verified_share || corner.share == 0) continue;
-      if (is_free(corner, *verifier_, is_guide_)) {
+      if (is_free(corner, *verifier_, settings_)) {
         corner.verified_share = corner.share;
         continue;
       }
@@ -424,8 +426,8 @@ class SmoothMotion {
   }
 
   const std::vector<Leg>& legs_;
+  const FollowSettings& settings_;
   double begin_speed_, end_speed_;  ///< at the start and at the end
-  bool is_guide_;
   const MotionVerifier* verifier_;
   std::vector<LegLimits> along_;
   std::vector<SmoothCorner> corners_;

@@ -31,6 +31,7 @@ struct FollowSettings {
   double end_speed = 0;      ///< along the last leg, likewise
   bool is_estimate = false;  ///< takes all corners as free if there is no verifier
   bool is_guide = false;     ///< checks states of corners only, which proves nothing
+  double guide_margin = 0;   ///< that these states keep from contact, metres
 };
 
 /// Returns a motion along `legs` within `limits`. It is time-optimal along each

@@ -143,6 +143,27 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("rounds make a motion faster, however near to its corner a post is") {
+    for (const double jerk : {40.0, double{INFINITY}}) {
+      CAPTURE(jerk);
+      const RateLimits limits{{2, 2, 2}, {4, 4, 4}, {jerk, jerk, jerk}};
+      for (int i = 0; i < 60; ++i) {
+        const double inside = 0.104 + 0.002 * i;
+        CAPTURE(inside);
+        const Vec3 post(1 - inside, inside, 1);
+        const World world{"post", gantry(), {"", {make_ball("post", post, 1e-3)}}, {}};
+        const CollisionChecker checker = make_checker(world);
+        const MotionVerifier verifier(checker);
+        TrajectorySettings settings;
+        const auto left = parameterize(world.robot, kTurn, limits, settings, &verifier);
+        settings.time_rounds = 0;
+        const auto followed = parameterize(world.robot, kTurn, limits, settings, &verifier);
+        const double most = std::isfinite(jerk) ? 0.99 : 1;
+        CHECK(left.value().duration_s() <= most * followed.value().duration_s());
+      }
+    }
+  }
+
   TEST_CASE("measures of a motion are its greatest rates and the integral of its jerk") {
     const EmptyScene empty(gantry());
     RateLimits limits = kOnes;
