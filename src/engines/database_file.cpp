@@ -48,10 +48,11 @@ Result<void> refuse_orphaned_log(const std::string& path) {
   if (size_or_zero(path) > 0 || log_bytes == 0) return {};
   std::error_code ignored;
   const bool is_empty = std::filesystem::exists(path, ignored);
-  return fail(ErrorCode::corrupt,
-              "{0}: the file is {3}, but its log {1} has {2} bytes; restore the file from a copy, "
-              "or remove {1} to begin an empty database",
-              path, log_path(path), log_bytes, is_empty ? "damaged: it is empty" : "missing");
+  return fail(
+      ErrorCode::corrupt,
+      "{0}: the file is {3}, but its log {1} has {2} bytes; restore the file from a copy, "
+      "rename the log with a file that was renamed, or remove {1} to begin an empty database",
+      path, log_path(path), log_bytes, is_empty ? "damaged: it is empty" : "missing");
 }
 
 /// Makes SQLite read the file, so that errors surface here.

@@ -342,7 +342,9 @@ std::optional<std::string> find_missing_rows(Connection& connection, int version
   }
   auto missing =
       version == 0 ? describe_missing_rows(connection.path(), record, StoreState{}) : std::nullopt;
-  if (missing) *missing += "; remove that file to begin an empty database";
+  if (missing && record->former_path.empty()) {
+    *missing += "; remove that file to begin an empty database";
+  }
   return missing;
 }
 

@@ -8,6 +8,9 @@
 
 #include <fcntl.h>
 #include <unistd.h>
+#if __has_include(<sys/xattr.h>)
+#include <sys/xattr.h>
+#endif
 #include <array>
 #include <algorithm>
 #include <bit>
@@ -34,6 +37,15 @@ Record to_record(const StateRecord& content) {
   record[kRecordSize - 2] = content.is_settled ? 1 : 0;
   record.back() = hash_numbers(std::span(record).first<kRecordSize - 1>());
   return record;
+}
+
+/// Nothing if the record is damaged.
+std::optional<StateRecord> to_content(const Record& record) {
+  StateRecord content;
+  content.state = to_state(std::span(record).subspan<2, kHeadSize>());
+  content.time = record[kRecordSize - 3];
+  content.is_settled = record[kRecordSize - 2] == 1;
+  return record == to_record(content) ? std::optional(content) : std::nullopt;
 }
 
 /// Closes a file descriptor.
@@ -74,19 +86,51 @@ std::string log_path(const std::string& path) { return real_path(path) + "-wal";
 
 namespace {
 
+#if __has_include(<sys/xattr.h>)
+
+constexpr const char* kAttribute = "user.mneme.tally";
+
+/// By path: opening and closing the file would drop this process's locks on it.
+void write_attribute(const std::string& file, const Record& record) {
+  std::string value(reinterpret_cast<const char*>(record.data()), sizeof record);
+  value += file;
+  (void)::setxattr(file.c_str(), kAttribute, value.data(), value.size(), 0);
+}
+
+/// The record in the attribute of a file that was renamed since; nothing if it was not.
+std::optional<StateRecord> read_former_record(const std::string& file) {
+  constexpr std::size_t kMostBytes = 65536;  // Linux allows no more
+  std::string value(kMostBytes, '\0');
+  Record record{};
+  const ssize_t size = ::getxattr(file.c_str(), kAttribute, value.data(), value.size());
+  if (size <= ssize_t{sizeof record}) return std::nullopt;
+  value.resize(static_cast<std::size_t>(size));
+  std::memcpy(record.data(), value.data(), sizeof record);
+  auto content = to_content(record);
+  if (content) content->former_path = value.substr(sizeof record);
+  return content && content->former_path != file ? content : std::nullopt;
+}
+
+#else
+
+void write_attribute(const std::string&, const Record&) {}
+std::optional<StateRecord> read_former_record(const std::string&) { return std::nullopt; }
+
+#endif
+
 void write_record(const std::string& path, const StateRecord& content) {
+  const Record record = to_record(content);
+  write_attribute(real_path(path), record);
   const Descriptor file(
       ::open(record_path(path).c_str(), O_WRONLY | O_CREAT | O_NONBLOCK | O_CLOEXEC, 0644));
-  if (file.fd < 0) return;
-  const Record record = to_record(content);
-  (void)!::pwrite(file.fd, record.data(), sizeof record, 0);
+  if (file.fd >= 0) (void)!::pwrite(file.fd, record.data(), sizeof record, 0);
 }
 
 }  // namespace
 
 void record_state(const std::string& path, const StoreState& state) {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
-  write_record(path, {state, now / std::chrono::seconds(1), false});
+  write_record(path, {state, now / std::chrono::seconds(1)});
 }
 
 void settle_record(const std::string& path) {
@@ -98,16 +142,13 @@ void settle_record(const std::string& path) {
 }
 
 std::optional<StateRecord> read_record(const std::string& path) {
+  if (auto former = read_former_record(real_path(path))) return former;
   const Descriptor file(::open(record_path(path).c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   Record record{};
   if (file.fd < 0 || ::pread(file.fd, record.data(), sizeof record, 0) != ssize_t{sizeof record}) {
     return std::nullopt;
   }
-  StateRecord content;
-  content.state = to_state(std::span(record).subspan<2, kHeadSize>());
-  content.time = record[kRecordSize - 3];
-  content.is_settled = record[kRecordSize - 2] == 1;
-  return record == to_record(content) ? std::optional(content) : std::nullopt;
+  return to_content(record);
 }
 
 std::optional<std::string> describe_unusable_record(const std::string& path,
@@ -116,7 +157,8 @@ std::optional<std::string> describe_unusable_record(const std::string& path,
   const std::string file = record_path(path);
   if (record) {
     const bool is_foreign = head != nullptr && is_of_another(record->state, *head);
-    return is_foreign ? std::optional(file + " is of another database") : std::nullopt;
+    const std::string place = record->former_path.empty() ? file : "the attribute of " + path;
+    return is_foreign ? std::optional(place + " is of another database") : std::nullopt;
   }
   std::error_code error;
   const auto size = std::filesystem::file_size(file, error);
@@ -126,15 +168,37 @@ std::optional<std::string> describe_unusable_record(const std::string& path,
   return fmt::format("{} is damaged: it has {} bytes, expected {}", file, size, sizeof(Record));
 }
 
+namespace {
+
+/// Where the rows of a file that was renamed or copied may be, and the way out.
+std::string describe_former_log(const std::string& path, const std::string& former_path) {
+  const std::string log = former_path + "-wal";
+  std::error_code error;
+  const auto size = std::filesystem::file_size(log, error);
+  if (error || size == 0) {
+    return fmt::format("when the file was {}, whose log {} is gone", former_path, log);
+  }
+  const std::string way_out =
+      std::filesystem::exists(former_path, error)
+          ? fmt::format("copy both {} and the log while no program uses them", former_path)
+          : fmt::format("rename {} to {}, too, or rename the file back", log, log_path(path));
+  return fmt::format("when the file was {}: its log may hold them; {}", former_path, way_out);
+}
+
+}  // namespace
+
 std::optional<std::string> describe_missing_rows(const std::string& path,
                                                  const std::optional<StateRecord>& record,
                                                  const StoreState& head) {
   if (!record || head.generation >= record->state.generation) return std::nullopt;
+  const std::string where = record->former_path.empty()
+                                ? fmt::format("(according to {})", record_path(path))
+                                : describe_former_log(path, record->former_path);
   return fmt::format(
       "{} rows that were stored are missing: the file holds {} changes, but {} were stored until "
-      "{} (according to {})",
+      "{} {}",
       std::max(std::int64_t{0}, record->state.row_count - head.row_count), head.generation,
-      record->state.generation, utc_text(record->time), record_path(path));
+      record->state.generation, utc_text(record->time), where);
 }
 
 namespace {

@@ -12,12 +12,15 @@
 
 namespace mneme::internal {
 
-/// The state that the last acknowledged commit left, kept in `FILE.tally`.
+/// The state that the last acknowledged commit left, kept in `FILE.tally`, and with the file's path
+/// in an extended attribute of the file, which stays with a file that is renamed or moved.
 struct StateRecord {
   StoreState state;
   std::int64_t time = 0;    ///< time of that commit, seconds since 1970
   bool is_settled = false;  ///< the log was merged into the file afterwards; the file may be
                             ///< replaced
+  /// Path of the file at that commit, if it was renamed since; empty if not.
+  std::string former_path = {};
 };
 
 /// The path of a database file with symbolic links followed, also of one that is missing.
@@ -33,7 +36,8 @@ void record_state(const std::string& path, const StoreState& state);
 /// Notes that a file was closed, if its log is merged: a copy that replaces it later is not
 /// compared with the record, except an empty one.
 void settle_record(const std::string& path);
-/// Nothing if the record is missing or damaged.
+/// The record of a file that was renamed is that of its attribute. Nothing if the record is missing
+/// or damaged, and for a renamed file on a file system without extended attributes.
 [[nodiscard]] std::optional<StateRecord> read_record(const std::string& path);
 
 /// Why a record that exists tells nothing about a file with the head `head`: it is damaged, or of

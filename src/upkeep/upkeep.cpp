@@ -146,7 +146,7 @@ std::optional<std::string> describe_record_flaw(const std::string& url) {
   if (!is_file || std::filesystem::file_size(url, error) == 0) return std::nullopt;
   const std::string record = internal::record_path(url);
   std::string flaw;
-  if (!std::filesystem::exists(record, error)) {
+  if (!std::filesystem::exists(record, error) && !internal::read_record(url)) {
     flaw = fmt::format(
         "there is no {}, as beside a copy: whether the last rows of the file were lost is not "
         "known",

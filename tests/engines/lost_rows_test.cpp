@@ -4,6 +4,7 @@
 #include "store/lost_rows.h"
 
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <map>
 
 namespace mneme::test {
@@ -50,6 +51,22 @@ bool is_whole_or_reported(const std::string& path, const Leftover& leftover) {
   write_leftover(path, leftover);
   const auto damages = verify_database(path);
   return !damages || !damages->empty();
+}
+
+/// Inserts rows in a process that ends without closing the database: they are in its log only.
+void insert_and_die(const std::string& path, int count) {
+  const pid_t child = start_child([&]() -> int {
+    Rng rng(5);
+    auto database = Database::open(path, arm_signature(), OpenMode::create);
+    const bool is_stored = database && database->insert(random_rows(rng, count));
+    ::_exit(is_stored ? 0 : 1);
+  });
+  REQUIRE(wait_for(child) == 0);
+}
+
+/// True if the file system keeps extended attributes, which stay with a renamed file.
+bool keeps_attributes(const std::string& path) {
+  return ::setxattr(path.c_str(), "user.mneme.test", "1", 1, 0) == 0;
 }
 
 }  // namespace
@@ -210,6 +227,75 @@ TEST_SUITE("unit") {
     CHECK(left >= kRows / 2);
     CHECK(left < kRows);
     CHECK(verify_database(path)->empty());
+  }
+
+  TEST_CASE("a file renamed without its log is refused, and is whole again with it") {
+    const TemporaryDirectory directory;
+    std::filesystem::create_directory(directory / "elsewhere");
+    const std::string path = directory / "a.db";
+    std::string other = directory / "b.db";
+    Rng rng(6);
+    { REQUIRE(open_database(path).insert(random_rows(rng, 2))); }
+    SUBCASE("in its directory") {}
+    SUBCASE("into another directory") { other = directory / "elsewhere/a.db"; }
+    SUBCASE("in the place of another database") {
+      REQUIRE(open_database(other).insert(random_rows(rng, 3)));
+    }
+    insert_and_die(path, kRows);
+    std::filesystem::rename(path, other);
+    if (!keeps_attributes(other)) return;
+    for (const OpenMode mode : {OpenMode::read_only, OpenMode::read_write, OpenMode::create}) {
+      const Error error = open_error(other, mode);
+      CHECK(error.code == ErrorCode::corrupt);
+      CHECK_MESSAGE(contains(error.message, "40 rows that were stored are missing"), error.message);
+      CHECK_MESSAGE(contains(error.message, "rename " + path + "-wal to " + other + "-wal"),
+                    error.message);
+    }
+    CHECK(contains(first_damage(other), "40 rows that were stored are missing"));
+    CHECK(contains(open_error(path).message, "rename the log with a file that was renamed"));
+    std::filesystem::rename(path + "-wal", other + "-wal");
+    CHECK(open_database(other, OpenMode::read_only).size() == kRows + 2);
+    CHECK(verify_database(other)->empty());
+    { REQUIRE(open_database(other).insert(random_rows(rng, 1))); }
+    CHECK(open_database(other, OpenMode::read_only).size() == kRows + 3);
+  }
+
+  TEST_CASE("the lost log of a renamed file is named, and its rows can be given up") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db", other = directory / "b.db";
+    insert_and_die(path, 3);
+    std::filesystem::rename(path, other);
+    if (!keeps_attributes(other)) return;
+    std::filesystem::remove(path + "-wal");
+    const Error error = open_error(other);
+    CHECK_MESSAGE(contains(error.message, "whose log " + path + "-wal is gone"), error.message);
+    CHECK_FALSE(require(verify_database(other, VerifyMode::quarantine)).empty());
+    CHECK(open_database(other, OpenMode::read_only).size() == 0);
+    CHECK(verify_database(other)->empty());
+  }
+
+  TEST_CASE("the log of a file that is there under its old name, too, is not to be renamed") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db", other = directory / "b.db";
+    insert_and_die(path, 3);
+    if (!keeps_attributes(path)) return;
+    std::filesystem::create_hard_link(path, other);  // as a copy with attributes
+    const Error error = open_error(other);
+    CHECK_MESSAGE(contains(error.message, "3 rows that were stored are missing"), error.message);
+    CHECK_MESSAGE(contains(error.message, "copy both " + path + " and the log"), error.message);
+    CHECK(open_database(path, OpenMode::read_only).size() == 3);
+  }
+
+  TEST_CASE("a file that was closed may be renamed") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "a.db", other = directory / "b.db";
+    Rng rng(2);
+    { REQUIRE(open_database(path).insert(random_rows(rng, 3))); }
+    std::filesystem::rename(path, other);
+    CHECK(open_database(other).size() == 3);
+    CHECK(verify_database(other)->empty());
+    { REQUIRE(open_database(path).insert(random_rows(rng, 1))); }
+    CHECK(open_database(path, OpenMode::read_only).size() == 1);
   }
 
   TEST_CASE("an older copy may replace a file that was closed") {
