@@ -308,6 +308,7 @@ void print_answer(const PlanOptions& options, const LoadedPlan& loaded, const So
     if (trajectory) fmt::print("motion      {:.3f} s\n", trajectory->duration_s());
   }
   for (const std::string& note : result.notes) print_note(note);
+  if (result.plan.is_solved() && options.settings.plan.improve > 0) note_interrupted("the path");
   if (!result.plan.is_solved()) print_error(result.plan.message);
   if (!result.remembered.failure.empty()) {
     print_note("the path was not remembered: " + result.remembered.failure);

@@ -126,8 +126,15 @@ const std::atomic<bool>* interrupt_flag() {
     handler.sa_handler = remember_interrupt;
     handler.sa_flags = static_cast<int>(SA_RESTART | SA_RESETHAND);
     sigaction(SIGINT, &handler, nullptr);
+    sigaction(SIGTERM, &handler, nullptr);
   });
   return &is_interrupted;
+}
+
+void note_interrupted(std::string_view what) {
+  if (!is_interrupted) return;
+  print_note(
+      fmt::format("interrupted: {} is the best found so far, proven free like any other", what));
 }
 
 }  // namespace mneme::app

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Progress and Control-C. Progress is written to standard error; results go to standard output.
-/// The first Control-C lets a command end in order; a second one ends the program at once.
+/// Progress and interrupts, which are Control-C and SIGTERM. Progress is written to standard error;
+/// results go to standard output. The first interrupt lets a command end in order; a second one of
+/// the same kind ends the program at once.
 #pragma once
 
 #include <fmt/format.h>
@@ -62,5 +63,7 @@ class Progress {
 /// Becomes true at the first interrupt that comes after the first call; until then an interrupt
 /// ends the program.
 [[nodiscard]] const std::atomic<bool>* interrupt_flag();
+/// If there was an interrupt, notes that `what`, such as "the path", is the best found until then.
+void note_interrupted(std::string_view what);
 
 }  // namespace mneme::app

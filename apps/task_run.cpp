@@ -80,6 +80,8 @@ void print_answer(const TaskRunOptions& options, const Task& task, const TaskRes
     print_stages(result);
   }
   for (const std::string& note : result.notes) print_note(note);
+  const bool is_improved = options.settings.improve > 0 || options.settings.solve.plan.improve > 0;
+  if (result.is_solved() && is_improved) note_interrupted("the plan");
   if (!result.is_solved()) print_error(result.message);
 }
 

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include <sys/stat.h>
+#include <chrono>
+#include <thread>
 
 namespace mneme::test {
 namespace {
@@ -251,6 +253,26 @@ TEST_SUITE("flow") {
     const ProgramRun run = program.wait();
     CHECK_MESSAGE(run.exit_code == 130, run.err);
     CHECK(contains(run.out, "cancelled"));
+  }
+
+  TEST_CASE("an interrupt while a path is improved gives the best path so far, with a note") {
+    const PlanarFiles files;
+    for (const int signal_number : {SIGINT, SIGTERM}) {
+      // An interrupt that comes before there is a path is tried again later.
+      for (int wait_ms = 20; wait_ms <= 20480; wait_ms *= 2) {
+        RunningProgram program({"plan", files.problem(), "--sampler", "gl", "--timeout", "1000",
+                                "--improve", "900", "--json"});
+        REQUIRE(contains(program.read_err(), "no memory"));
+        std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+        program.send(signal_number);
+        const ProgramRun run = program.wait();
+        if (run.exit_code == 130 && wait_ms < 20480) continue;
+        REQUIRE_MESSAGE(run.exit_code == 0, run.err);
+        CHECK(Json::parse(run.out)["path"].size() >= 2);
+        CHECK_MESSAGE(contains(run.err, "interrupted: the path is the best found so far"), run.err);
+        break;
+      }
+    }
   }
 }
 
