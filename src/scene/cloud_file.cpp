@@ -225,9 +225,13 @@ class Collect {
   CloudFile result_;
 };
 
+/// LibLZF's longest copy, which takes three bytes.
+constexpr std::size_t kMostCopied = 264, kMostGrowth = kMostCopied / 3;
+
 /// Expands LibLZF's format to `size` bytes: runs of literals, and copies of what came before.
 std::string expand_lzf(std::string_view packed, std::size_t size, const LineReader& text) {
   std::string bytes;
+  bytes.reserve(size + kMostCopied);
   std::size_t at = 0;
   const auto take = [&](std::size_t count) {
     if (packed.size() - at < count) {
@@ -272,6 +276,13 @@ std::string expanded_records(std::size_t size, const LineReader& text) {
         ErrorCode::parse,
         "expected {} bytes of compressed data for {} bytes of points, at most {}; got {} and {}",
         sizes[0], size, kMostBytes, packed.size(), sizes[1]);
+  }
+  // Before memory is taken: a head may announce anything.
+  if (size > kMostGrowth * packed.size()) {
+    text.fail_file(ErrorCode::parse,
+                   "announces {} bytes of points, but its {} bytes of compressed data expand to at "
+                   "most {}",
+                   size, packed.size(), kMostGrowth * packed.size());
   }
   return expand_lzf(packed, size, text);
 }

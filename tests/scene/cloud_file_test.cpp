@@ -183,6 +183,25 @@ TEST_SUITE("unit") {
     CHECK(cloud_message(with("\x20\x05")) == "f.ply: has compressed data that is damaged");
   }
 
+  TEST_CASE("compressed points of PCD that cannot expand to what the head announces are refused") {
+    constexpr std::uint32_t kPoints = 4'000'000, kBytes = 12 * kPoints;
+    const std::string data(3000, '\0');
+    const std::string cloud =
+        fmt::format("FIELDS x y z\nWIDTH {}\nDATA binary_compressed\n", kPoints) +
+        raw_bytes(static_cast<std::uint32_t>(data.size())) + raw_bytes(kBytes) + data;
+    CHECK(cloud_message(cloud) ==
+          "f.ply: announces 48000000 bytes of points, but its 3000 bytes of compressed data expand "
+          "to at most 264000");
+    // The densest data there is: 4 copies of 264 bytes from 1 back.
+    std::string dense(2, '\0');
+    for (int i = 0; i < 4; ++i) dense += std::string("\xe0\xff\0", 3);
+    dense += '\x0a' + std::string(11, '\0');
+    require_points("FIELDS x y z\nWIDTH 89\nDATA binary_compressed\n" +
+                       raw_bytes(static_cast<std::uint32_t>(dense.size())) +
+                       raw_bytes(std::uint32_t{12 * 89}) + dense,
+                   std::vector<CloudPoint>(89));
+  }
+
   TEST_CASE("a cloud needs each of x, y and z once, as floating point") {
     const std::string head = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n";
     const auto with = [&](const std::string& properties) {
