@@ -168,9 +168,7 @@ class HttpServer::Connection : public std::enable_shared_from_this<Connection> {
     if (auto refused = server_.handlers_.refuse(reader_->request())) {
       return refuse(*std::move(refused));
     }
-    const bool must_invite =
-        beast::iequals(reader_->request()[http::field::expect], "100-continue");
-    if (reader_->is_done() || !must_invite) return read_body({});
+    if (reader_->is_done() || !must_invite(reader_->request())) return read_body({});
     asio::async_write(stream_, asio::buffer(kContinue), then<std::size_t>(&Connection::read_body));
   }
 

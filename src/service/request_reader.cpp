@@ -62,6 +62,11 @@ std::optional<Answer> refuse_framing(const HttpRequest& request) {
 
 }  // namespace
 
+bool must_invite(const HttpRequest& request) {
+  return request.version() >= 11 &&
+         boost::beast::iequals(request[http::field::expect], "100-continue");
+}
+
 bool takes_body(const HttpRequest& request) {
   const http::verb method = request.method();
   return method == http::verb::post || method == http::verb::put || method == http::verb::patch;
@@ -97,7 +102,9 @@ std::optional<Answer> RequestReader::read_body(boost::beast::flat_buffer& bytes)
   const std::size_t least = parser_.chunked() ? 5 : 1;
   boost::system::error_code error;
   while (!is_done() && !error && bytes.size() >= least) parse(bytes, bytes.size(), error);
-  if (error == http::error::need_more && bytes.size() < bytes.max_size()) return std::nullopt;
+  if (error == http::error::need_more && bytes.size() <= limits_.head_bytes) return std::nullopt;
+  // The line of one chunk, or the trailers, are longer than a head may be.
+  if (error == http::error::need_more) return refuse(http::error::header_limit);
   if (error) return refuse(error);
   return std::nullopt;
 }
@@ -109,9 +116,14 @@ void RequestReader::parse(boost::beast::flat_buffer& bytes, std::size_t size,
 }
 
 /// Checks the line of a chunk as find_head_flaw() checks a head, and trailers: Beast has all of
-/// them when it tells of the last chunk, of size 0.
+/// them when it tells of the last chunk, of size 0. All extensions together are limited as a head.
 void RequestReader::check_chunk(std::uint64_t size, std::string_view line,
-                                boost::system::error_code& error) const {
+                                boost::system::error_code& error) {
+  extension_bytes_ += line.size();
+  if (extension_bytes_ > limits_.head_bytes) {
+    error = http::error::header_limit;
+    return;
+  }
   if (size == 0) {
     line = bytes_.substr(static_cast<std::size_t>(line.data() - bytes_.data()));
     line = line.substr(0, line.find(kHeadEnd) + kHeadEnd.size());
@@ -126,7 +138,8 @@ Answer RequestReader::refuse(const boost::system::error_code& error) const {
   }
   if (error == http::error::header_limit) {
     return refusal(431, "refused",
-                   fmt::format("expected a head of at most {} bytes", limits_.head_bytes));
+                   fmt::format("expected a head of at most {} bytes{}", limits_.head_bytes,
+                               has_head() ? ", and as much in the lines of chunks" : ""));
   }
   return refuse_request(fmt::format("the request is not HTTP/1.1: {}", error.message()));
 }

@@ -24,6 +24,9 @@ using HttpRequest = http::request<http::string_body>;
 
 /// True if requests of this method must have a body.
 [[nodiscard]] bool takes_body(const HttpRequest& request);
+/// True if the client waits for "100 Continue" before it sends the body. Clients of HTTP/1.0 take
+/// that for the answer (RFC 9110, 10.1.1).
+[[nodiscard]] bool must_invite(const HttpRequest& request);
 
 struct RequestLimits {
   std::uint32_t head_bytes = 64 << 10;
@@ -56,8 +59,7 @@ class RequestReader {
  private:
   /// Consumes up to `size` bytes.
   void parse(boost::beast::flat_buffer& bytes, std::size_t size, boost::system::error_code& error);
-  void check_chunk(std::uint64_t size, std::string_view line,
-                   boost::system::error_code& error) const;
+  void check_chunk(std::uint64_t size, std::string_view line, boost::system::error_code& error);
   [[nodiscard]] Answer refuse(const boost::system::error_code& error) const;
 
   struct CheckChunk {
@@ -69,8 +71,9 @@ class RequestReader {
   };
 
   RequestLimits limits_;
-  std::size_t seen_ = 0;    ///< bytes of the head that arrived before, without a flaw
-  std::string_view bytes_;  ///< those being parsed
+  std::size_t extension_bytes_ = 0;  ///< in the lines of chunks so far
+  std::size_t seen_ = 0;             ///< bytes of the head that arrived before, without a flaw
+  std::string_view bytes_;           ///< those being parsed
   CheckChunk check_chunk_{*this};
   http::request_parser<http::string_body> parser_;
 };

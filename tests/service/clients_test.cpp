@@ -132,7 +132,7 @@ TEST_SUITE("flow") {
          {"2;" + std::string(1 << 20, 'x'), "0\r\nX: " + std::string(1 << 20, 'x')}) {
       const RawClient client(running.port());
       static_cast<void>(client.offer(head + endless));
-      CHECK(client.hear().starts_with("HTTP/1.1 400"));
+      CHECK(client.hear().starts_with("HTTP/1.1 431"));
     }
   }
 

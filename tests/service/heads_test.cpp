@@ -30,6 +30,18 @@ std::string heard_after(const RunningService& running, const std::string& said) 
   return client.hear();
 }
 
+/// Gives a reader more bytes. Returns its refusal.
+std::optional<internal::Answer> read_all(internal::RequestReader& reader,
+                                         boost::beast::flat_buffer& bytes, std::string_view more) {
+  boost::asio::buffer_copy(bytes.prepare(more.size()),
+                           boost::asio::buffer(more.data(), more.size()));
+  bytes.commit(more.size());
+  if (!reader.has_head()) {
+    if (auto refused = reader.read_head(bytes)) return refused;
+  }
+  return reader.has_head() ? reader.read_body(bytes) : std::nullopt;
+}
+
 TEST_SUITE("unit") {
   TEST_CASE("a body of chunks is read to its end, however few bytes arrive at once") {
     const std::string head = kPost + "Transfer-Encoding: chunked\r\n\r\n";
@@ -47,6 +59,31 @@ TEST_SUITE("unit") {
       }
       CHECK(reader.is_done());
       CHECK(reader.request().body() == body);
+    }
+  }
+
+  TEST_CASE("extensions of chunks and trailers are limited as heads are, however they arrive") {
+    const std::string head = kPost + "Transfer-Encoding: chunked\r\n\r\n";
+    std::string many, trailers = "0\r\n";
+    for (int i = 0; i < 100; ++i) {
+      many += "1;a=" + std::string(1000, 'x') + "\r\n \r\n";
+      trailers += "A: " + std::string(1000, 'x') + "\r\n";
+    }
+    for (const std::string& chunks :
+         {many + "0\r\n\r\n", "1;a=" + std::string(100'000, 'x') + "\r\n \r\n0\r\n\r\n",
+          trailers + "\r\n"}) {
+      internal::RequestReader reader({.body_bytes = 1000});
+      boost::beast::flat_buffer bytes;
+      std::optional<internal::Answer> refused;
+      std::string_view rest = chunks;
+      CHECK(!read_all(reader, bytes, head));
+      for (; !refused && !rest.empty();
+           rest.remove_prefix(std::min<std::size_t>(900, rest.size()))) {
+        refused = read_all(reader, bytes, rest.substr(0, 900));
+        CHECK(bytes.size() < 70'000);
+      }
+      REQUIRE(refused);
+      CHECK(refused->status == 431);
     }
   }
 }
@@ -191,6 +228,19 @@ TEST_SUITE("flow") {
     ServiceSettings settings;
     settings.token = "secret";
     CHECK(status_of(RunningService(settings), "robots.example") == "200");
+  }
+
+  TEST_CASE("a client of HTTP/1.0 is not invited to go on, which it would take for the answer") {
+    const RunningService running(impatient());
+    const std::string rest =
+        "\r\nHost: localhost\r\nContent-Type: application/json\r\nExpect: 100-continue\r\n"
+        "Content-Length: 2\r\n\r\n{}";
+    for (const auto& [version, answers] : {std::pair("HTTP/1.0", 1), std::pair("HTTP/1.1", 2)}) {
+      const std::string heard =
+          heard_after(running, std::string("POST /v1/plan ") + version + rest);
+      CHECK_MESSAGE(count_answers(heard) == answers, heard);
+      CHECK(contains(heard, "100 Continue") == (answers == 2));
+    }
   }
 
   TEST_CASE("a client of HTTP/1.0 keeps its connection if it wants to") {
