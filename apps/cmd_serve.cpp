@@ -14,7 +14,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -48,13 +50,24 @@ struct ServeOptions {
   ServiceSettings service;
 };
 
-/// The file's first line. An empty one is an error: it would admit everybody.
+/// The file's first line. An empty one is an error: it would admit everybody. So is one that no
+/// client could send: with control characters, or a space at its end, which headers lose.
 Result<std::string> read_token(const std::string& path) {
   if (path.empty()) return "";
   const auto text = MNEME_TRY(read_file(path, kMostTokenBytes));
-  std::string token = text.substr(0, text.find_first_of("\r\n"));
+  std::string token = text.substr(0, text.find('\n'));
+  if (token.ends_with('\r')) token.pop_back();
   if (token.empty()) {
     return fail(ErrorCode::invalid, fmt::format("'{}': expected a token in its first line", path));
+  }
+  const auto bad = std::ranges::find_if(token, [&](const char& c) {
+    return std::iscntrl(static_cast<unsigned char>(c)) != 0 || (c == ' ' && &c == &token.back());
+  });
+  if (bad != token.end()) {
+    return fail(ErrorCode::invalid,
+                fmt::format("'{}': expected a token that a header can hold in its first line, got "
+                            "the byte {:#04x} at position {}",
+                            path, static_cast<unsigned char>(*bad), bad - token.begin()));
   }
   return token;
 }

@@ -81,6 +81,27 @@ TEST_SUITE("unit") {
 }
 
 TEST_SUITE("flow") {
+  TEST_CASE("a token that no client could send is refused") {
+    if (run_program({"serve", "--help"}).exit_code != 0) return;
+    const TemporaryDirectory files;
+    const std::string token = files / "token";
+    for (const auto& [text, byte] :
+         {std::pair(std::string("secret\0more\n", 12), "0x00 at position 6"),
+          {"secret\rmore\r\n", "0x0d at position 6"},
+          {"secret \n", "0x20 at position 6"},
+          {"\x7f", "0x7f at position 0"}}) {
+      write_file(token, text);
+      // The database is opened after the token is read: a directory is none.
+      check_bad_inputs({{{"serve", "--robot", "planar8", "--token-file", token, "--db", files / ""},
+                         1,
+                         {token, "a token that a header can hold", byte}}});
+    }
+    write_file(token, "se cret\r\nmore\n");
+    check_bad_inputs({{{"serve", "--robot", "planar8", "--token-file", token, "--db", files / ""},
+                       1,
+                       {"is a directory"}}});
+  }
+
   TEST_CASE("a service ends within a second of SIGTERM, whatever its requests are at") {
     if (run_program({"serve", "--help"}).exit_code != 0) return;
     const TemporaryDirectory files;
