@@ -33,10 +33,14 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, ignored);
 }
 
-/// `path`, or where it is no file, what it says as part of a URI.
-fs::path decoded_file(const fs::path& path) {
-  fs::path decoded = percent_decoded(path.string());
-  return !is_file(path) && is_file(decoded) ? decoded : path;
+/// `name` in `directory`, or where that is no file, what the name says as part of a URI.
+fs::path find_decoded(const fs::path& directory, const fs::path& name) {
+  const std::string decoded = percent_decoded(name.string());
+  const bool is_name = decoded.find('\0') == std::string::npos;
+  if (!is_file(directory / name) && is_name && is_file(directory / decoded)) {
+    return directory / decoded;
+  }
+  return directory / name;
 }
 
 /// Without a slash at the end, so that its last component is a name.
@@ -78,14 +82,14 @@ Result<std::string> MeshFinder::find(const std::string& name, std::string* unkno
   for (const char* scheme : {"package://", "model://"}) {
     if (const auto rest = after(name, scheme)) return find_in_package(*rest, unknown);
   }
-  fs::path path = fs::path(urdf_directory_) / name;
+  fs::path path = find_decoded(urdf_directory_, name);
   if (auto rest = after(name, "file:")) {
     if (const auto local = after(*rest, "//localhost")) rest = local;
     if (const auto local = after(*rest, "//")) rest = local;
     if (!rest->starts_with('/')) {
       return fail(ErrorCode::unsupported, "expected an absolute path as file:///PATH");
     }
-    path = decoded_file(*rest);
+    path = find_decoded("", *rest);
   } else if (name.find("://") != std::string::npos) {
     return fail(ErrorCode::unsupported, "expected package://NAME/PATH, file:///PATH or a path");
   }
@@ -205,18 +209,21 @@ Result<std::string> MeshFinder::find_in_package(std::string_view name_and_path,
   }
   std::vector<std::string> tried;
   for (const fs::path folder : folders_of(package.string())) {
-    tried.push_back(decoded_file(folder / path).lexically_normal().string());
+    tried.push_back(find_decoded(folder, path).lexically_normal().string());
     if (is_file(tried.back())) return tried.back();
   }
   if (!tried.empty()) return no_file(tried);
   for (const fs::path folder : folders_beside(package.string())) {
-    if (fs::path file = decoded_file(folder / path); is_file(file))
+    if (fs::path file = find_decoded(folder, path); is_file(file)) {
       return file.lexically_normal().string();
+    }
   }
   fs::path above = urdf_directory_;
   for (int level = 0; unknown != nullptr && level < 3; ++level, above = above.parent_path()) {
     *unknown = package;
-    if (is_file(above / path)) return (above / path).lexically_normal().string();
+    if (fs::path file = find_decoded(above, path); is_file(file)) {
+      return file.lexically_normal().string();
+    }
   }
   return fail(ErrorCode::io,
               "there is no package '{}' in {}; expected its directory as package path "

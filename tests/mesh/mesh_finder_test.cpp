@@ -159,6 +159,27 @@ TEST_SUITE("unit") {
     CHECK(meshes.find("file://" + coded) == fs::path(coded).lexically_normal().string());
   }
 
+  TEST_CASE("escapes are decoded in every kind of name, and in names of files alone") {
+    const Workspace w;
+    // A folder whose name looks like an escape.
+    fs::create_directories(w / "x%20y/arm_description/meshes");
+    const std::string spaced =
+        fs::path(w / "x%20y/arm_description/meshes/a b.stl").lexically_normal();
+    test::write_file(spaced, "solid");
+    const MeshFinder meshes(w / "x%20y/arm_description/arm.urdf", {});
+    CHECK(meshes.find("meshes/a%20b.stl") == spaced);
+    CHECK(meshes.find("package://arm_description/meshes/a%20b.stl") == spaced);
+    CHECK(MeshFinder(w / "arm.urdf", {w / "x%20y"})
+              .find("package://arm_description/meshes/a%20b.stl") == spaced);
+    std::string unknown;
+    CHECK(meshes.find("package://other/meshes/a%20b.stl", &unknown) == spaced);
+    CHECK(unknown == "other");
+    CHECK_FALSE(meshes.find("meshes/a%20b.stl%00").has_value());
+    test::write_file(w / "x%20y/arm_description/meshes/a%20b.stl", "solid");
+    CHECK(meshes.find("meshes/a%20b.stl") ==
+          fs::path(w / "x%20y/arm_description/meshes/a%20b.stl").lexically_normal().string());
+  }
+
   TEST_CASE("where a missing file was looked for is said") {
     const Workspace w;
     const std::string missing = "package://arm_description/meshes/b.stl";
