@@ -164,8 +164,11 @@ std::optional<std::string> find_tilt(const CollisionChecker& checker, const Conf
   for (const OrientationConstraint& constraint : checker.constraints()) {
     const double leaning = tilt(checker.robot(), constraint, inside);
     if (leaning <= constraint.angle - kTiltMargin) continue;
-    return fmt::format(": {} is tilted by {:.5g} rad, the constraint allows {:.5g}",
-                       constraint.link, leaning, constraint.angle - kTiltMargin);
+    // The number that was given, which the margin would change to another one.
+    const bool is_within = leaning <= constraint.angle;
+    return fmt::format(": {} is tilted by {:.6g} rad, the constraint allows {:.6g}{}",
+                       constraint.link, leaning, constraint.angle,
+                       is_within ? fmt::format(" less a margin of {:g}", kTiltMargin) : "");
   }
   return std::nullopt;
 }

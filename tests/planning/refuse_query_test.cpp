@@ -148,6 +148,22 @@ TEST_SUITE("unit") {
           touching.message.find("m from obstacle 'circle_1'"));
   }
 
+  TEST_CASE("a tilt names the angle that the constraint was given") {
+    const Vec3 x = Vec3::UnitX();
+    CheckerSettings settings;
+    settings.constraints = {{"link_2", x, x, 0.28}};
+    const auto checker = require(CollisionChecker::make(planar8(), Scene(), settings));
+    const auto message_of = [&](double turn) {
+      Configuration tilted = kStraight;
+      tilted[0] = turn;
+      return require(refuse_query(checker, {tilted, {kStraight}})).message;
+    };
+    CHECK(message_of(0.5) == "start: link_2 is tilted by 0.5 rad, the constraint allows 0.28");
+    CHECK(message_of(0.279995) ==
+          "start: link_2 is tilted by 0.279995 rad, the constraint allows 0.28 less a margin of "
+          "1e-05");
+  }
+
   TEST_CASE("of several goals the one that is wrong is numbered") {
     Configuration broken = kUp;
     broken[3] = std::nan("");
