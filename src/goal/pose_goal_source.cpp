@@ -3,6 +3,7 @@
 #include "mneme/goal.h"
 
 #include "base/as_index.h"
+#include "goal/any_rotation.h"
 
 #include <fmt/format.h>
 
@@ -38,6 +39,19 @@ void sort_by_distance(const Robot& robot, const Configuration& near,
 }
 
 }  // namespace
+
+std::optional<double> internal::find_gap_with_any_rotation(const InverseKinematics& kinematics,
+                                                           PoseGoal goal,
+                                                           std::span<const double> near,
+                                                           IkSettings settings) {
+  goal.cone = goal.turn = std::numbers::pi;
+  settings.solutions = 1;
+  settings.seeds = std::min(settings.seeds, kSeedsToExplain);
+  const IkResult moved = kinematics.solve(goal, near, settings);
+  if (!moved.solutions.empty()) return 0;
+  const bool was_ended = moved.seeds < settings.seeds;
+  return was_ended ? std::nullopt : std::optional(moved.closest.position);
+}
 
 Result<PoseGoalSource> PoseGoalSource::make(const CollisionChecker& checker,
                                             std::span<const PoseGoal> goals, Configuration near,
@@ -177,19 +191,13 @@ std::string PoseGoalSource::describe_failure(const Region& region) const {
   const PoseGoal& goal = region.goal;
   const IkResult& first = region.first;
   if (!first.blocked.empty()) return describe_blocked(region);
-  PoseGoal any_way = goal;
-  any_way.cone = any_way.turn = std::numbers::pi;
-  IkSettings settings = settings_;
-  settings.solutions = 1;
-  settings.seeds = std::min(settings.seeds, kSeedsToExplain);
-  const IkResult moved = region.kinematics.solve(any_way, near_, settings);
-  const bool was_ended = moved.seeds < settings.seeds;
-  if (moved.solutions.empty() && was_ended) {
+  const auto gap = internal::find_gap_with_any_rotation(region.kinematics, goal, near_, settings_);
+  if (!gap) {
     return fmt::format("the search for link '{}' ended after {} seeds", goal.link, first.seeds);
   }
-  if (moved.solutions.empty()) {
+  if (*gap > 0) {
     return fmt::format("the pose is out of reach of link '{}' by {}", goal.link,
-                       describe_length(moved.closest.position));
+                       describe_length(*gap));
   }
   return fmt::format(
       "link '{}' reaches this position, but not this rotation: no solution from {} "

@@ -3,6 +3,7 @@
 #include "task/alternatives.h"
 
 #include "base/as_index.h"
+#include "goal/any_rotation.h"
 #include "planning/end_contacts.h"
 #include "robot/kinematics.h"
 
@@ -409,7 +410,7 @@ std::vector<Configuration> Alternatives::solve_kinematics(int alternative) {
   run_.states += reached.solutions.size() + reached.blocked.size();
   if (!reached.solutions.empty()) return std::move(reached.solutions);
   if (reached.blocked.empty()) {
-    drop(failing_stage(), {DropReason::kinematics, fmt::format("link '{}'", goal.link)});
+    drop_unsolved(**kinematics, goal, near);
     return {};
   }
   reached.blocked.resize(std::min(reached.blocked.size(), as_index(run_.branches())));
@@ -432,6 +433,14 @@ Result<const InverseKinematics*> Alternatives::kinematics_of(const std::string& 
 
 void Alternatives::drop_in_contact(int stage, const CollisionChecker& checker,
                                    const Configuration& q) {
+/// Says of a goal without a configuration the same as PoseGoalSource::describe_failure().
+void Alternatives::drop_unsolved(const InverseKinematics& kinematics, const PoseGoal& goal,
+                                 const Configuration& near) {
+  const auto gap = find_gap_with_any_rotation(kinematics, goal, near, ik_settings());
+  const DropReason reason = gap.value_or(0) > 0 ? DropReason::reach : DropReason::kinematics;
+  drop(failing_stage(), {reason, fmt::format("link '{}'", goal.link)});
+}
+
   Failure failure{DropReason::contact, {}};
   if (drops_.wants_what(stage, failure.reason)) failure.what = describe_contact(checker, q);
   drop(stage, failure);

@@ -116,6 +116,8 @@ class Alternatives {
   [[nodiscard]] IkSettings ik_settings() const;
   [[nodiscard]] std::vector<Configuration> solve_kinematics(int alternative);
   [[nodiscard]] Result<const InverseKinematics*> kinematics_of(const std::string& link);
+  void drop_unsolved(const InverseKinematics& kinematics, const PoseGoal& goal,
+                     const Configuration& near);
   void drop(int stage, const Failure& failure) { drops_.add(stage, failure, alternative_); }
   void drop(const StageFailure& failed) { drop(failed.stage, failed.failure); }
   void drop_in_contact(int stage, const CollisionChecker& checker, const Configuration& q);
