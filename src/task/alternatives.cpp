@@ -78,6 +78,7 @@ Alternatives::Alternatives(TaskRun& run, DropCounts& drops, const Group& group, 
     return;
   }
   list_alternatives();
+  drop_beyond_limits();
   drop_unreachable();
   make_bodies();
   sort(rank);
@@ -166,6 +167,17 @@ Transform Alternatives::line_begin(int line, const Transform& X_end,
   Transform begin = X_end;
   begin.translation -= at.distance * direction;
   return begin;
+}
+
+void Alternatives::drop_beyond_limits() {
+  if (!group_.anchor) return;
+  const std::vector<Configuration>& goals = stage(*group_.anchor).configurations;
+  for (std::size_t i = 0; i < goals.size(); ++i) {
+    const auto violation = touched_->world.robot.describe_violation(goals[i], "its goal");
+    if (!violation) continue;
+    is_left_[i] = 0;
+    drops_.add(failing_stage(), {DropReason::reach, *violation}, static_cast<int>(i));
+  }
 }
 
 /// Drops targets out of reach.
@@ -421,6 +433,14 @@ std::vector<Configuration> Alternatives::solve_kinematics(int alternative) {
   return {};
 }
 
+/// Says of a goal without a configuration the same as PoseGoalSource::describe_failure().
+void Alternatives::drop_unsolved(const InverseKinematics& kinematics, const PoseGoal& goal,
+                                 const Configuration& near) {
+  const auto gap = find_gap_with_any_rotation(kinematics, goal, near, ik_settings());
+  const DropReason reason = gap.value_or(0) > 0 ? DropReason::reach : DropReason::kinematics;
+  drop(failing_stage(), {reason, fmt::format("link '{}'", goal.link)});
+}
+
 Result<const InverseKinematics*> Alternatives::kinematics_of(const std::string& link) {
   auto found = kinematics_.find(link);
   if (found == kinematics_.end()) {
@@ -433,14 +453,6 @@ Result<const InverseKinematics*> Alternatives::kinematics_of(const std::string& 
 
 void Alternatives::drop_in_contact(int stage, const CollisionChecker& checker,
                                    const Configuration& q) {
-/// Says of a goal without a configuration the same as PoseGoalSource::describe_failure().
-void Alternatives::drop_unsolved(const InverseKinematics& kinematics, const PoseGoal& goal,
-                                 const Configuration& near) {
-  const auto gap = find_gap_with_any_rotation(kinematics, goal, near, ik_settings());
-  const DropReason reason = gap.value_or(0) > 0 ? DropReason::reach : DropReason::kinematics;
-  drop(failing_stage(), {reason, fmt::format("link '{}'", goal.link)});
-}
-
   Failure failure{DropReason::contact, {}};
   if (drops_.wants_what(stage, failure.reason)) failure.what = describe_contact(checker, q);
   drop(stage, failure);

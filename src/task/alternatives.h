@@ -100,6 +100,7 @@ class Alternatives {
                                                      const Configuration& q) const;
   void list_alternatives();
   void drop_unreachable();
+  void drop_beyond_limits();
   void make_bodies();
   void filter_block();
   void drop_where(const FloatingBody& body, double depth, const std::vector<Transform>& poses,
@@ -115,9 +116,9 @@ class Alternatives {
   [[nodiscard]] PoseGoal goal_of(int alternative) const;
   [[nodiscard]] IkSettings ik_settings() const;
   [[nodiscard]] std::vector<Configuration> solve_kinematics(int alternative);
-  [[nodiscard]] Result<const InverseKinematics*> kinematics_of(const std::string& link);
   void drop_unsolved(const InverseKinematics& kinematics, const PoseGoal& goal,
                      const Configuration& near);
+  [[nodiscard]] Result<const InverseKinematics*> kinematics_of(const std::string& link);
   void drop(int stage, const Failure& failure) { drops_.add(stage, failure, alternative_); }
   void drop(const StageFailure& failed) { drop(failed.stage, failed.failure); }
   void drop_in_contact(int stage, const CollisionChecker& checker, const Configuration& q);

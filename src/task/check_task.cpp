@@ -10,9 +10,11 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -105,12 +107,26 @@ class TaskCheck {
     return {all.begin(), all.end()};
   }
 
-  Result<void> check_move(const Stage& stage) const {
+  /// Refuses goals that are no configurations, and goals beyond limits if there are no others: the
+  /// search drops these.
+  Result<void> check_configurations(const Stage& stage) const {
+    bool has_other = !stage.regions.empty() || !stage.poses.poses.empty();
+    std::optional<std::string> first;
     for (const Configuration& q : stage.configurations) {
-      if (const auto violation = task_.robot.describe_violation(q, "its goal")) {
-        return fail(ErrorCode::invalid, *violation);
-      }
+      const auto violation = task_.robot.describe_violation(q, "its goal");
+      const bool is_number_per_joint =
+          std::ssize(q) == task_.robot.joint_count() &&
+          std::ranges::all_of(q, [](double value) { return std::isfinite(value); });
+      if (violation && !is_number_per_joint) return fail(ErrorCode::invalid, *violation);
+      if (!first) first = violation;
+      has_other = has_other || !violation;
     }
+    if (first && !has_other) return fail(ErrorCode::invalid, *first);
+    return {};
+  }
+
+  Result<void> check_move(const Stage& stage) const {
+    MNEME_TRY(check_configurations(stage));
     for (const PoseGoal& region : stage.regions) {
       if (const auto fault = describe_fault(task_.robot, region)) {
         return fail(ErrorCode::invalid, *fault);

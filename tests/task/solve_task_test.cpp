@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/goal.h"
+
 #include "task/small_tasks.h"
 
 #include <fmt/format.h>
@@ -132,6 +134,54 @@ TEST_SUITE("flow") {
     CHECK(result.status == PlanStatus::invalid_goal);
     CHECK(result.message ==
           "stage 'approach' of 30 alternatives: 30 times out of reach (link 'panda_hand')");
+  }
+
+  TEST_CASE("a goal beyond the limits is dropped with the reason where there are others") {
+    const std::string far = "[0, 3, 0, -2.356, 0, 1.571, 0.785]",
+                      free = "[0.3, -0.785, 0, -2.356, 0, 1.571, 0.785]";
+    const Task task = make_task(kCell + "stages: [{name: go, move: {any: [" + far + ", " + free +
+                                ", " + far + "]}}]\n");
+    const TaskResult result = solved(task);
+    check_plan(task, result);
+    CHECK(result.stages[0].alternative == 1);
+    CHECK(result.stages[0].alternatives == 3);
+    const std::string dropped = dropped_of(result, "go");
+    CHECK_MESSAGE(contains(dropped, "2 out of reach its goal: joint 'panda_joint2'"), dropped);
+  }
+
+  TEST_CASE("a pose is out of reach, or wrong in its rotation, as for inverse kinematics alone") {
+    const TemporaryDirectory directory;
+    // The tip cannot come nearer to the first joint than 0.5 m.
+    write_file(directory / "two.urdf", R"(<robot name="two"><link name="base"/><link name="upper"/>
+      <link name="fore"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+      <link name="tip"/>
+      <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/>
+      <axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1"/></joint>
+      <joint name="elbow" type="revolute"><parent link="upper"/><child link="fore"/>
+      <origin xyz="1 0 0"/><axis xyz="0 0 1"/><limit lower="-3" upper="3" velocity="1"/></joint>
+      <joint name="end" type="fixed"><parent link="fore"/><child link="tip"/>
+      <origin xyz="0.5 0 0"/></joint></robot>)");
+    for (const auto& [x, reason] :
+         {std::pair("0.3", DropReason::reach), std::pair("1.2", DropReason::kinematics)}) {
+      write_file(directory / "task.yaml",
+                 std::string("robot: two.urdf\nstart: [0.3, 0.3]\nscene: {obstacles: []}\n") +
+                     "stages: [{move: {link: tip, to: {position: [" + x + ", 0, 0]}}}]\n");
+      const Task task = require(load_task(directory / "task.yaml"));
+      const TaskResult result = solved(task);
+      CHECK(result.status == PlanStatus::invalid_goal);
+      INFO(result.message);
+      REQUIRE(result.stages.size() == 1);
+      REQUIRE(result.stages[0].dropped.size() == 1);
+      CHECK(result.stages[0].dropped[0].reason == reason);
+      CHECK(result.stages[0].dropped[0].what == "link 'tip'");
+      const auto checker = require(CollisionChecker::make(task.robot, task.scene));
+      PoseGoal goal;
+      goal.link = "tip";
+      goal.pose = task.stages[0].poses.poses[0];
+      auto source = require(PoseGoalSource::make(checker, {&goal, 1}, task.start, {}, 0));
+      CHECK(source.find_all().empty());
+      CHECK(contains(source.describe_failure(), "out of reach") == (reason == DropReason::reach));
+    }
   }
 
   TEST_CASE("grasps that are all in contact are refused with the bodies") {
