@@ -4,18 +4,26 @@
 
 #include "mneme/goal.h"
 
+#include "base/as_index.h"
+#include "base/fail.h"
 #include "base/files.h"
 #include "problem/problem_input.h"
+#include "robot/kinematics.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <numbers>
+#include <optional>
 #include <span>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace mneme {
 namespace internal {
@@ -66,6 +74,57 @@ std::vector<Transform> read_variation(const Input& input) {
                        : Transform{Eigen::Matrix3d::Identity(), value * unit});
   }
   return all;
+}
+
+using JointValues = std::map<std::string, double>;
+
+/// A state of joints outside of the planning group.
+struct GripperState {
+  std::string name, group;
+  JointValues values;       ///< without joints that follow others
+  bool is_carried = false;  ///< the planning group moves the joints
+};
+
+/// Nothing for a state that moves joints of the planning group, or none at all.
+std::optional<GripperState> as_gripper_state(const Robot& robot, const NamedState& state) {
+  const std::vector<bool> moves = find_moving_links(robot);
+  GripperState found{state.name, state.group, {}};
+  for (std::size_t i = 0; i < robot.joints().size(); ++i) {
+    const Joint& joint = robot.joints()[i];
+    const auto value = state.values.find(joint.name);
+    if (value == state.values.end() || !is_free(joint)) continue;
+    if (std::ranges::count(robot.group(), static_cast<int>(i)) > 0) return std::nullopt;
+    found.values.insert(*value);
+    found.is_carried = found.is_carried || moves[as_index(joint.parent_link)];
+  }
+  return found.values.empty() ? std::nullopt : std::optional(std::move(found));
+}
+
+/// The values of a gripper's state in the SRDF. Of the same name for several grippers, those that
+/// the planning group carries count.
+Result<JointValues> find_gripper_state(const Robot& robot, const std::string& name) {
+  std::vector<std::string> known;
+  std::vector<GripperState> found;
+  for (const NamedState& state : robot.named_states()) {
+    auto gripper = as_gripper_state(robot, state);
+    if (!gripper) continue;
+    if (std::ranges::count(known, state.name) == 0) known.push_back(state.name);
+    if (state.name == name) found.push_back(*std::move(gripper));
+  }
+  if (std::ranges::any_of(found, &GripperState::is_carried)) {
+    std::erase_if(found, [](const GripperState& state) { return !state.is_carried; });
+  }
+  if (found.size() == 1) return std::move(found.front().values);
+  if (found.empty()) {
+    return fail(ErrorCode::invalid,
+                "expected values by joint, or a state that the SRDF of robot {} names for joints "
+                "outside of the planning group ({}), got \"{}\"",
+                robot.name(),
+                known.empty() ? "it names none" : fmt::format("{}", fmt::join(known, ", ")), name);
+  }
+  return fail(ErrorCode::invalid,
+              "the groups {} and {} have a state \"{}\" each: expected values by joint",
+              found[0].group, found[1].group, name);
 }
 
 class StageReader {
@@ -120,10 +179,18 @@ class StageReader {
         for (const Input& pair : input.items()) stage.pairs.push_back(read_pair(pair));
         return;
       case StageKind::gripper:
-        for (const auto& [name, value] : input.entries())
-          stage.values[name] = value.taking_angles(is_angle(robot_, name)).finite_number();
-        return;
+        return read_gripper(input, stage);
     }
+  }
+
+  void read_gripper(const Input& input, Stage& stage) {
+    if (input.is_text() && !input.is_number()) {
+      stage.values = input.take(find_gripper_state(robot_, input.text()));
+      return;
+    }
+    if (!input.is_map()) input.fail_expecting("values by joint, or the name of a state");
+    for (const auto& [name, value] : input.entries())
+      stage.values[name] = value.taking_angles(is_angle(robot_, name)).finite_number();
   }
 
   static std::pair<std::string, std::string> read_pair(const Input& input) {

@@ -10,12 +10,13 @@ namespace {
 TEST_SUITE("unit") {
   std::string stages(const std::string& list) { return "stages: [" + list + "]\n"; }
 
+  void fails(const std::string& list, const std::string& expected) {
+    const std::string message = load_failure(stages(list));
+    INFO(message);
+    CHECK(contains(message, expected));
+  }
+
   TEST_CASE("tasks that cannot be meant are refused with the stage and the way out") {
-    const auto fails = [](const std::string& list, const std::string& expected) {
-      const std::string message = load_failure(stages(list));
-      INFO(message);
-      CHECK(contains(message, expected));
-    };
     fails("", "has no stages; expected at least one");
     fails("{name: go, move: next}", "stage 'go': it has no goal, and no line with poses");
     fails("{line: {link: panda_hand}}", "stage 'line 1': the line leads nowhere");
@@ -64,6 +65,16 @@ TEST_SUITE("unit") {
         "{name: a, move: next}, {name: b, attach: cup}, {line: {direction: [0, 0, 1], distance: "
         "0.1, to: {frame: table}}}",
         "stage 'b': it stands between a move without a goal and the line");
+  }
+
+  TEST_CASE("goals and states that a robot does not have are refused") {
+    fails("{move: {any: [[0, 3, 0, -2, 0, 1, 0], [0, 0, 0, -2, 0, 9, 0]]}}",
+          "stage 'move 1': its goal: joint 'panda_joint2' (value 2 of 7) is 3, outside its limits");
+    fails("{move: {any: [[0, -0.785, 0, -2.356, 0, 1.571, 0.785], [0, 0]]}}", "there are 2 values");
+    fails("{gripper: open}",
+          "expected values by joint, or a state that the SRDF of robot panda names for joints "
+          "outside of the planning group (it names none), got \"open\"");
+    fails("{gripper: 0.02}", "expected values by joint, or the name of a state");
   }
 
   TEST_CASE("a message quotes begin and end of a long name") {

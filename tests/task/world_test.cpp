@@ -104,6 +104,42 @@ TEST_SUITE("unit") {
     CHECK(last == doctest::Approx(0.01));
   }
 
+  TEST_CASE("a gripper stage may name a state of the SRDF that leaves the group alone") {
+    const TemporaryDirectory directory;
+    write_file(directory / "lifter.urdf", kLiftUrdf);
+    const auto try_with = [&](const std::string& states, const std::string& name) {
+      write_file(directory / "lifter.srdf", "<robot name=\"lifter\">" + states + "</robot>");
+      write_file(directory / "task.yaml",
+                 "robot: lifter.urdf\nsrdf: lifter.srdf\ngroup: \"world:arm\"\nstart: [0, 0]\n"
+                 "scene: {obstacles: []}\nstages: [{gripper: " +
+                     name + "}]\n");
+      return load_task(directory / "task.yaml");
+    };
+    const auto state = [](const std::string& name, const std::string& group,
+                          const std::string& values) {
+      std::string text = "<group_state name=\"" + name + "\" group=\"" + group + "\">";
+      return text + values + "</group_state>";
+    };
+    const std::string grip = R"(<joint name="grip" value="0.03"/>)";
+    const std::string groups =
+        R"(<group name="hand"><joint name="grip"/></group>
+           <group name="all"><joint name="turn"/><joint name="grip"/></group>)";
+    const std::string states = groups + state("open", "hand", grip) +
+                               state("home", "all", grip + R"(<joint name="turn" value="1"/>)");
+    const auto task = require(try_with(states, "open"));
+    CHECK(task.stages[0].values == std::map<std::string, double>{{"grip", 0.03}});
+    check_plan(task, solved(task));
+    for (const char* name : {"home", "opne"}) {
+      const std::string message = require_error(try_with(states, name)).message;
+      CHECK_MESSAGE(contains(message, "for joints outside of the planning group (open), got \"" +
+                                          std::string(name) + "\""),
+                    message);
+    }
+    const std::string twice = states + state("open", "all", R"(<joint name="grip" value="0"/>)");
+    const std::string message = require_error(try_with(twice, "open")).message;
+    CHECK_MESSAGE(contains(message, "the groups hand and all have a state \"open\" each"), message);
+  }
+
   TEST_CASE("fingers that are free at both ends may not pass through what is in between") {
     const TemporaryDirectory directory;
     write_file(directory / "lifter.urdf", kLiftUrdf);
