@@ -3,6 +3,7 @@
 #include "geometry/box_tree.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 
 #include <numeric>
 
@@ -10,6 +11,8 @@ namespace mneme::internal {
 namespace {
 
 constexpr int kBitsPerAxis = 10;
+/// Parts that take less than a millisecond.
+constexpr int kPolled = 1 << 13;
 
 /// Inserts two zero bits after each of ten bits.
 std::uint32_t spread(std::uint32_t x) {
@@ -26,6 +29,7 @@ std::vector<std::uint32_t> morton_codes(const std::vector<AxisBox>& boxes) {
   const Vec3 scale = kMost * (centers.high - centers.low).cwiseMax(1e-9).cwiseInverse();
   std::vector<std::uint32_t> codes(boxes.size());
   for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (i % kPolled == 0) poll_interrupt();
     const Vec3 cell = (0.5 * (boxes[i].low + boxes[i].high) - centers.low).cwiseProduct(scale);
     codes[i] = spread(static_cast<std::uint32_t>(cell.x())) |
                spread(static_cast<std::uint32_t>(cell.y())) << 1 |
@@ -40,6 +44,7 @@ std::vector<int> sorted_by(const std::vector<std::uint32_t>& codes) {
   std::vector<int> order(codes.size()), next(codes.size());
   std::iota(order.begin(), order.end(), 0);
   for (int shift = 0; shift < 3 * kBitsPerAxis; shift += kBitsPerAxis) {
+    poll_interrupt();
     std::array<std::size_t, kDigits + 1> begin{};
     const auto digit = [&](int i) { return codes[as_index(i)] >> shift & (kDigits - 1); };
     for (const int i : order) ++begin[digit(i) + 1];
@@ -59,6 +64,7 @@ BoxTree::BoxTree(const std::vector<AxisBox>& boxes, int leaf_size)
 }
 
 int BoxTree::build(const std::vector<AxisBox>& boxes, int first, int count) {
+  if (count > kPolled) poll_interrupt();
   const int index = static_cast<int>(nodes_.size());
   nodes_.push_back({{}, first, count, -1});
   AxisBox box;

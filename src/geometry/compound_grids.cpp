@@ -91,6 +91,7 @@ template <class Part>
 void add_nodes(const std::vector<Part>& list, PartTree& result) {
   const BoxTree tree(boxes_of(list), kPartsPerLeaf);
   for (const BoxTree::Node& node : tree.nodes()) {
+    poll_interrupt();
     const Region box = region_of(node.box, middle_of(result.voxels));
     PartNode& row = result.nodes.emplace_back();
     std::copy(box.low.begin(), box.low.end(), row.low);
