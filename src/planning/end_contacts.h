@@ -16,10 +16,16 @@ namespace mneme::internal {
 /// planner; exact distances cost a thousand times more.
 [[nodiscard]] bool is_clear(const CollisionChecker& checker, const Configuration& q);
 
+/// What the exact geometry must keep at the ends of a line, metres beyond the margin. Less than
+/// kSolidClearance, because no search must find a way there: a line keeps to its tolerance and is
+/// proven in short steps. The proof takes kVerificationMargin and the 5e-5 of SolidPair.
+inline constexpr double kLineClearance = 2.5e-4;
+
 /// True if `q` is clear, or if only spheres are in contact and the exact geometry keeps
-/// kSolidClearance: then make_query_checker() checks these pairs by exact geometry.
+/// `clearance`: then make_query_checker() checks these pairs by exact geometry.
 [[nodiscard]] bool is_clear_by_exact_geometry(const CollisionChecker& checker,
-                                              const Configuration& q);
+                                              const Configuration& q,
+                                              double clearance = kSolidClearance);
 
 /// True if refuse_query() accepts `q`, a start or a goal. Names nothing, so it takes microseconds.
 [[nodiscard]] bool is_valid_end(const CollisionChecker& checker, const Configuration& q);
@@ -34,5 +40,10 @@ namespace mneme::internal {
                                                       const CheckerSettings& settings,
                                                       const PlanQuery& ends,
                                                       const std::vector<std::string>& names);
+
+/// As make_query_checker() for the one end `q`, with this clearance for kSolidClearance.
+[[nodiscard]] Result<QueryChecker> make_end_checker(const CollisionChecker& plain,
+                                                    const CheckerSettings& settings,
+                                                    const Configuration& q, double clearance);
 
 }  // namespace mneme::internal

@@ -29,15 +29,16 @@ struct SpheresOnly {
   ExactContact behind;
 };
 
-/// The contacts at `q`, if each is of spheres only; otherwise none.
+/// The contacts at `q`, if each is of spheres only, with `clearance` between the exact geometry;
+/// otherwise none.
 std::vector<SpheresOnly> find_sphere_contacts(const CollisionChecker& checker,
-                                              const Configuration& q) {
+                                              const Configuration& q, double clearance) {
   const Configuration inside = checker.robot().normalized(q);
   std::vector<SpheresOnly> found;
   for (const Contact& contact : checker.contacts(inside)) {
     const auto behind = find_exact_contact(checker.robot(), checker.scene(), inside, contact);
     const double margin = contact.is_self ? 0 : checker.margin();
-    if (!behind || !(behind->distance > margin + kSolidClearance)) return {};
+    if (!behind || !(behind->distance > margin + clearance)) return {};
     found.push_back({contact, *behind});
   }
   return found;
@@ -75,14 +76,16 @@ bool add_exact(const Contact& contact, Scene& scene) {
 
 }  // namespace
 
-bool internal::is_clear_by_exact_geometry(const CollisionChecker& checker, const Configuration& q) {
-  return is_clear(checker, q) || !find_sphere_contacts(checker, q).empty();
+bool internal::is_clear_by_exact_geometry(const CollisionChecker& checker, const Configuration& q,
+                                          double clearance) {
+  return is_clear(checker, q) || !find_sphere_contacts(checker, q, clearance).empty();
 }
 
 namespace {
 
 Result<QueryChecker> check_ends(const CollisionChecker& plain, const CheckerSettings& settings,
-                                const PlanQuery& ends, const std::vector<std::string>& names) {
+                                const PlanQuery& ends, const std::vector<std::string>& names,
+                                double clearance = kSolidClearance) {
   const Robot& robot = plain.robot();
   QueryChecker result{plain, {}, true};
   std::optional<Scene> checked_scene;
@@ -92,7 +95,7 @@ Result<QueryChecker> check_ends(const CollisionChecker& plain, const CheckerSett
     if (is_configuration && internal::is_clear(result.checker, q)) return;
     result.are_ends_clear = false;
     if (!is_configuration) return;
-    for (const SpheresOnly& found : find_sphere_contacts(result.checker, q)) {
+    for (const SpheresOnly& found : find_sphere_contacts(result.checker, q, clearance)) {
       if (!checked_scene) checked_scene = plain.scene();
       if (add_exact(found.contact, *checked_scene)) result.notes.push_back(describe(found, end));
     }
@@ -125,6 +128,12 @@ Result<QueryChecker> internal::make_query_checker(const Robot& robot, const Scen
                                                   const std::vector<std::string>& names) {
   const CollisionChecker plain = MNEME_TRY(CollisionChecker::make(robot, scene, settings));
   return check_ends(plain, settings, ends, names);
+}
+
+Result<QueryChecker> internal::make_end_checker(const CollisionChecker& plain,
+                                                const CheckerSettings& settings,
+                                                const Configuration& q, double clearance) {
+  return check_ends(plain, settings, {q, {}}, {"start"}, clearance);
 }
 
 }  // namespace mneme
