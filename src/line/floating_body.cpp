@@ -14,38 +14,50 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 namespace mneme::internal {
 namespace {
 
-/// Farther than any pose of an arm, metres.
-constexpr double kFarthestPose = 20;
+/// Axes of the joints, and the one that slides: yaw and pitch of a ray, the distance along it, then
+/// yaw, pitch and roll of the body. One slide has the reach of the arm; three along x, y and z
+/// would have three times as much, and tables of the scene that differ from those of the arm.
+constexpr std::array<int, 6> kAxes = {2, 1, 0, 2, 1, 0};
+constexpr int kSlide = 2;
 
-Joint joint_along(int axis, JointType type, int number) {
+/// `reach`: how far the slide goes, metres.
+Joint floating_joint(int number, double reach) {
   Joint joint;
   joint.name = fmt::format("floating_{}", number);
-  joint.type = type;
+  joint.type = number == kSlide ? JointType::prismatic : JointType::revolute;
   joint.parent_link = number;
   joint.child_link = number + 1;
-  joint.axis = Vec3::Unit(axis);
-  joint.upper = type == JointType::prismatic ? kFarthestPose : 2 * std::numbers::pi;
+  joint.axis = Vec3::Unit(kAxes.at(as_index(number)));
+  joint.upper = number == kSlide ? reach : 2 * std::numbers::pi;
   joint.lower = -joint.upper;
   return joint;
 }
 
-/// x, y, z, yaw, pitch, roll: six joints that reach any pose.
+/// The values of the six joints, which reach any pose.
 std::array<float, 6> floating_values(const Transform& pose) {
-  const Eigen::Matrix3d& R = pose.rotation;
+  const Vec3& p = pose.translation;
+  const double ray_yaw = std::atan2(p.y(), p.x());
+  const double ray_pitch = -std::atan2(p.z(), std::hypot(p.x(), p.y()));
+  const Eigen::Matrix3d ray =
+      rotation_about(Vec3::UnitZ(), ray_yaw) * rotation_about(Vec3::UnitY(), ray_pitch);
+  const Eigen::Matrix3d R = ray.transpose() * pose.rotation;
   const double pitch = std::atan2(-R(2, 0), std::hypot(R(0, 0), R(1, 0)));
   // At the poles yaw alone turns.
   const bool is_pole = std::hypot(R(0, 0), R(1, 0)) < 1e-9;
   const double yaw = is_pole ? std::atan2(-R(0, 1), R(1, 1)) : std::atan2(R(1, 0), R(0, 0));
   const double roll = is_pole ? 0 : std::atan2(R(2, 1), R(2, 2));
-  const Vec3& p = pose.translation;
-  return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()),
-          static_cast<float>(yaw),   static_cast<float>(pitch), static_cast<float>(roll)};
+  return {static_cast<float>(ray_yaw), static_cast<float>(ray_pitch), static_cast<float>(p.norm()),
+          static_cast<float>(yaw),     static_cast<float>(pitch),     static_cast<float>(roll)};
 }
 
 Link moved_link(Link link, const Transform& X) {
@@ -59,17 +71,15 @@ Link moved_link(Link link, const Transform& X) {
   return link;
 }
 
-/// A robot of three prismatic and three revolute joints that carries `links`.
-Robot::Parts make_parts(std::vector<Link> links) {
+/// A robot of six joints that carries `links`.
+Robot::Parts make_parts(std::vector<Link> links, double reach) {
   Robot::Parts parts;
   parts.name = "floating";
   parts.allowed_pairs.emplace();
   for (int i = 0; i <= 6; ++i) {
     parts.links.push_back({.name = fmt::format("floating_link_{}", i), .parent_joint = i - 1});
   }
-  for (int i = 0; i < 3; ++i) parts.joints.push_back(joint_along(i, JointType::prismatic, i));
-  for (int i = 0; i < 3; ++i)
-    parts.joints.push_back(joint_along(2 - i, JointType::revolute, 3 + i));
+  for (int i = 0; i < 6; ++i) parts.joints.push_back(floating_joint(i, reach));
   for (Link& link : links) {
     Joint joint;
     joint.name = "to_" + link.name;
@@ -81,6 +91,63 @@ Robot::Parts make_parts(std::vector<Link> links) {
   }
   return parts;
 }
+
+std::optional<FloatingRobot> make_floating_robot(std::vector<Link> links, double reach,
+                                                 bool is_exact) {
+  std::erase_if(links, [](const Link& link) { return !has_shapes(link); });
+  if (links.empty()) return std::nullopt;
+  double excess = 0;
+  bool has_surfaces = false;
+  for (Link& link : links) {
+    has_surfaces = has_surfaces || link.approximation.has_value();
+    // Surfaces cost milliseconds to prepare.
+    if (!is_exact) link.approximation.reset();
+    if (link.approximation) excess = std::max(excess, link.approximation->excess);
+  }
+  auto robot = make_robot(make_parts(std::move(links), reach));
+  if (!robot) return std::nullopt;
+  return FloatingRobot{*std::move(robot), excess, has_surfaces};
+}
+
+/// Floating robots of links by the robot that they are of: their tables take longer than most tests
+/// with them. Thread-safe.
+class FloatingRobots {
+ public:
+  /// Precondition: `bare` has no attached objects.
+  std::optional<FloatingRobot> find_or_make(const Robot& bare, int tip, bool is_exact) {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(made_, [](const auto& entry) { return std::get<0>(entry.first).expired(); });
+    const Key key(bare.identity(), tip, is_exact);
+    auto found = made_.find(key);
+    if (found == made_.end()) found = made_.emplace(key, make(bare, tip, is_exact)).first;
+    return found->second;
+  }
+
+ private:
+  using Key = std::tuple<std::weak_ptr<const void>, int, bool>;
+  struct Less {
+    bool operator()(const Key& a, const Key& b) const {
+      const auto &one = std::get<0>(a), &other = std::get<0>(b);
+      if (one.owner_before(other) || other.owner_before(one)) return one.owner_before(other);
+      return std::tie(std::get<1>(a), std::get<2>(a)) < std::tie(std::get<1>(b), std::get<2>(b));
+    }
+  };
+
+  static std::optional<FloatingRobot> make(const Robot& bare, int tip, bool is_exact) {
+    const auto joints = as_index(bare.joint_count());
+    const std::vector<Transform> poses =
+        bare.link_poses(bare.normalized(Configuration(joints, 0.0)));
+    const Transform X_TW = poses[as_index(tip)].inverse();
+    std::vector<Link> links;
+    for (const int i : rigid_with(bare, tip)) {
+      links.push_back(moved_link(bare.links()[as_index(i)], X_TW * poses[as_index(i)]));
+    }
+    return make_floating_robot(std::move(links), farthest_reach(bare), is_exact);
+  }
+
+  std::mutex mutex_;
+  std::map<Key, std::optional<FloatingRobot>, Less> made_;
+};
 
 /// The scene without what it says of other links.
 Scene scene_for(const Robot& robot, Scene scene) {
@@ -100,39 +167,21 @@ Scene scene_for(const Robot& robot, Scene scene) {
 
 }  // namespace
 
-std::optional<FloatingBody> FloatingBody::make(std::vector<Link> links, Scene scene,
-                                               const BodySettings& settings) {
-  std::erase_if(links, [](const Link& link) { return !has_shapes(link); });
-  if (links.empty()) return std::nullopt;
-  double excess = 0;
-  bool has_surfaces = false;
-  for (Link& link : links) {
-    has_surfaces = has_surfaces || link.approximation.has_value();
-    // Surfaces cost milliseconds to prepare.
-    if (!settings.is_exact) link.approximation.reset();
-    if (link.approximation) excess = std::max(excess, link.approximation->excess);
-  }
-  const auto robot = make_robot(make_parts(std::move(links)));
-  if (!robot) return std::nullopt;
-  auto checker =
-      CollisionChecker::make(*robot, scene_for(*robot, std::move(scene)), {.isa = settings.isa});
+std::optional<FloatingBody> FloatingBody::make(std::optional<FloatingRobot> floating,
+                                               const Scene& scene, const BodySettings& settings) {
+  if (!floating) return std::nullopt;
+  auto checker = CollisionChecker::make(floating->robot, scene_for(floating->robot, scene),
+                                        {.isa = settings.isa});
   if (!checker) return std::nullopt;
-  return FloatingBody(*std::move(checker), excess, has_surfaces);
+  return FloatingBody(*std::move(checker), floating->excess, floating->has_surfaces);
 }
 
 std::optional<FloatingBody> FloatingBody::of_link(const Robot& robot, const Scene& scene,
                                                   const std::string& link,
                                                   const BodySettings& settings) {
+  static FloatingRobots hands;
   const Robot bare = robot.without_attached();
-  const int tip = *bare.find_link(link);
-  const Configuration middle = bare.normalized(Configuration(as_index(bare.joint_count()), 0.0));
-  const std::vector<Transform> poses = bare.link_poses(middle);
-  std::vector<Link> links;
-  for (const int i : rigid_with(bare, tip)) {
-    links.push_back(
-        moved_link(bare.links()[as_index(i)], poses[as_index(tip)].inverse() * poses[as_index(i)]));
-  }
-  return make(std::move(links), scene, settings);
+  return make(hands.find_or_make(bare, *bare.find_link(link), settings.is_exact), scene, settings);
 }
 
 std::optional<FloatingBody> FloatingBody::of_object(const Robot& robot, const Scene& scene,
@@ -146,10 +195,12 @@ std::optional<FloatingBody> FloatingBody::of_object(const Robot& robot, const Sc
     links.push_back(
         moved_link({object, -1, each.spheres, each.capsules, {}, each.approximation}, X_OL));
   }
-  return make(std::move(links), scene, settings);
+  return make(make_floating_robot(std::move(links), farthest_reach(robot), settings.is_exact),
+              scene, settings);
 }
 
-std::optional<FloatingBody> FloatingBody::of_obstacle(const Scene& scene, const std::string& name,
+std::optional<FloatingBody> FloatingBody::of_obstacle(const Robot& robot, const Scene& scene,
+                                                      const std::string& name,
                                                       const Transform& X_WO,
                                                       const BodySettings& settings) {
   const Transform X_OW = X_WO.inverse();
@@ -160,8 +211,10 @@ std::optional<FloatingBody> FloatingBody::of_obstacle(const Scene& scene, const 
   const auto spheres = approximate_object(std::move(object));
   Scene others = scene;
   if (!spheres || !others.remove(name)) return std::nullopt;
-  return make({{name, -1, spheres->spheres, spheres->capsules, {}, spheres->approximation}},
-              std::move(others), settings);
+  std::vector<Link> links;
+  links.push_back({name, -1, spheres->spheres, spheres->capsules, {}, spheres->approximation});
+  return make(make_floating_robot(std::move(links), farthest_reach(robot), settings.is_exact),
+              others, settings);
 }
 
 std::vector<std::uint8_t> FloatingBody::find_free(const std::vector<Transform>& poses,
@@ -174,7 +227,9 @@ std::vector<std::uint8_t> FloatingBody::find_free(const std::vector<Transform>& 
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (is_free[i] || !may_be_free[i]) continue;
     const std::array<float, 6> values = floating_values(poses[i]);
-    is_free[i] = is_clear_by_exact_geometry(checker_, {values.begin(), values.end()}) ? 1 : 0;
+    is_free[i] =
+        is_clear_by_exact_geometry(checker_, {values.begin(), values.end()}, kLineClearance) ? 1
+                                                                                             : 0;
   }
   return is_free;
 }

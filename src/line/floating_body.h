@@ -20,7 +20,15 @@ struct BodySettings {
   bool is_exact = false;
 };
 
-/// Links that stay together, without the arm that carries them.
+/// A robot whose six joints carry links to any pose.
+struct FloatingRobot {
+  Robot robot;
+  double excess = 0;  ///< as FloatingBody::excess_
+  bool has_surfaces = false;
+};
+
+/// Links that stay together, without the arm that carries them. Poses are those that the robot may
+/// reach: farther ones may count as free.
 class FloatingBody {
  public:
   /// The links rigid with `link`, whose contacts the scene may allow. Nothing if they have no
@@ -34,7 +42,8 @@ class FloatingBody {
                                                              const Transform& X_LO,
                                                              const BodySettings& settings);
   /// An obstacle of the scene at `X_WO`, which it does not collide with itself.
-  [[nodiscard]] static std::optional<FloatingBody> of_obstacle(const Scene& scene,
+  [[nodiscard]] static std::optional<FloatingBody> of_obstacle(const Robot& robot,
+                                                               const Scene& scene,
                                                                const std::string& name,
                                                                const Transform& X_WO,
                                                                const BodySettings& settings);
@@ -51,7 +60,8 @@ class FloatingBody {
  private:
   FloatingBody(CollisionChecker checker, double excess, bool has_surfaces)
       : checker_(std::move(checker)), has_surfaces_(has_surfaces), excess_(excess) {}
-  [[nodiscard]] static std::optional<FloatingBody> make(std::vector<Link> links, Scene scene,
+  [[nodiscard]] static std::optional<FloatingBody> make(std::optional<FloatingRobot> floating,
+                                                        const Scene& scene,
                                                         const BodySettings& settings);
   [[nodiscard]] std::vector<std::uint8_t> find_shallower(const std::vector<Transform>& poses,
                                                          double depth) const;

@@ -10,6 +10,7 @@
 #include "check/end_motions.h"
 #include "check/link_distances.h"
 #include "line/line_search.h"
+#include "planning/end_contacts.h"
 #include "robot/kinematics.h"
 
 #include <fmt/format.h>
@@ -241,8 +242,9 @@ class LinePlan {
   /// Checks pairs by exact geometry whose spheres alone touch at `q`. Returns true if `q` is valid.
   bool check_exactly(const Configuration& q) {
     if (checker_.is_valid(std::span<const double>(q))) return true;
-    const auto made = make_query_checker(
-        checker_, {checker_.resolution(), checker_.margin(), checker_.isa(), {}}, {q, {}});
+    const auto made = internal::make_end_checker(
+        checker_, {checker_.resolution(), checker_.margin(), checker_.isa(), {}}, q,
+        internal::kLineClearance);
     if (!made || made->notes.empty()) return false;
     checker_ = made->checker;
     result_.notes.insert(result_.notes.end(), made->notes.begin(), made->notes.end());

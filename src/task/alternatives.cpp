@@ -285,8 +285,8 @@ void Alternatives::look_ahead() {
                   link_targets(without, choice, run_.start_poses),
                   FloatingBody::of_link(without.robot, without.scene, link_, run_.body_settings()),
                   {}};
-  const auto object =
-      FloatingBody::of_obstacle(world.scene, choice.object, pose->second, run_.body_settings());
+  const auto object = FloatingBody::of_obstacle(world.robot, world.scene, choice.object,
+                                                pose->second, run_.body_settings());
   if (object) {
     run_.states += ahead.places.size();
     run_.has_tried = run_.has_tried || object->has_surfaces();
