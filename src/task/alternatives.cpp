@@ -80,7 +80,6 @@ Alternatives::Alternatives(TaskRun& run, DropCounts& drops, const Group& group, 
   list_alternatives();
   drop_beyond_limits();
   drop_unreachable();
-  make_bodies();
   sort(rank);
 }
 
@@ -192,8 +191,9 @@ void Alternatives::drop_unreachable() {
   }
 }
 
+/// Makes the bodies of the hand and of what it holds, once.
 void Alternatives::make_bodies() {
-  if (targets_.empty()) return;
+  if (std::exchange(has_bodies_, true)) return;
   const World& world = touched_->world;
   hand_ = FloatingBody::of_link(world.robot, world.scene, link_, run_.body_settings());
   const PoseChoice& choice = stage(*group_.anchor).poses;
@@ -207,6 +207,7 @@ void Alternatives::make_bodies() {
 void Alternatives::filter_block() {
   tested_ = std::min(order_.size(), tested_ + kBlock);
   if (targets_.empty()) return;
+  make_bodies();
   std::vector<int> block;
   for (std::size_t i = position_; i < tested_; ++i) {
     if (as_index(order_[i].first) >= first_target()) block.push_back(order_[i].first);

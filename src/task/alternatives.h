@@ -147,7 +147,7 @@ class Alternatives {
   std::size_t position_ = 0;  ///< next entry of `order_`
   std::size_t tested_ = 0;    ///< entries of `order_` that are remembered, or whose hand was tested
   int alternative_ = -1;      ///< the one that is being tried
-  bool has_looked_ahead_ = false;
+  bool has_looked_ahead_ = false, has_bodies_ = false;
   std::optional<FloatingBody> hand_, object_;
   std::optional<LookAhead> ahead_;
   std::map<std::string, InverseKinematics> kinematics_;  ///< by link
