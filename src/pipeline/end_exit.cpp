@@ -14,10 +14,10 @@
 
 namespace mneme::internal {
 
-std::vector<Touch> EndExit::find_touches(const Configuration& q) {
+std::vector<Touch> EndExit::find_touches(const Configuration& q, double clearance) {
   const std::vector<Touch> spheres = motions_.touching(q);
   motions_.check_exactly(spheres);
-  std::vector<Touch> touches = motions_.touching(q, kSolidClearance);
+  std::vector<Touch> touches = motions_.touching(q, clearance);
   std::erase_if(touches,
                 [&](const Touch& touch) { return find_same_pair(spheres, touch) == nullptr; });
   return touches;

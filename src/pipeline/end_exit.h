@@ -29,8 +29,8 @@ class EndExit {
         states_(states) {}
 
   /// Returns the contacts at `q`. A contact of spheres alone counts only if the exact geometry is
-  /// too near to be checked instead. Checks these pairs by exact geometry from now on.
-  [[nodiscard]] std::vector<Touch> find_touches(const Configuration& q);
+  /// nearer than `clearance`. Checks these pairs by exact geometry from now on.
+  [[nodiscard]] std::vector<Touch> find_touches(const Configuration& q, double clearance);
   /// True if a path may begin or end in all of these contacts.
   [[nodiscard]] bool may_leave(const std::vector<Touch>& touches) const;
   /// Returns the configuration near `near` that reaches the goal in the same posture, if any.

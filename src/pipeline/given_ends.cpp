@@ -50,7 +50,7 @@ class EndMover {
     if (is_out && !(is_start_ && is_near_limits(robot_, given, tolerances_))) return std::nullopt;
     std::optional<Configuration> nearest = keep_limits_and_cones(given);
     if (!nearest) return std::nullopt;
-    const std::vector<Touch> touches = exit_->find_touches(given);
+    const std::vector<Touch> touches = exit_->find_touches(given, kSolidClearance);
     if (!exit_->may_leave(touches)) return std::nullopt;
     if (*nearest == given && touches.empty()) return std::nullopt;
     std::optional<Configuration> inside = find_free(given, *nearest);
@@ -72,7 +72,7 @@ class EndMover {
     if (!nearest) return {};
     const auto refused = refuse_query(checker_, {*nearest, {*nearest}});
     if (*nearest == start) {
-      const std::vector<Touch> touches = exit_->find_touches(start);
+      const std::vector<Touch> touches = exit_->find_touches(start, kSolidClearance);
       if (!refused || touches.empty() || !exit_->may_leave(touches)) return {};
       return refused->message +
              ". A path may begin in this contact, but no straight motion of the joints leaves it";

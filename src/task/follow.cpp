@@ -11,6 +11,8 @@
 #include "pipeline/end_exit.h"
 #include "planning/end_contacts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -21,11 +23,13 @@ namespace {
 /// Lengths of the motion out of contact, as shares of what allow-at-ends allows.
 constexpr std::array<double, 3> kShares = {0.4, 0.66, 0.88};
 
-/// The world with pairs checked exactly whose spheres alone touch at `q`.
-CheckedWorldPtr with_exact_pairs(const TaskRun& run, const CheckedWorldPtr& world,
+/// The world in which the robot is clear at `q`: the given one, or one with pairs checked exactly
+/// whose spheres alone touch there. Null if there is none.
+CheckedWorldPtr find_clear_world(const TaskRun& run, const CheckedWorldPtr& world,
                                  const Configuration& q) {
-  const auto made = make_query_checker(world->checker, run.checker_settings(), {q, {}});
-  if (!made) return world;
+  if (is_clear(world->checker, q)) return world;
+  const auto made = make_end_checker(world->checker, run.checker_settings(), q, kLineClearance);
+  if (!made || made->notes.empty()) return nullptr;
   return std::make_shared<const CheckedWorld>(CheckedWorld{world->world, made->checker});
 }
 
@@ -69,7 +73,7 @@ EndExit make_exit(const TaskRun& run, const CollisionChecker& checker, PathEnd e
   return {checker, end_tolerances(run.settings.solve), end, kExitStates};
 }
 
-/// The configuration that the given share of the stretch farther is free of contact.
+/// The configuration that is the given share of the stretch farther.
 std::optional<Configuration> find_inside(TaskRun& run, const CollisionChecker& checker,
                                          const EndExit& exit, const LineTask& line, double share) {
   const Robot& robot = checker.robot();
@@ -83,8 +87,24 @@ std::optional<Configuration> find_inside(TaskRun& run, const CollisionChecker& c
   auto inside = exit.reach(goal, line.q, 1);
   ++run.states;
   if (!inside || !robot.is_configuration(*inside)) return std::nullopt;
-  if (!is_clear_by_exact_geometry(checker, *inside)) return std::nullopt;
   return inside;
+}
+
+/// Returns the pair that is nearest at the end of a line. Of a pair that is apart, also what a line
+/// needs, and the way out.
+std::string describe_nearest(const CollisionChecker& checker, const Configuration& q) {
+  const Robot& robot = checker.robot();
+  const Configuration inside = robot.normalized(q);
+  std::vector<Contact> contacts = checker.contacts(inside);
+  for (Contact& contact : contacts) {
+    const auto behind = find_exact_contact(robot, checker.scene(), inside, contact);
+    if (behind) contact.distance = behind->distance - (contact.is_self ? 0 : checker.margin());
+  }
+  const auto nearest = std::ranges::min_element(contacts, {}, &Contact::distance);
+  if (nearest == contacts.end() || nearest->distance <= 0) return describe_contact(checker, q);
+  return fmt::format(
+      "'{}' with '{}', {:.2g} mm apart: a line needs {:.2g} mm, or a stage `allow` with both",
+      nearest->link, nearest->other, 1e3 * nearest->distance, 1e3 * kLineClearance);
 }
 
 tl::expected<Path, Failure> plan_rest(TaskRun& run, const CollisionChecker& checker,
@@ -115,12 +135,13 @@ tl::expected<FollowedLine, Failure> follow_out_of_contact(TaskRun& run,
   Failure failure{DropReason::contact, {}};
   EndExit exit = make_exit(run, world->checker, line.is_start ? PathEnd::start : PathEnd::goal);
   const bool may_touch = run.may_touch_at_ends(world->world);
-  const std::vector<Touch> touches = may_touch ? exit.find_touches(line.q) : std::vector<Touch>();
+  const std::vector<Touch> touches =
+      may_touch ? exit.find_touches(line.q, kLineClearance) : std::vector<Touch>();
   if (may_touch && exit.may_leave(touches)) {
     for (const double share : kShares) {
       const auto inside = find_inside(run, world->checker, exit, line, share);
-      if (!inside) continue;
-      const CheckedWorldPtr exact = with_exact_pairs(run, world, *inside);
+      const CheckedWorldPtr exact = inside ? find_clear_world(run, world, *inside) : nullptr;
+      if (!exact) continue;
       auto rest = plan_rest(run, exact->checker, line, *inside);
       if (!rest) return tl::unexpected(rest.error());
       // Exact distances cost more than the rest of the line.
@@ -134,7 +155,7 @@ tl::expected<FollowedLine, Failure> follow_out_of_contact(TaskRun& run,
       return followed;
     }
   }
-  if (line.has_reason) failure.what = describe_contact(world->checker, line.q);
+  if (line.has_reason) failure.what = describe_nearest(world->checker, line.q);
   return tl::unexpected(std::move(failure));
 }
 
@@ -142,25 +163,20 @@ tl::expected<FollowedLine, Failure> follow_out_of_contact(TaskRun& run,
 
 bool may_stand(TaskRun& run, const CheckedWorldPtr& world, const Configuration& q) {
   ++run.states;
-  if (is_clear_by_exact_geometry(world->checker, q)) return true;
+  if (is_clear_by_exact_geometry(world->checker, q, kLineClearance)) return true;
   if (!run.may_touch_at_ends(world->world)) return false;
   EndExit exit = make_exit(run, world->checker, PathEnd::goal);
-  return exit.may_leave(exit.find_touches(q));
+  return exit.may_leave(exit.find_touches(q, kLineClearance));
 }
 
 tl::expected<FollowedLine, Failure> follow_line(TaskRun& run, const CheckedWorldPtr& world,
                                                 const LineTask& line) {
   tl::expected<FollowedLine, Failure> followed;
   ++run.states;
-  if (is_clear(world->checker, line.q)) {
-    auto path = plan_rest(run, world->checker, line, line.q);
+  if (const CheckedWorldPtr clear = find_clear_world(run, world, line.q)) {
+    auto path = plan_rest(run, clear->checker, line, line.q);
     if (!path) return tl::unexpected(path.error());
-    followed = FollowedLine{world, *std::move(path), {}};
-  } else if (is_clear_by_exact_geometry(world->checker, line.q)) {
-    const CheckedWorldPtr exact = with_exact_pairs(run, world, line.q);
-    auto path = plan_rest(run, exact->checker, line, line.q);
-    if (!path) return tl::unexpected(path.error());
-    followed = FollowedLine{exact, *std::move(path), {}};
+    followed = FollowedLine{clear, *std::move(path), {}};
   } else {
     followed = follow_out_of_contact(run, world, line);
   }

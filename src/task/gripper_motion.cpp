@@ -120,7 +120,8 @@ bool is_only_in_contact_at_an_end(const TaskRun& run, const CollisionChecker& ch
     EndExit exit(checker, end_tolerances(run.settings.solve), end, kFingerStates);
     const bool is_start = end == PathEnd::start;
     const Configuration &q = is_start ? from : to, &inside = is_start ? to : from;
-    if (exit.may_leave(exit.find_touches(q)) && exit.is_left_by(q, inside)) return true;
+    if (exit.may_leave(exit.find_touches(q, kSolidClearance)) && exit.is_left_by(q, inside))
+      return true;
   }
   return false;
 }

@@ -53,6 +53,35 @@ inline const std::string kPickAndPlace = R"(stages:
   - {name: home, move: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]}
 )";
 
+/// A box on a table between two walls: height of its middle, and where the middles of the walls
+/// are.
+inline const std::string kTray = R"(robot: panda
+start: [0, -0.785, 0, -2.356, 0, 1.571, 0.785]
+scene:
+  obstacles:
+    - {{name: table, type: box, position: [0.5, 0, 0.1], size: [0.6, 0.8, 0.2]}}
+    - {{name: box, type: box, position: [0.5, -0.1, {}], size: [0.04, 0.06, 0.1]}}
+    - {{name: left, type: box, position: [0.5, {}, 0.215], size: [0.06, 0.02, 0.03]}}
+    - {{name: right, type: box, position: [0.5, {}, 0.215], size: [0.06, 0.02, 0.03]}}
+)";
+
+/// Takes the box from above and lifts it.
+inline const std::string kLiftBox = R"(stages:
+  - {name: reach, move: next}
+  - name: approach
+    line:
+      direction: [0, 0, 1]
+      along: panda_hand
+      distance: 0.08
+      to:
+        frame: box
+        position: [0, 0, 0.135]
+        quat_xyzw: [1, 0, 0, 0]
+        vary: [{turn: z, from: -3, to: 3, count: 20}]
+  - {name: grasp, attach: box}
+  - {name: lift, line: {direction: [0, 0, 1], distance: 0.1}}
+)";
+
 inline Result<Task> try_task(const std::string& yaml) {
   const TemporaryDirectory directory;
   write_file(directory / "task.yaml", yaml);

@@ -349,6 +349,29 @@ TEST_SUITE("flow") {
     CHECK_FALSE(lowered(-0.02).is_solved());
   }
 
+  TEST_CASE("an object is lifted out between walls that are 0.4 mm away, and 0.1 mm is too near") {
+    // The spheres around the box stick out farther than that.
+    const auto tray = [](double z, double gap) {
+      const double y = 0.04 + gap;
+      return fmt::format(fmt::runtime(kTray), z, -0.1 - y, -0.1 + y);
+    };
+    for (const double z : {0.2505, 0.25}) {
+      const Task task = make_task(tray(z, 4e-4) + kLiftBox);
+      check_plan(task, solved(task));
+    }
+    const TaskResult refused = solved(make_task(tray(0.2505, 1e-4) + kLiftBox));
+    CHECK_FALSE(refused.is_solved());
+    CHECK_MESSAGE(
+        contains(refused.message, "0.1 mm apart: a line needs 0.25 mm, or a stage `allow`"),
+        refused.message);
+    const Task allowed = make_task(
+        tray(0.2505, 1e-4) +
+        replaced(kLiftBox, "  - {name: lift,",
+                 "  - {allow: [[box, left], [box, right], [box, table]]}\n  - {name: lift,"));
+    // Spheres touch before the stage that allows it.
+    CHECK(solved(allowed).is_solved());
+  }
+
   TEST_CASE("an object that is not near is not attached") {
     const TaskResult result = solved(make_task(kCell + "stages: [{attach: cup}]\n"));
     CHECK(result.status == PlanStatus::invalid_goal);
