@@ -7,7 +7,9 @@
 #include "base/as_index.h"
 #include "base/fail.h"
 #include "check/parted_pairs.h"
+#include "geometry/parts.h"
 #include "robot/kinematics.h"
+#include "tables/make_tables.h"
 
 #include <fmt/format.h>
 
@@ -156,6 +158,25 @@ Robot::Parts parts_of(const Robot& bare) {
   return parts;
 }
 
+/// Metres by which a hand alone, and objects in it, may reach farther than the robot.
+double extra_reach(const Task& task) {
+  constexpr double kHand = 0.5;  // from the origin of its link
+  double extra = kHand;
+  for (const Stage& stage : task.stages) {
+    const Obstacle* object = task.scene.find(stage.object);
+    if (stage.kind != StageKind::attach || object == nullptr) continue;
+    AxisBox box;
+    for (const Shape& shape : object->shapes) {
+      const Sphere bound = bounding_sphere(shape);
+      box.include(bound.center - Vec3::Constant(bound.radius));
+      box.include(bound.center + Vec3::Constant(bound.radius));
+    }
+    // The ball around an object may reach as far again as the object.
+    extra += 2 * (box.high - box.low).norm();
+  }
+  return extra;
+}
+
 /// The options that make the robot again.
 RobotOptions options_of(const Robot& robot) {
   RobotOptions options;
@@ -205,6 +226,24 @@ Result<Robot> find_or_make_wide(const World& world, const std::map<std::string, 
 
 Transform pose_of(const Shape& shape) {
   return std::visit([](const auto& each) { return frame_of(each); }, shape);
+}
+
+void prepare_shapes(const Task& task, double margin) {
+  const double reach = reach_of(task.robot) + extra_reach(task) + margin;
+  const bool may_touch = !task.robot.attached().empty() || !task.scene.end_contacts.empty() ||
+                         std::ranges::count(task.stages, StageKind::attach, &Stage::kind) > 0;
+  const auto prepare = [&](const auto& shape) {
+    if constexpr (requires { shape.parts; }) {
+      static_cast<void>(share_grid(*shape.parts, region_of_interest(shape, reach)));
+      if (may_touch) static_cast<void>(PartsAccess::tree(*shape.parts));
+    }
+  };
+  for (const Obstacle& obstacle : task.scene.obstacles) {
+    for (const Shape& shape : obstacle.shapes) std::visit(prepare, shape);
+  }
+  for (const ApproximatedObject& held : task.robot.attached()) {
+    for (const Shape& shape : held.object.shapes) std::visit(prepare, shape);
+  }
 }
 
 World first_world(const Task& task) {

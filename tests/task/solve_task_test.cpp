@@ -3,11 +3,14 @@
 #include "mneme/goal.h"
 
 #include "task/small_tasks.h"
+#include "geometry/parts.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <atomic>
+#include <memory>
+#include <vector>
 
 namespace mneme::test {
 namespace {
@@ -370,6 +373,28 @@ TEST_SUITE("flow") {
                  "  - {allow: [[box, left], [box, right], [box, table]]}\n  - {name: lift,"));
     // Spheres touch before the stage that allows it.
     CHECK(solved(allowed).is_solved());
+  }
+
+  TEST_CASE("preparation makes the tree of a large mesh for all stages") {
+    constexpr double kHalf = 20, kDown = -0.2;  // metres
+    const Vec3 a(-kHalf, -kHalf, kDown), b(kHalf, -kHalf, kDown), c(kHalf, kHalf, kDown),
+        d(-kHalf, kHalf, kDown);
+    const std::vector<Triangle> triangles = {{a, b, c}, {a, c, d}};
+    const Mesh ground{{}, std::make_shared<Parts<Triangle>>(triangles)};
+    Task task = make_task(kCell + kPickAndPlace);
+    REQUIRE(task.scene.add({"ground", {ground}}));
+    // A kept tree is returned where it covers the box.
+    const auto kept = [&] {
+      return internal::share_grid(*ground.parts, {Vec3(0, 0, kDown), Vec3(0.1, 0.1, kDown)});
+    };
+    TaskSettings settings;
+    settings.solve.plan.timeout_s = 0;
+    CHECK(solved(task, nullptr, settings).status == PlanStatus::timeout);
+    const auto prepared = kept();
+    // Single precision is that of the arm's surroundings.
+    CHECK(prepared->region.high[0] < 5);
+    check_plan(task, solved(task));
+    CHECK(kept() == prepared);
   }
 
   TEST_CASE("an object that is not near is not attached") {
