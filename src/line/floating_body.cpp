@@ -6,8 +6,10 @@
 
 #include "base/as_index.h"
 #include "check/parted_pairs.h"
+#include "geometry/parts.h"
 #include "planning/end_contacts.h"
 #include "robot/kinematics.h"
+#include "tables/make_tables.h"
 
 #include <fmt/format.h>
 
@@ -20,6 +22,7 @@
 #include <numbers>
 #include <tuple>
 #include <utility>
+#include <variant>
 
 namespace mneme::internal {
 namespace {
@@ -250,6 +253,21 @@ std::vector<std::uint8_t> FloatingBody::find_shallower(const std::vector<Transfo
 std::string FloatingBody::describe_contact(const Transform& pose) const {
   const std::array<float, 6> values = floating_values(pose);
   return describe_deepest(checker_.contacts(Configuration(values.begin(), values.end())));
+}
+
+void prepare_shapes(const Robot& robot, const Scene& scene, double reach, bool may_touch) {
+  const auto prepare = [&](const auto& shape) {
+    if constexpr (requires { shape.parts; }) {
+      static_cast<void>(share_grid(*shape.parts, region_of_interest(shape, reach)));
+      if (may_touch) static_cast<void>(PartsAccess::tree(*shape.parts));
+    }
+  };
+  for (const Obstacle& obstacle : scene.obstacles) {
+    for (const Shape& shape : obstacle.shapes) std::visit(prepare, shape);
+  }
+  for (const ApproximatedObject& held : robot.attached()) {
+    for (const Shape& shape : held.object.shapes) std::visit(prepare, shape);
+  }
 }
 
 std::string describe_deepest(std::span<const Contact> contacts) {

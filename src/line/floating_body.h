@@ -71,6 +71,11 @@ class FloatingBody {
   double excess_;  ///< metres that spheres stick out of surfaces; 0 unless BodySettings::is_exact
 };
 
+/// Makes the trees and grids of compound shapes that a robot and bodies of its links share, out to
+/// `reach` metres, and the trees for exact distances if `may_touch`. Takes seconds for a million
+/// triangles. Throws Interrupted.
+void prepare_shapes(const Robot& robot, const Scene& scene, double reach, bool may_touch);
+
 /// Returns the deepest contact: "'panda_hand' with 'shelf'"; empty if there is none.
 [[nodiscard]] std::string describe_deepest(std::span<const Contact> contacts);
 
