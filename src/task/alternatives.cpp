@@ -78,8 +78,7 @@ Alternatives::Alternatives(TaskRun& run, DropCounts& drops, const Group& group, 
     return;
   }
   list_alternatives();
-  drop_beyond_limits();
-  drop_unreachable();
+  drop_out_of_reach();
   sort(rank);
 }
 
@@ -168,26 +167,22 @@ Transform Alternatives::line_begin(int line, const Transform& X_end,
   return begin;
 }
 
-void Alternatives::drop_beyond_limits() {
+/// Drops goals beyond the joint limits and targets out of reach.
+void Alternatives::drop_out_of_reach() {
+  const auto drop_at = [&](std::size_t i, std::string what) {
+    is_left_[i] = 0;
+    drops_.add(failing_stage(), {DropReason::reach, std::move(what)}, static_cast<int>(i));
+  };
   if (!group_.anchor) return;
+  const Robot& robot = touched_->world.robot;
   const std::vector<Configuration>& goals = stage(*group_.anchor).configurations;
   for (std::size_t i = 0; i < goals.size(); ++i) {
-    const auto violation = touched_->world.robot.describe_violation(goals[i], "its goal");
-    if (!violation) continue;
-    is_left_[i] = 0;
-    drops_.add(failing_stage(), {DropReason::reach, *violation}, static_cast<int>(i));
+    if (auto flaw = robot.describe_violation(goals[i], "its goal")) drop_at(i, *std::move(flaw));
   }
-}
-
-/// Drops targets out of reach.
-void Alternatives::drop_unreachable() {
   if (targets_.empty()) return;
-  const Reach reach(touched_->world.robot, link_);
+  const Reach reach(robot, link_);
   for (std::size_t i = 0; i < targets_.size(); ++i) {
-    if (reach.contains(targets_[i])) continue;
-    is_left_[first_target() + i] = 0;
-    drops_.add(failing_stage(), {DropReason::reach, fmt::format("link '{}'", link_)},
-               static_cast<int>(first_target() + i));
+    if (!reach.contains(targets_[i])) drop_at(first_target() + i, fmt::format("link '{}'", link_));
   }
 }
 
@@ -292,14 +287,11 @@ void Alternatives::look_ahead() {
     run_.states += ahead.places.size();
     run_.has_tried = run_.has_tried || object->has_surfaces();
     const std::vector<std::uint8_t> is_free = object->find_free(ahead.places, kObjectDepth);
-    std::vector<Transform> left;
+    std::vector<Transform> left, blocked;
     for (std::size_t i = 0; i < ahead.places.size(); ++i) {
-      if (is_free[i]) {
-        left.push_back(ahead.places[i]);
-      } else if (ahead.what.empty()) {
-        ahead.what = object->describe_contact(ahead.places[i]);
-      }
+      (is_free[i] ? left : blocked).push_back(ahead.places[i]);
     }
+    if (!blocked.empty()) ahead.what = object->describe_contact(blocked.front());
     ahead.places = std::move(left);
   }
   ahead_ = std::move(ahead);

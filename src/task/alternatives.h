@@ -99,8 +99,7 @@ class Alternatives {
   [[nodiscard]] tl::expected<World, Failure> applied(const World& world, int i,
                                                      const Configuration& q) const;
   void list_alternatives();
-  void drop_unreachable();
-  void drop_beyond_limits();
+  void drop_out_of_reach();
   void make_bodies();
   void filter_block();
   void drop_where(const FloatingBody& body, double depth, const std::vector<Transform>& poses,

@@ -76,13 +76,11 @@ std::vector<Transform> read_variation(const Input& input) {
   return all;
 }
 
-using JointValues = std::map<std::string, double>;
-
 /// A state of joints outside of the planning group.
 struct GripperState {
   std::string name, group;
-  JointValues values;       ///< without joints that follow others
-  bool is_carried = false;  ///< the planning group moves the joints
+  std::map<std::string, double> values;  ///< without joints that follow others
+  bool is_carried = false;               ///< the planning group moves the joints
 };
 
 /// Nothing for a state that moves joints of the planning group, or none at all.
@@ -102,7 +100,8 @@ std::optional<GripperState> as_gripper_state(const Robot& robot, const NamedStat
 
 /// The values of a gripper's state in the SRDF. Of the same name for several grippers, those that
 /// the planning group carries count.
-Result<JointValues> find_gripper_state(const Robot& robot, const std::string& name) {
+Result<std::map<std::string, double>> find_gripper_state(const Robot& robot,
+                                                         const std::string& name) {
   std::vector<std::string> known;
   std::vector<GripperState> found;
   for (const NamedState& state : robot.named_states()) {

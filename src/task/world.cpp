@@ -7,7 +7,7 @@
 #include "base/as_index.h"
 #include "base/fail.h"
 #include "check/parted_pairs.h"
-#include "geometry/parts.h"
+#include "line/floating_body.h"
 #include "robot/kinematics.h"
 #include "tables/make_tables.h"
 
@@ -160,19 +160,18 @@ Robot::Parts parts_of(const Robot& bare) {
 
 /// Metres by which a hand alone, and objects in it, may reach farther than the robot.
 double extra_reach(const Task& task) {
-  constexpr double kHand = 0.5;  // from the origin of its link
-  double extra = kHand;
+  double extra = 0.5;  // of a hand, from the origin of its link
   for (const Stage& stage : task.stages) {
     const Obstacle* object = task.scene.find(stage.object);
-    if (stage.kind != StageKind::attach || object == nullptr) continue;
-    AxisBox box;
+    if (stage.kind != StageKind::attach || object == nullptr || object->shapes.empty()) continue;
+    const Vec3 middle = bounding_sphere(object->shapes.front()).center;
+    double radius = 0;
     for (const Shape& shape : object->shapes) {
       const Sphere bound = bounding_sphere(shape);
-      box.include(bound.center - Vec3::Constant(bound.radius));
-      box.include(bound.center + Vec3::Constant(bound.radius));
+      radius = std::max(radius, (bound.center - middle).norm() + bound.radius);
     }
     // The ball around an object may reach as far again as the object.
-    extra += 2 * (box.high - box.low).norm();
+    extra += 4 * radius;
   }
   return extra;
 }
@@ -228,22 +227,11 @@ Transform pose_of(const Shape& shape) {
   return std::visit([](const auto& each) { return frame_of(each); }, shape);
 }
 
-void prepare_shapes(const Task& task, double margin) {
+void prepare_shapes_of(const Task& task, double margin) {
   const double reach = reach_of(task.robot) + extra_reach(task) + margin;
   const bool may_touch = !task.robot.attached().empty() || !task.scene.end_contacts.empty() ||
                          std::ranges::count(task.stages, StageKind::attach, &Stage::kind) > 0;
-  const auto prepare = [&](const auto& shape) {
-    if constexpr (requires { shape.parts; }) {
-      static_cast<void>(share_grid(*shape.parts, region_of_interest(shape, reach)));
-      if (may_touch) static_cast<void>(PartsAccess::tree(*shape.parts));
-    }
-  };
-  for (const Obstacle& obstacle : task.scene.obstacles) {
-    for (const Shape& shape : obstacle.shapes) std::visit(prepare, shape);
-  }
-  for (const ApproximatedObject& held : task.robot.attached()) {
-    for (const Shape& shape : held.object.shapes) std::visit(prepare, shape);
-  }
+  prepare_shapes(task.robot, task.scene, reach, may_touch);
 }
 
 World first_world(const Task& task) {

@@ -47,11 +47,9 @@ using WorldPtr = std::shared_ptr<const World>;
 /// Pose of a shape's own frame. Spheres: no rotation; capsules: z along the axis.
 [[nodiscard]] Transform pose_of(const Shape& shape);
 
-/// Makes the trees and grids of compound shapes that all stages of a task share: those of checkers
-/// for the robot with any object in its hand, and those of exact distances where a stage may end in
-/// contact. `margin` is that of checkers. Takes seconds for a million triangles. Throws
-/// Interrupted.
-void prepare_shapes(const Task& task, double margin);
+/// prepare_shapes() for all stages of a task: for the robot with any object in its hand, and with
+/// exact distances where a stage may end in contact. `margin` is that of checkers.
+void prepare_shapes_of(const Task& task, double margin);
 
 /// Returns the world at the start of a task.
 [[nodiscard]] World first_world(const Task& task);
