@@ -117,7 +117,8 @@ TEST_SUITE("unit") {
     settings.drop_invalid_means = false;
     const auto count_free = [&](bool is_fitted) {
       settings.retarget = is_fitted;
-      const auto samples = require(make_sampler(problem, &database, settings))->start(1);
+      const auto sampler = require(make_sampler(problem, &database, settings));
+      const auto samples = sampler->start(1);
       std::vector<float> q(8);
       int count = 0;
       for (int i = 0; i < 1000; ++i) {
