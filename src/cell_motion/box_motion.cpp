@@ -180,7 +180,9 @@ BoxMotion spread_smoothly(const Trajectory& motion, const BentPath& path) {
     if (path.shares[i] == 0) from = length;
     if (path.shares[i - 1] < 1) to = length;
   }
-  const auto [from_s, to_s] = times_at(motion, from / length, to / length);
+  auto [from_s, to_s] = times_at(motion, from / length, to / length);
+  // A bend within one step of times would have no finite rates: the whole motion bends instead.
+  if (!(from_s < to_s)) std::tie(from_s, to_s) = std::pair(0.0, motion.duration_s());
   TimedShare rise = {0, 0, 0, 10, -15, 6};
   for (std::size_t i = 3; i < kTerms; ++i) rise[i] /= std::pow(to_s - from_s, i);
   const std::array ends = {0.0, from_s, to_s, motion.duration_s()};
