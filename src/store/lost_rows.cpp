@@ -8,7 +8,7 @@
 
 #include <fcntl.h>
 #include <unistd.h>
-#if __has_include(<sys/xattr.h>)
+#ifdef __linux__
 #include <sys/xattr.h>
 #endif
 #include <array>
@@ -86,7 +86,7 @@ std::string log_path(const std::string& path) { return real_path(path) + "-wal";
 
 namespace {
 
-#if __has_include(<sys/xattr.h>)
+#ifdef __linux__
 
 constexpr const char* kAttribute = "user.mneme.tally";
 
