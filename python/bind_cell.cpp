@@ -96,12 +96,8 @@ struct BoundMotions {
 
 TimedPlan time_answer(const BoundMotions& self, const CellAnswer& answer, const py::object& dt,
                       const py::object& limits, const py::kwargs& arguments) {
-  TrajectorySettings timing;
-  py::kwargs all(arguments);
-  if (!dt.is_none()) all["dt"] = dt;
-  Keywords keywords("CellMotions.trajectory", all);
-  keywords.apply(timing);
-  keywords.finish();
+  const TrajectorySettings timing =
+      read_trajectory_settings("CellMotions.trajectory", dt, arguments);
   const RateLimits rates = find_limits(self.robot, timing, limits);
   auto points = run_interruptible([&] {
     return self.motions.time(answer, rates, timing).and_then([&](const CellMotion& timed) {

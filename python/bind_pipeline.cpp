@@ -32,6 +32,17 @@ std::string file_name(const py::object& path) {
 
 }  // namespace
 
+TrajectorySettings read_trajectory_settings(std::string method, const py::object& dt,
+                                            const py::kwargs& arguments,
+                                            TrajectorySettings timing) {
+  py::kwargs all(arguments);
+  if (!dt.is_none()) all["dt"] = dt;
+  Keywords keywords(std::move(method), all);
+  keywords.apply(timing);
+  keywords.finish();
+  return timing;
+}
+
 RateLimits find_limits(const Robot& robot, const TrajectorySettings& timing,
                        const py::object& limits) {
   RateLimits rates = unwrap(find_rate_limits(robot, timing, file_name(limits)));
@@ -149,12 +160,8 @@ py::list begins_of(const TimedPlan& timed) {
 TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& limits,
                     const py::kwargs& arguments) {
   const bool is_announced = limits.is_none() && arguments.empty() && plan.settings.plan.limits;
-  TrajectorySettings timing = is_announced ? plan.timing : TrajectorySettings();
-  py::kwargs all(arguments);
-  if (!dt.is_none()) all["dt"] = dt;
-  Keywords keywords("Plan.trajectory", all);
-  keywords.apply(timing);
-  keywords.finish();
+  const TrajectorySettings timing = read_trajectory_settings(
+      "Plan.trajectory", dt, arguments, is_announced ? plan.timing : TrajectorySettings());
   if (!plan.result.plan.is_solved()) {
     raise_invalid("trajectory: there is no path: " + plan.result.plan.message);
   }

@@ -116,12 +116,7 @@ py::list stages_of(const PlannedTask& plan) {
 
 TimedPlan trajectory_of(const PlannedTask& plan, const py::object& dt, const py::object& limits,
                         const py::kwargs& arguments) {
-  TrajectorySettings timing;
-  py::kwargs all(arguments);
-  if (!dt.is_none()) all["dt"] = dt;
-  Keywords keywords("TaskPlan.trajectory", all);
-  keywords.apply(timing);
-  keywords.finish();
+  const TrajectorySettings timing = read_trajectory_settings("TaskPlan.trajectory", dt, arguments);
   if (!plan.result.is_solved()) {
     raise_invalid("trajectory: there is no plan: " + plan.result.message);
   }

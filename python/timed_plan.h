@@ -21,6 +21,13 @@ struct TimedPlan {
   std::vector<StageBegin> stages = {};  ///< of a task
 };
 
+/// Reads `dt`, unless it is None, and the other arguments of a method that times a motion into
+/// `timing`. `method`: its name in messages.
+[[nodiscard]] TrajectorySettings read_trajectory_settings(std::string method,
+                                                          const pybind11::object& dt,
+                                                          const pybind11::kwargs& arguments,
+                                                          TrajectorySettings timing = {});
+
 /// Returns the limits of a file, or of the URDF, and issues their warnings.
 [[nodiscard]] RateLimits find_limits(const Robot& robot, const TrajectorySettings& timing,
                                      const pybind11::object& limits);
