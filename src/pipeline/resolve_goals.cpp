@@ -22,101 +22,6 @@ IkSettings ik_settings(const Query& query) {
   return settings;
 }
 
-Result<CellChecker> make_checker(const Query& query, const PlanQuery& ends,
-                                 const GivenEnds& given) {
-  const Problem& problem = query.problem;
-  return make_query_checker(problem.robot, problem.scene, query.checker_settings(), ends,
-                            given.names(ends))
-      .map([](QueryChecker made) {
-        return CellChecker{std::move(made), nullptr};
-      });
-}
-
-/// Replaces ends that are barely outside by configurations nearby.
-Result<GivenEnds> move_inside(const Query& query, CellChecker& made, PlanQuery& ends,
-                              std::size_t first) {
-  const SolveSettings& settings = query.settings;
-  const bool has_tolerance = settings.start_tolerance > 0 || settings.allow_at_ends > 0 ||
-                             !query.problem.scene.end_contacts.empty();
-  if (made.checked.are_ends_clear || !has_tolerance) return GivenEnds{};
-  // The exact geometry may show that start and goals are free.
-  const CollisionChecker& checker = made.checked.checker;
-  const auto is_clear_end = [&](const Configuration& q) {
-    return checker.robot().is_configuration(q) && is_clear(checker, q);
-  };
-  if (is_clear_end(ends.start) && std::ranges::all_of(ends.goals, is_clear_end)) {
-    return GivenEnds{};
-  }
-  GivenEnds given = move_ends_inside(query, made.checked.checker, ends, first);
-  if (!given.empty()) made = MNEME_TRY(make_checker(query, ends, given));
-  return given;
-}
-
-Result<PoseGoalSource> make_source(const Query& query, const CollisionChecker& checker) {
-  return PoseGoalSource::make(checker, query.problem.pose_goals, query.problem.start,
-                              ik_settings(query), kVerificationMargin);
-}
-
-/// Returns a checker with more exact pairs, found at a configuration for a pose where only spheres
-/// are in contact; nothing if there is none.
-Result<std::optional<QueryChecker>> find_exact_checker(const Query& query,
-                                                       const QueryChecker& checked) {
-  constexpr int kMostSolutions = 64;
-  const Problem& problem = query.problem;
-  IkSettings settings = ik_settings(query);
-  settings.solutions = std::max(settings.solutions, kMostSolutions);
-  for (const PoseGoal& goal : problem.pose_goals) {
-    if (query.is_over()) return std::nullopt;
-    const auto kinematics =
-        MNEME_TRY(InverseKinematics::make(problem.robot, goal.link, checked.checker.isa()));
-    const IkResult reached = kinematics.solve(goal, problem.start, settings);
-    for (const Configuration& q : reached.solutions) {
-      if (query.is_over()) return std::nullopt;
-      QueryChecker made = MNEME_TRY(make_query_checker(
-          problem.robot, problem.scene, query.checker_settings(), {problem.start, {q}}));
-      if (made.notes.size() > checked.notes.size()) return made;
-    }
-  }
-  return std::nullopt;
-}
-
-/// Adds configurations for the problem's poses to `ends`.
-Result<void> resolve_poses(const Query& query, CellChecker& made, PlanQuery& ends,
-                           std::optional<PoseGoalSource>& further_goals) {
-  further_goals = MNEME_TRY(make_source(query, made.checked.checker));
-  std::vector<Configuration> found = further_goals->more();
-  if (found.empty() && ends.goals.empty()) {
-    if (auto exact = MNEME_TRY(find_exact_checker(query, made.checked))) {
-      made = {*std::move(exact), nullptr};
-      further_goals = MNEME_TRY(make_source(query, made.checked.checker));
-      found = further_goals->more();
-    }
-  }
-  std::ranges::move(found, std::back_inserter(ends.goals));
-  return {};
-}
-
-/// Takes configurations for the poses in which an attached object touches what it is put on, or a
-/// pair of Scene::end_contacts touches.
-Result<void> enter_contact(const Query& query, CellChecker& made, PlanQuery& ends, GivenEnds& given,
-                           std::vector<Configuration> blocked) {
-  const Problem& problem = query.problem;
-  const bool holds = query.settings.allow_at_ends > 0 && !problem.robot.attached().empty();
-  if (!holds && problem.scene.end_contacts.empty()) return {};
-  PlanQuery tried{ends.start, std::move(blocked)};
-  GivenEnds entered = move_ends_inside(query, made.checked.checker, tried);
-  if (entered.goals.empty()) return {};
-  for (const GivenEnds::Goal& goal : entered.goals) ends.goals.push_back(goal.inside);
-  std::ranges::move(entered.goals, std::back_inserter(given.goals));
-  std::ranges::move(entered.notes, std::back_inserter(given.notes));
-  made = MNEME_TRY(make_checker(query, ends, given));
-  return {};
-}
-
-void add_notes(std::vector<std::string> notes, ResolvedQuery& resolved) {
-  std::ranges::move(notes, std::back_inserter(resolved.notes));
-}
-
 /// Turns `refusal` into that of a query that is over: cancelled, or late, with `message`.
 void end_early(const Query& query, std::string message, PlanResult& refusal) {
   const bool is_cancelled = is_set(query.settings.plan.cancel);
@@ -145,52 +50,160 @@ PlanQuery block_of(const Problem& problem, std::size_t first) {
   return {problem.start, {block.begin(), block.end()}};
 }
 
-/// Resolves a block of goals, the first one with the problem's poses. `made` is its checker. Throws
-/// Interrupted.
-Result<ResolvedQuery> resolve_block(const Query& query, CellChecker made, std::size_t first) {
-  const Problem& problem = query.problem;
-  PlanQuery ends = block_of(problem, first);
-  GivenEnds given = MNEME_TRY(move_inside(query, made, ends, first));
-  std::optional<PoseGoalSource> further_goals;
-  const bool wants_poses = !problem.pose_goals.empty() && first == 0;
-  if (wants_poses && problem.robot.is_configuration(ends.start)) {
-    MNEME_TRY(resolve_poses(query, made, ends, further_goals));
-    if (ends.goals.empty()) {
-      MNEME_TRY(enter_contact(query, made, ends, given, further_goals->blocked()));
+/// Resolves the block of goals from one number on; the first block has the problem's poses, too.
+class BlockResolver {
+ public:
+  BlockResolver(const Query& query, CellChecker made, std::size_t first)
+      : query_(query),
+        problem_(query.problem),
+        first_(first),
+        made_(std::move(made)),
+        ends_(block_of(problem_, first)) {}
+
+  /// Call once. Throws Interrupted.
+  Result<ResolvedQuery> run() {
+    MNEME_TRY(move_inside());
+    const bool wants_poses = !problem_.pose_goals.empty() && first_ == 0;
+    if (wants_poses && problem_.robot.is_configuration(ends_.start)) {
+      MNEME_TRY(resolve_poses());
+      if (ends_.goals.empty()) MNEME_TRY(enter_contact());
+    }
+    return finish(made_.checked.are_ends_clear && !wants_poses);
+  }
+
+ private:
+  Result<CellChecker> make_checker() const {
+    return make_query_checker(problem_.robot, problem_.scene, query_.checker_settings(), ends_,
+                              given_.names(ends_))
+        .map([](QueryChecker made) {
+          return CellChecker{std::move(made), nullptr};
+        });
+  }
+
+  [[nodiscard]] bool is_clear_end(const Configuration& q) const {
+    return problem_.robot.is_configuration(q) && is_clear(made_.checked.checker, q);
+  }
+
+  /// Replaces ends that are barely outside by configurations nearby.
+  Result<void> move_inside() {
+    const SolveSettings& settings = query_.settings;
+    const bool has_tolerance = settings.start_tolerance > 0 || settings.allow_at_ends > 0 ||
+                               !problem_.scene.end_contacts.empty();
+    if (made_.checked.are_ends_clear || !has_tolerance) return {};
+    // The exact geometry may show that start and goals are free.
+    const auto is_end_clear = [this](const Configuration& q) { return is_clear_end(q); };
+    if (is_end_clear(ends_.start) && std::ranges::all_of(ends_.goals, is_end_clear)) return {};
+    given_ = move_ends_inside(query_, made_.checked.checker, ends_, first_);
+    if (!given_.empty()) made_ = MNEME_TRY(make_checker());
+    return {};
+  }
+
+  [[nodiscard]] Result<PoseGoalSource> make_source() const {
+    return PoseGoalSource::make(made_.checked.checker, problem_.pose_goals, problem_.start,
+                                ik_settings(query_), kVerificationMargin);
+  }
+
+  /// Returns a checker with more exact pairs, found at a configuration for a pose where only
+  /// spheres are in contact; nothing if there is none.
+  [[nodiscard]] Result<std::optional<QueryChecker>> find_exact_checker() const {
+    constexpr int kMostSolutions = 64;
+    IkSettings settings = ik_settings(query_);
+    settings.solutions = std::max(settings.solutions, kMostSolutions);
+    for (const PoseGoal& goal : problem_.pose_goals) {
+      if (query_.is_over()) return std::nullopt;
+      const auto kinematics = MNEME_TRY(
+          InverseKinematics::make(problem_.robot, goal.link, made_.checked.checker.isa()));
+      const IkResult reached = kinematics.solve(goal, problem_.start, settings);
+      for (const Configuration& q : reached.solutions) {
+        if (query_.is_over()) return std::nullopt;
+        QueryChecker made = MNEME_TRY(make_query_checker(
+            problem_.robot, problem_.scene, query_.checker_settings(), {problem_.start, {q}}));
+        if (made.notes.size() > made_.checked.notes.size()) return made;
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// Adds configurations for the problem's poses.
+  Result<void> resolve_poses() {
+    further_goals_ = MNEME_TRY(make_source());
+    std::vector<Configuration> found = further_goals_->more();
+    if (found.empty() && ends_.goals.empty()) {
+      if (auto exact = MNEME_TRY(find_exact_checker())) {
+        made_ = {*std::move(exact), nullptr};
+        further_goals_ = MNEME_TRY(make_source());
+        found = further_goals_->more();
+      }
+    }
+    std::ranges::move(found, std::back_inserter(ends_.goals));
+    return {};
+  }
+
+  /// Takes configurations for the poses in which an attached object touches what it is put on, or a
+  /// pair of Scene::end_contacts touches.
+  Result<void> enter_contact() {
+    const bool holds = query_.settings.allow_at_ends > 0 && !problem_.robot.attached().empty();
+    if (!holds && problem_.scene.end_contacts.empty()) return {};
+    PlanQuery tried{ends_.start, further_goals_->blocked()};
+    GivenEnds entered = move_ends_inside(query_, made_.checked.checker, tried);
+    if (entered.goals.empty()) return {};
+    for (const GivenEnds::Goal& goal : entered.goals) ends_.goals.push_back(goal.inside);
+    std::ranges::move(entered.goals, std::back_inserter(given_.goals));
+    std::ranges::move(entered.notes, std::back_inserter(given_.notes));
+    made_ = MNEME_TRY(make_checker());
+    return {};
+  }
+
+  /// Drops invalid goals and says why nothing is left.
+  ResolvedQuery finish(bool are_ends_clear) {
+    const bool has_exact_pairs = !made_.checked.notes.empty();
+    ResolvedQuery resolved{.query = query_,
+                           .ends = std::move(ends_),
+                           .given = std::move(given_),
+                           .checker = std::move(made_.checked.checker),
+                           .cell = std::move(made_.cell),
+                           .further_goals = std::move(further_goals_),
+                           .has_exact_pairs = has_exact_pairs};
+    add_notes(resolved.given.notes, resolved);
+    add_notes(std::move(made_.checked.notes), resolved);
+    const bool has_poses = resolved.further_goals.has_value();
+    // Without any goal the refusal explains it.
+    if (has_poses && !resolved.ends.goals.empty()) {
+      add_notes(resolved.further_goals->describe_unreached(), resolved);
+    }
+    add_notes(drop_invalid_goals(resolved.checker, resolved.ends.goals, are_ends_clear, first_),
+              resolved);
+    resolved.refusal = refuse_query(resolved.checker, resolved.ends, are_ends_clear);
+    if (resolved.refusal) explain_refusal(resolved);
+    return resolved;
+  }
+
+  static void add_notes(std::vector<std::string> notes, ResolvedQuery& resolved) {
+    std::ranges::move(notes, std::back_inserter(resolved.notes));
+  }
+
+  static void explain_refusal(ResolvedQuery& resolved) {
+    PlanResult& refusal = *resolved.refusal;
+    if (refusal.status == PlanStatus::invalid_goal) {
+      if (resolved.further_goals && resolved.ends.goals.empty()) {
+        explain_missing_goals(resolved, refusal);
+      }
+    } else if (refusal.status == PlanStatus::invalid_start) {
+      if (!resolved.given.start_failure.empty()) refusal.message = resolved.given.start_failure;
     }
   }
-  const bool are_ends_clear = made.checked.are_ends_clear && !wants_poses;
-  const bool has_exact_pairs = !made.checked.notes.empty();
-  ResolvedQuery resolved{.query = query,
-                         .ends = std::move(ends),
-                         .given = std::move(given),
-                         .checker = std::move(made.checked.checker),
-                         .cell = std::move(made.cell),
-                         .further_goals = std::move(further_goals),
-                         .has_exact_pairs = has_exact_pairs};
-  add_notes(resolved.given.notes, resolved);
-  add_notes(std::move(made.checked.notes), resolved);
-  const bool has_poses = resolved.further_goals.has_value();
-  // Without any goal the refusal explains it.
-  if (has_poses && !resolved.ends.goals.empty()) {
-    add_notes(resolved.further_goals->describe_unreached(), resolved);
-  }
-  add_notes(drop_invalid_goals(resolved.checker, resolved.ends.goals, are_ends_clear, first),
-            resolved);
-  resolved.refusal = refuse_query(resolved.checker, resolved.ends, are_ends_clear);
-  if (has_poses && resolved.refusal && resolved.ends.goals.empty() &&
-      resolved.refusal->status == PlanStatus::invalid_goal) {
-    explain_missing_goals(resolved, *resolved.refusal);
-  }
-  if (!resolved.given.start_failure.empty() && resolved.refusal &&
-      resolved.refusal->status == PlanStatus::invalid_start) {
-    resolved.refusal->message = resolved.given.start_failure;
-  }
-  return resolved;
-}
 
-/// resolve_block(), or nothing if the query is over before. What can be refused at once is refused
-/// with its reason, however short the limit is.
+  const Query& query_;
+  const Problem& problem_;
+  std::size_t first_;
+  CellChecker made_;
+  PlanQuery ends_;
+  GivenEnds given_;
+  std::optional<PoseGoalSource> further_goals_ = {};
+};
+
+/// Resolves a block, or returns nothing if the query is over before. What can be refused at once is
+/// refused with its reason, however short the limit is.
 std::optional<Result<ResolvedQuery>> resolve_in_time(const Query& query, CellChecker made,
                                                      std::size_t first) {
   constexpr double kAtOnce = 0.05;  // seconds
@@ -198,7 +211,7 @@ std::optional<Result<ResolvedQuery>> resolve_in_time(const Query& query, CellChe
   const auto is_over = [&] { return query.is_over() && stopwatch.elapsed_s() > kAtOnce; };
   const InterruptScope scope(is_over);
   try {
-    return resolve_block(query, std::move(made), first);
+    return BlockResolver(query, std::move(made), first).run();
   } catch (const Interrupted&) {
     if (!is_over()) throw;  // a scope of the caller is over
     return std::nullopt;
