@@ -20,9 +20,9 @@ namespace mneme::test {
 
 inline constexpr double kPi = std::numbers::pi;
 
-/// How many times slower instrumented code is.
-#ifdef MNEME_INSTRUMENTED
-inline constexpr double kSlowdown = 20;
+/// How many times slower code is that is instrumented or emulated.
+#ifdef MNEME_SLOWDOWN
+inline constexpr double kSlowdown = MNEME_SLOWDOWN;
 #else
 inline constexpr double kSlowdown = 1;
 #endif
