@@ -88,7 +88,7 @@ class InverseKinematics {
 };
 
 /// Returns the links at the ends of the planning group: the child links of its last joints. Where a
-/// chain of fixed joints follows, the link before its end or first branch.
+/// chain of fixed joints follows, its last link before the first branch, or Robot::tip() behind it.
 [[nodiscard]] std::vector<std::string> find_tips(const Robot& robot);
 
 /// Free configurations in regions of poses.

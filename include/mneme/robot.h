@@ -142,6 +142,7 @@ struct JointGroup {
   /// The group's planar or floating joint between world and robot, which is not planned for. Empty:
   /// none.
   std::string virtual_joint = {};
+  std::string tip = {};  ///< Last link of a group that is one chain; otherwise empty.
 };
 
 /// A group_state of the SRDF.
@@ -177,6 +178,8 @@ class Robot {
   [[nodiscard]] const Joint& group_joint(int index) const {
     return model_->joints[static_cast<std::size_t>(model_->group[static_cast<std::size_t>(index)])];
   }
+  /// The link that the planning group ends at, if it was given as a chain; otherwise empty.
+  [[nodiscard]] const std::string& tip() const { return model_->tip; }
   /// Names of the joints of the planning group, in the order of a configuration.
   [[nodiscard]] std::vector<std::string> joint_names() const;
   /// Pairs of link indices (first < second) that are checked against each other.
@@ -277,6 +280,7 @@ class Robot {
     std::vector<Link> links;
     std::vector<Joint> joints;
     std::vector<int> group;
+    std::string tip;
     std::vector<std::pair<int, int>> self_pairs, exact_pairs, allowed_pairs;
     std::string hash;
     bool is_planar = false;

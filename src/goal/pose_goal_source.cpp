@@ -249,6 +249,20 @@ std::vector<std::string> PoseGoalSource::describe_unreached() const {
   return sentences;
 }
 
+namespace {
+
+/// True if `link` stands rigidly behind `before`.
+bool follows_rigidly(const Robot& robot, int link, int before) {
+  while (link > before) {
+    const Joint& joint = robot.joints()[as_index(robot.links()[as_index(link)].parent_joint)];
+    if (joint.type != JointType::fixed) return false;
+    link = joint.parent_link;
+  }
+  return link == before;
+}
+
+}  // namespace
+
 std::vector<std::string> find_tips(const Robot& robot) {
   const std::span<const Joint> joints = robot.joints();
   const std::size_t count = robot.links().size();
@@ -268,6 +282,8 @@ std::vector<std::string> find_tips(const Robot& robot) {
     while (children[link].size() == 1 && joints[children[link][0]].type == JointType::fixed) {
       link = as_index(joints[children[link][0]].child_link);
     }
+    const auto named = robot.find_link(robot.tip());
+    if (named && follows_rigidly(robot, *named, static_cast<int>(link))) link = as_index(*named);
     tips.push_back(robot.links()[link].name);
   }
   return tips;

@@ -6,12 +6,14 @@
 #include "base/fail.h"
 #include "robot/held_joints.h"
 #include "robot/kinematics.h"
+#include "robot/robot_tree.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 namespace mneme::internal {
 namespace {
@@ -44,49 +46,55 @@ Result<std::vector<int>> find_all(std::span<const Joint> joints, const Names& na
   return group;
 }
 
+/// Joints by name.
+struct NamedGroup {
+  Names joints;
+  std::string tip = {};
+};
+
 /// The joints of "base_link:tip_link", or nothing if one of these links does not exist.
-std::optional<Names> find_chain(const Robot::Parts& parts, const std::string& name) {
+std::optional<NamedGroup> find_chain(const Robot::Parts& parts, const std::string& name) {
   const std::size_t colon = name.find(':');
   if (colon == std::string::npos) return std::nullopt;
   const auto base = find_link(parts.links, name.substr(0, colon));
   const auto tip = find_link(parts.links, name.substr(colon + 1));
   if (!base || !tip) return std::nullopt;
-  return joints_between(parts.links, parts.joints, *base, *tip);
+  return NamedGroup{joints_between(parts.links, parts.joints, *base, *tip), name.substr(colon + 1)};
 }
 
-Result<Names> find_named(const Robot::Parts& parts, const std::string& name) {
-  std::optional<Names> joints;
+Result<NamedGroup> find_named(const Robot::Parts& parts, const std::string& name) {
+  std::optional<NamedGroup> found;
   const auto group = std::ranges::find(parts.groups, name, &JointGroup::name);
   if (group != parts.groups.end()) {
-    joints = group->joints;
+    found = NamedGroup{group->joints, group->tip};
   } else {
-    joints = find_chain(parts, name);
+    found = find_chain(parts, name);
   }
-  if (!joints) {
+  if (!found) {
     return fail(ErrorCode::invalid,
                 "there is no group '{}'; expected {}{}the two links of a chain as "
                 "base_link:tip_link",
                 name, fmt::join(group_names(parts.groups), ", "),
                 parts.groups.empty() ? "" : " or ");
   }
-  if (joints->empty()) {
+  if (found->joints.empty()) {
     return fail(ErrorCode::invalid,
                 "group '{}' has no joint to plan for; the robot's movable joints are: {}{}{}", name,
                 fmt::join(free_names(parts.joints), ", "), parts.warnings.empty() ? "" : "; ",
                 fmt::join(parts.warnings, "; "));
   }
-  return *joints;
+  return *std::move(found);
 }
 
 /// The only movable group that is no end effector. Groups of equal joints count as one.
-Result<Names> find_only(const Robot::Parts& parts) {
+Result<NamedGroup> find_only(const Robot::Parts& parts) {
   std::vector<JointGroup> fitting;
   for (const JointGroup& group : parts.groups) {
     const bool is_new =
         std::ranges::find(fitting, group.joints, &JointGroup::joints) == fitting.end();
     if (!group.joints.empty() && !group.is_end_effector && is_new) fitting.push_back(group);
   }
-  if (fitting.size() == 1) return fitting.front().joints;
+  if (fitting.size() == 1) return NamedGroup{fitting.front().joints, fitting.front().tip};
   if (fitting.empty()) {
     return fail(ErrorCode::invalid,
                 "no group of the SRDF ({}) is movable and not an end effector; name the "
@@ -139,18 +147,18 @@ Names joints_between(std::span<const Link> links, std::span<const Joint> joints,
   return names;
 }
 
-Result<std::vector<int>> choose_group(const Robot::Parts& parts, const RobotOptions& options) {
+Result<PlanningGroup> choose_group(const Robot::Parts& parts, const RobotOptions& options) {
   const Names all = free_names(parts.joints);
   if (all.empty()) return fail(ErrorCode::invalid, "there is no joint that can move");
-  Names names = options.joints;
-  if (names.empty() && !options.group.empty()) {
-    names = MNEME_TRY(find_named(parts, options.group));
-  } else if (names.empty() && !parts.groups.empty()) {
-    names = MNEME_TRY(find_only(parts));
-  } else if (names.empty()) {
-    names = all;
+  NamedGroup named{options.joints};
+  if (named.joints.empty() && !options.group.empty()) {
+    named = MNEME_TRY(find_named(parts, options.group));
+  } else if (named.joints.empty() && !parts.groups.empty()) {
+    named = MNEME_TRY(find_only(parts));
+  } else if (named.joints.empty()) {
+    named.joints = all;
   }
-  return find_all(parts.joints, names);
+  return PlanningGroup{MNEME_TRY(find_all(parts.joints, named.joints)), std::move(named.tip)};
 }
 
 }  // namespace mneme::internal

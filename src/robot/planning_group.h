@@ -21,9 +21,12 @@ namespace mneme::internal {
                                                       std::span<const Joint> joints, int base,
                                                       int tip);
 
-/// Returns the indices of the joints that `options` select, in the order of a configuration.
-/// `parts` are in tree order.
-[[nodiscard]] Result<std::vector<int>> choose_group(const Robot::Parts& parts,
-                                                    const RobotOptions& options);
+struct PlanningGroup {
+  std::vector<int> joints;  ///< indices, in the order of a configuration
+  std::string tip = {};     ///< see Robot::tip()
+};
+/// Returns the joints that `options` select. `parts` are in tree order.
+[[nodiscard]] Result<PlanningGroup> choose_group(const Robot::Parts& parts,
+                                                 const RobotOptions& options);
 
 }  // namespace mneme::internal

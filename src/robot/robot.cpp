@@ -224,7 +224,9 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
     MNEME_TRY(refuse_solids(sorted.links));
     Robot::Model model;
     model.name = name;
-    model.group = MNEME_TRY(internal::choose_group(sorted, options));
+    auto chosen = MNEME_TRY(internal::choose_group(sorted, options));
+    model.group = std::move(chosen.joints);
+    model.tip = std::move(chosen.tip);
     std::vector<std::string> names;
     for (const int i : model.group) names.push_back(sorted.joints[internal::as_index(i)].name);
     warn_of_virtual_joint(sorted, options, names, sorted.warnings);

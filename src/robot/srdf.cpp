@@ -208,6 +208,9 @@ class SrdfLookup {
       const auto moving = std::ranges::find_if(
           joints, [&](const std::string& joint) { return moving_virtual.contains(joint); });
       if (moving != joints.end()) added.virtual_joint = *moving;
+      const bool is_chain = group.chains.size() == 1 && group.joints.empty() &&
+                            group.links.empty() && group.subgroups.empty();
+      if (is_chain) added.tip = group.chains.front().second.name;
       for (const Joint& joint : parts_.joints) {
         if (!is_free(joint) || !joints.contains(joint.name)) continue;
         if (passive.contains(joint.name)) {

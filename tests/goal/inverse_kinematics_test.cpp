@@ -260,6 +260,25 @@ TEST_SUITE("unit") {
     CHECK(find_tips(shipped_robot("panda")) == std::vector<std::string>{"panda_hand"});
     CHECK(find_tips(shipped_robot("ur5")) == std::vector<std::string>{"wrist_3_link"});
     CHECK(find_tips(shipped_robot("fetch")) == std::vector<std::string>{"gripper_link"});
+    // A palm that carries two fingers and a tool point.
+    Robot::Parts parts;
+    parts.name = "hand";
+    parts.links.push_back({.name = "base"});
+    const auto hang = [&](int parent, JointType type) {
+      hang_link(parts, parent, joint_at(type, Vec3(0, 0, 0.1), Vec3::UnitZ(), -1, 1), {}, {});
+    };
+    hang(0, JointType::revolute);
+    for (int i = 0; i < 3; ++i) hang(1, JointType::fixed);
+    const auto tips_of = [&](const std::string& group) {
+      RobotOptions options;
+      options.group = group;
+      return find_tips(require(make_robot(parts, options)));
+    };
+    const std::string base = parts.links[0].name, palm = parts.links[1].name,
+                      tool = parts.links[4].name;
+    CHECK(tips_of("") == std::vector{palm});
+    CHECK(tips_of(base + ":" + palm) == std::vector{palm});
+    CHECK(tips_of(base + ":" + tool) == std::vector{tool});
     CHECK(find_tips(odd_arm()) == std::vector<std::string>{"link_8", "link_9"});
   }
 }
