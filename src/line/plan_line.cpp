@@ -174,10 +174,22 @@ class LinePlan {
     if (line_.target) {
       result_.end = X_RF * *line_.target;
       if (line_.keeps_rotation) result_.end.rotation = result_.begin.rotation;
+      if (line_.free_axis) turn_freely();
     } else {
       result_.end.translation += X_RF.rotation * line_.displacement;
     }
     return check_length();
+  }
+
+  /// Turns the end about the free axis to where it is nearest to the begin.
+  void turn_freely() {
+    const Vec3 axis = Vec3::Unit(static_cast<int>(*line_.free_axis));
+    const Eigen::Matrix3d turn = result_.begin.rotation.transpose() * result_.end.rotation;
+    Eigen::Matrix3d cross;
+    cross << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
+    // The trace of turn * rotation_about(axis, angle) is largest there.
+    const double angle = std::atan2((turn * cross).trace(), turn.trace() - axis.dot(turn * axis));
+    result_.end.rotation = result_.end.rotation * rotation_about(axis, angle);
   }
 
   Result<void> check_length() const {

@@ -207,6 +207,11 @@ TEST_SUITE("unit") {
     const LineResult free = require_line(checker, line, q);
     CHECK_MESSAGE(free.is_whole(), free.reason);
     check_deviation(robot, line, free);
+    // The same grasp turned by half a turn, about an axis that is free.
+    line.target->rotation = line.target->rotation * rotation_about(Vec3::UnitZ(), kPi / 2);
+    const LineResult half = require_line(checker, line, q);
+    CHECK_MESSAGE(half.is_whole(), half.reason);
+    check_deviation(robot, line, half);
   }
 
   TEST_CASE("a planar arm follows lines in its plane") {
