@@ -62,6 +62,15 @@ int open_alone(const std::string& path) {
   }
 }
 
+/// A descriptor for writing to what is no regular file of its own; without waiting for the reader
+/// of a pipe.
+int open_special(const std::string& path) {
+  const int file =
+      ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
+  if (file >= 0) (void)::fcntl(file, F_SETFL, ::fcntl(file, F_GETFL) & ~O_NONBLOCK);
+  return file;
+}
+
 /// A stream that this process was given, such as standard input or a shell's <(..), or /dev/null.
 bool is_own_stream(std::string_view path) {
   return path == "/dev/stdin" || path == "/dev/null" || path.starts_with("/dev/fd/") ||
@@ -107,7 +116,11 @@ Result<NewFile> NewFile::create(const std::string& path) {
   file.path_ = path;
   file.written_path_ = is_special ? path : path + ".unfinished";
   if (is_special) {
-    file.file_.reset(std::fopen(path.c_str(), "wb"));
+    const int special = open_special(path);
+    if (special < 0 && errno == ENXIO) {
+      return fail(ErrorCode::io, "{}: is a pipe that no process reads", path);
+    }
+    if (special >= 0) file.file_.reset(::fdopen(special, "wb"));
     if (file.file_ == nullptr) return file.error();
     return file;
   }

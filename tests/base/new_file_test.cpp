@@ -3,6 +3,12 @@
 #include "base/files.h"
 #include "support/support.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <array>
+#include <string>
+
 namespace mneme::test {
 
 using internal::NewFile;
@@ -70,6 +76,22 @@ TEST_SUITE("unit") {
     const Error error = require_error(full.write("x").and_then([&] { return full.finish(); }));
     CHECK(error.code == ErrorCode::io);
     CHECK(contains(error.message, "No space left"));
+  }
+
+  TEST_CASE("a pipe that no process reads is an error at once") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "pipe";
+    REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
+    CHECK(require_error(NewFile::create(path)).message ==
+          path + ": is a pipe that no process reads");
+    const int reader = ::open(path.c_str(), O_RDONLY | O_NONBLOCK);
+    REQUIRE(reader >= 0);
+    auto file = require(NewFile::create(path));
+    REQUIRE(file.write("new"));
+    REQUIRE(file.finish());
+    std::array<char, 8> read = {};
+    CHECK(::read(reader, read.data(), read.size()) == 3);
+    ::close(reader);
   }
 }
 
