@@ -64,6 +64,7 @@ Result<std::string> no_file(const std::vector<std::string>& tried) {
     if (fs::is_directory(path, ignored)) {
       return fail(ErrorCode::io, "expected a file; {} is a directory", path);
     }
+    if (fs::exists(path, ignored)) return fail(ErrorCode::io, "{}: expected a regular file", path);
   }
   return fail(ErrorCode::io, "there is no such file; searched: {}", fmt::join(tried, ", "));
 }

@@ -193,6 +193,7 @@ TEST_SUITE("unit") {
                    "there is no package 'arm_description' in the folders above the URDF"));
     CHECK(contains(refusal(nowhere, "b.stl", ErrorCode::io), "/b.stl"));
     CHECK(contains(refusal(nowhere, "empty", ErrorCode::io), "is a directory"));
+    CHECK(contains(refusal(nowhere, "/dev/null", ErrorCode::io), "expected a regular file"));
   }
 
   TEST_CASE("files of an unknown package may lie in the folders above the URDF") {
