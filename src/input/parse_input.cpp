@@ -352,6 +352,13 @@ std::optional<int> find_tab(std::string_view yaml) {
 InputValue parse_yaml(std::string_view yaml, const std::string& source) {
   // Aliases and anchors can make a small text a huge tree.
   constexpr int kMaxValues = 4'000'000;
+  // UTF-16, which yaml-cpp reads, has such bytes and begins with a byte order mark.
+  const std::size_t null = yaml.find('\0');
+  if (null != std::string_view::npos && !yaml.starts_with("\xff\xfe") &&
+      !yaml.starts_with("\xfe\xff")) {
+    const auto line = 1 + std::count(yaml.begin(), yaml.begin() + static_cast<long>(null), '\n');
+    TreeBuilder(source, kMaxValues).refuse(static_cast<int>(line), "a null byte is no YAML");
+  }
   if (auto simple = parse_simple_yaml(yaml, source, kMaxValues)) return *std::move(simple);
   TreeBuilder tree(source, kMaxValues);
   YamlListener listener(tree);

@@ -41,9 +41,12 @@ double number(const std::string& yaml) {
 }
 
 TEST_SUITE("unit") {
-  TEST_CASE("a tab before a word of YAML is named, with its line") {
+  TEST_CASE("a tab before a word of YAML and a null byte are named, with the line") {
     const std::string message = failure("a:\n  b: 1\n\tc: 2\n", [](const Input&) {});
     CHECK_MESSAGE(message.find("f:3: expected spaces before the first word") == 0, message);
+    const std::string null = failure(std::string("a: 1\nb: 2\0", 10), [](const Input&) {});
+    CHECK(null == "f:2: a null byte is no YAML");
+    CHECK(number(std::string("\xff\xfe\x31\0", 4)) == 1.0);  // UTF-16
   }
 
   TEST_CASE("numbers are those of YAML") {
