@@ -133,8 +133,8 @@ struct FramedScene {
 };
 
 /// Reads a scene file or MoveIt's planning scene (docs/file_formats.md). The objects of a planning
-/// scene must share one frame, which counts as that of the root link. Errors name file, line and
-/// key: malformed text, repeated names.
+/// scene must share one frame, which counts as that of the root link: load_framed_scene() says
+/// which it is. Errors name file, line and key: malformed text, repeated names.
 [[nodiscard]] Result<Scene> load_scene(const std::string& path);
 /// As load_scene(), with the name of the scene's frame.
 [[nodiscard]] Result<FramedScene> load_framed_scene(const std::string& path);

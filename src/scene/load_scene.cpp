@@ -8,6 +8,7 @@
 #include "scene/scene_input.h"
 
 #include <filesystem>
+#include <utility>
 
 namespace mneme {
 
@@ -21,6 +22,19 @@ Scene make_circle_scene(std::string name, const std::vector<std::array<double, 3
 }
 
 namespace {
+
+/// Of parts that only a problem with a motion plan request uses.
+void warn_of_unused(const internal::Input& scene) {
+  for (const auto& [key, list] : {std::pair("allowed_collision_matrix", "entry_names"),
+                                  std::pair("allowed_collision_matrix", "default_entry_names"),
+                                  std::pair("robot_state", "joint_state")}) {
+    const auto part = scene.find_value(key);
+    auto used = part && part->is_map() ? part->find_value(list) : std::nullopt;
+    if (used && used->is_map()) used = used->find_value("name");
+    if (!used || (used->is_list() && used->items().empty())) continue;
+    part->warn("is not used; name scene and request together, as in scene.yaml,request.yaml");
+  }
+}
 
 Result<FramedScene> parse_framed_scene(std::string_view yaml, const std::string& source) {
   return internal::without_throwing([&] {
@@ -42,6 +56,7 @@ Result<FramedScene> parse_framed_scene(std::string_view yaml, const std::string&
           "objects, or its motion plan request too: a robot carries them",
           attached.object.obstacle.name, attached.link);
     }
+    warn_of_unused(input);
     FramedScene framed = internal::place_objects(scene, internal::MoveitFrames(input, scene.state));
     findings.append_to(framed.scene.warnings);
     return framed;

@@ -202,6 +202,10 @@ std::optional<Octree> read_moveit_octomap(const Input& octomap) {
   const OctreeFormat format{map->at("binary").boolean(), id == "ColorOcTree",
                             map->at("resolution").positive_number()};
   auto cubes = data->take(parse_octree_data(bytes, format, {}, octomap.source()));
+  if (cubes.empty()) {
+    data->warn("no leaf is occupied, and the octomap is left out");
+    return std::nullopt;
+  }
   const auto origin = octomap.find("origin");
   return Octree{origin ? read_moveit_pose(*origin) : Transform{},
                 std::make_shared<Parts<Cube>>(std::move(cubes)), 0};

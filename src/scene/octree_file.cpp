@@ -45,7 +45,6 @@ class OctreeReader {
 
   std::vector<Cube> take() {
     for (const Cube& cube : unknown_) add_within_known(cube);
-    if (occupied_.empty()) fail(ErrorCode::parse, "has no occupied leaf");
     return std::move(occupied_);
   }
 

@@ -23,10 +23,12 @@ Scene moved(const Transform& X_AB, Scene scene) {
 
 namespace {
 
-/// The shape; nothing for a cloud without points.
+/// The shape; nothing for a cloud without points or an octree without cubes.
 std::vector<Shape> occupied(const Shape& shape) {
   const auto* cloud = std::get_if<PointCloud>(&shape);
-  const bool is_empty = cloud != nullptr && cloud->parts->list().empty();
+  const auto* octree = std::get_if<Octree>(&shape);
+  const bool is_empty = (cloud != nullptr && cloud->parts->list().empty()) ||
+                        (octree != nullptr && octree->parts->list().empty());
   return is_empty ? std::vector<Shape>() : std::vector<Shape>{shape};
 }
 

@@ -138,7 +138,14 @@ Octree read_octree_shape(const Input& input) {
   if (unknown && !is_occupied && !(unknown->is_text() && unknown->text() == "free")) {
     unknown->fail_expecting("free or occupied");
   }
-  if (file) return compound_of(file->take(read_octree(path_of(*file), {is_occupied})));
+  if (file) {
+    const std::string path = path_of(*file);
+    auto read = file->take(read_octree(path, {is_occupied}));
+    if (read.empty()) {
+      file->warn(fmt::format("{}: no leaf is occupied, and the octree is left out", path));
+    }
+    return compound_of(std::move(read));
+  }
   if (unknown) unknown->fail(ErrorCode::parse, "expected the key file with it, got cubes");
   const Input list = input.at("cubes");
   const std::vector<double> n = list_of(input, "cubes", 4);
