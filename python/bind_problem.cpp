@@ -23,10 +23,14 @@
 namespace mneme::python {
 namespace {
 
-/// One configuration or rows of them.
-std::vector<Configuration> to_goals(const py::object& goals, int joint_count) {
+/// One configuration or rows of them; none only beside `pose_goals`.
+std::vector<Configuration> to_goals(const py::object& goals, int joint_count,
+                                    std::span<const PoseGoal> pose_goals) {
   const Array array = to_numbers(goals, "goals");
-  if (array.size() == 0) raise_invalid("goals: expected at least one configuration, got none");
+  if (array.size() == 0) {
+    if (!pose_goals.empty()) return {};
+    raise_invalid("goals: expected at least one configuration, got none");
+  }
   if (array.ndim() == 1) return {to_vector(array, joint_count, "goals")};
   return to_rows(array, joint_count, "goals");
 }
@@ -58,7 +62,7 @@ SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& sce
   Configuration from = to_vector(start, joints, "start");
   place_goals(pose_goals, robot, from, "pose_goals");
   std::vector<Configuration> rows;
-  if (!goals.is_none()) rows = to_goals(goals, joints);
+  if (!goals.is_none()) rows = to_goals(goals, joints, pose_goals);
   Problem problem{.name = std::move(name),
                   .robot = robot,
                   .start = std::move(from),
@@ -187,7 +191,7 @@ void bind_variations(py::class_<SharedProblem>& problem) {
   problem.def(
       "with_goal",
       [=](SharedProblem self, const py::object& goal, const py::object& velocity) {
-        self.rest().goals = to_goals(goal, joints(self));
+        self.rest().goals = to_goals(goal, joints(self), {});
         self.rest().end_velocity = to_velocity(velocity, joints(self), "end_velocity");
         return self;
       },

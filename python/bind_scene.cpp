@@ -19,6 +19,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <variant>
 
@@ -253,9 +254,18 @@ void bind_shapes(SceneClass& scene) {
             "vertices. Only the surface is checked: a body wholly inside is not in contact.");
 }
 
-std::shared_ptr<Scene> load_file(const std::filesystem::path& path) {
-  auto scene =
-      std::make_shared<Scene>(unwrap(run_interruptible([&] { return load_scene(path.string()); })));
+std::shared_ptr<Scene> load_file(const std::filesystem::path& path,
+                                 const std::optional<Robot>& robot) {
+  FramedScene framed = unwrap(run_interruptible([&] { return load_framed_scene(path.string()); }));
+  if (robot) {
+    framed.scene = unwrap(in_root_frame(framed, *robot));
+  } else if (!framed.frame.empty()) {
+    framed.scene.warnings.push_back(
+        fmt::format("{}: objects are in frame \"{}\", which is taken for the robot's root link; "
+                    "with robot= they are moved to where it is",
+                    path.string(), framed.frame));
+  }
+  auto scene = std::make_shared<Scene>(std::move(framed.scene));
   set_origin(scene, {{"a file of the scene", path.string()}});
   return scene;
 }
@@ -324,8 +334,9 @@ void bind_scene(py::module_& module) {
               return Scene{std::move(name), {}};
             }),
             py::arg("name") = "scene");
-  scene.def_static("load", &load_file, py::arg("path"),
-                   "Reads a scene file of mneme or a planning scene of MoveIt (YAML).");
+  scene.def_static("load", &load_file, py::arg("path"), py::arg("robot") = py::none(),
+                   "Reads a scene file of mneme or a planning scene of MoveIt (YAML). robot:\n"
+                   "a Robot that has the frame of a planning scene as a link.");
   scene.def_static(
       "parse",
       [](const std::string& yaml, const std::string& source) {

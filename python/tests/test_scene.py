@@ -109,6 +109,9 @@ def test_problems_vary_and_share_robot_and_scene(problem):
     none = ("invalid", "goals: expected at least one configuration, got none")
     assert raised(problem.with_goal, np.zeros((0, 8))) == none
     assert raised(mneme.Problem, problem.robot, problem.scene, problem.start, goals=[]) == none
+    pose = mneme.PoseGoal("link_8", [9, 3, 0])
+    both = mneme.Problem(problem.robot, problem.scene, START, goals=[], pose_goals=[pose])
+    assert len(both.pose_goals) == 1
 
 
 def test_arrays_that_stand_for_something_are_read_only(problem):

@@ -118,9 +118,8 @@ Problem read_compact_problem(const CompactAddress& address, const ProblemOptions
                        found.problem,
                        found.name,
                        directory_of(address.path),
-                       read_compact_scene(found.problem, found.name),
-                       kCompactSpelling,
-                       {address.path}},
+                       {read_compact_scene(found.problem, found.name), {}, {address.path}},
+                       kCompactSpelling},
                       options);
 }
 

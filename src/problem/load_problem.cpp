@@ -65,11 +65,9 @@ Problem read_problem_file(const std::string& path, const ProblemOptions& options
                     "start", "start_velocity", "end_velocity", "goal", "goals", "allow", "attached",
                     "constraints", "self_filter", "region"});
   const std::string name = input.text_or("name", std::filesystem::path(path).stem().string());
-  FramedScene scene = internal::read_scene_of_problem(input, path);
-  return internal::read_problem(
-      {input, input, name, internal::directory_of(path), std::move(scene.scene),
-       internal::kSceneSpelling, std::move(scene.files)},
-      options);
+  return internal::read_problem({input, input, name, internal::directory_of(path),
+                                 internal::read_scene_of_problem(input, path)},
+                                options);
 }
 
 }  // namespace

@@ -251,7 +251,9 @@ FramedScene read_scene_of_problem(const Input& problem, const std::string& path)
   const Input scene = problem.at("scene");
   if (scene.is_text()) {
     const std::string file = (std::filesystem::path(directory_of(path)) / scene.text()).string();
-    return {value_named_by(scene, load_scene(file)), "", {path, file}};
+    FramedScene framed = value_named_by(scene, load_framed_scene(file));
+    framed.files = {path, file};
+    return framed;
   }
   if (!scene.is_map()) scene.fail_expecting("a scene, or the path of a scene file");
   return {read_scene(scene, name), "", {path}};
@@ -314,13 +316,28 @@ std::vector<double> read_velocity(const std::optional<Input>& input, const Robot
   return input ? read_joint_values(*input, robot) : std::vector<double>();
 }
 
+/// The frame that a scene file names for its objects, unless the header names one.
+std::optional<Transform> find_scene_frame(const ProblemInput& input, const Robot& robot) {
+  const std::string& frame = input.framed.frame;
+  if (frame.empty() || input.header.find("frame")) return std::nullopt;
+  const Input place = input.problem.find("scene").value_or(input.problem);
+  auto X_RF = find_fixed_link(robot, frame, place);
+  if (!X_RF) {
+    place.fail(ErrorCode::invalid,
+               "its objects are in frame \"{}\", which is no link of robot {}; name the link that "
+               "they are in under the key frame",
+               frame, robot.name());
+  }
+  return X_RF;
+}
+
 /// `allow(options)` returns the robot with allowed pairs of links.
 template <class Allow>
 Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOptions& options,
                   const Allow& allow) {
   check_robot_facts(input.problem, robot.robot);
   const Transform X_RF = read_frame(input.header, robot.robot);
-  Scene scene = moved(X_RF, input.scene);
+  Scene scene = moved(find_scene_frame(input, robot.robot).value_or(X_RF), input.framed.scene);
   InputFindings findings;
   std::vector<AttachedObject> attached = read_attached(
       input.problem.collecting(findings), input.spelling, input.directory, robot.robot);
@@ -337,7 +354,7 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
     robot.warnings.insert(robot.warnings.end(), more.begin(), more.end());
   };
   findings.append_to(robot.warnings);
-  add_notes(input.scene.warnings);
+  add_notes(input.framed.scene.warnings);
   add_notes(filter_own_points(read_self_filter(input.problem, options), robot.robot, start, scene));
   add_notes(describe_fixed_contacts(robot.robot, scene));
   add_notes(describe_far_obstacles(robot.robot, scene));
@@ -353,7 +370,7 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
   };
   problem.start_velocity = velocity("start_velocity", options.start_velocity);
   problem.end_velocity = velocity("end_velocity", options.end_velocity);
-  problem.files = input.files;
+  problem.files = input.framed.files;
   std::ranges::move(robot.files, std::back_inserter(problem.files));
   if (!take_goals(options, X_RF, problem)) {
     for (const Input& goal : find_goals(input.problem)) read_goal(goal, X_RF, problem);

@@ -83,9 +83,10 @@ struct ProblemInput {
   Input problem;
   std::string name;
   std::string directory;  ///< directory of the file
-  Scene scene;            ///< in the header's frame
+  /// In its own frame, or the header's if that names one. `files`: all that were read, except the
+  /// robot's.
+  FramedScene framed;
   ObstacleSpelling spelling = kSceneSpelling;
-  std::vector<std::string> files = {};  ///< files read, except the robot's
 };
 
 /// Returns the base directory of paths in the file `path`.

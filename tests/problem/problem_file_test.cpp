@@ -286,6 +286,28 @@ TEST_SUITE("unit") {
     CHECK(again.files == std::vector{compact, directory / "lifter.urdf"});
   }
 
+  TEST_CASE("objects of a scene file stand in the frame that it names") {
+    const TemporaryDirectory directory;
+    write_file(directory / "lifter.urdf", kLiftUrdf);
+    const auto load = [&](const std::string& frame, const std::string& own) {
+      write_file(directory / "scene.yaml",
+                 "world: {collision_objects: [{header: {frame_id: " + frame +
+                     "}, id: ball, operation: 0, primitives: [{type: 2, dimensions: [0.1]}], "
+                     "primitive_poses: [{position: {x: 1, y: 0, z: 0}, orientation: {w: 1}}]}]}\n");
+      write_file(directory / "p.yaml", "robot: lifter.urdf\ngroup: world:arm\n" + own +
+                                           "scene: scene.yaml\nstart: [0, 0]\ngoal: [0, 1]\n");
+      return load_problem(directory / "p.yaml").map([](const Problem& problem) {
+        return std::get<Sphere>(problem.scene.obstacles.at(0).shapes.at(0)).center;
+      });
+    };
+    CHECK((require(load("base", "")) - Vec3(0, 1, 0.5)).norm() < 1e-9);
+    CHECK((require(load("world", "")) - Vec3(1, 0, 0)).norm() < 1e-9);
+    CHECK((require(load("nowhere", "frame: base\n")) - Vec3(0, 1, 0.5)).norm() < 1e-9);
+    CHECK(contains(require_error(load("nowhere", "")).message,
+                   "its objects are in frame \"nowhere\", which is no link of robot lifter; name "
+                   "the link that they are in under the key frame"));
+  }
+
   TEST_CASE("a robot that is there already is taken instead of the one that the file names") {
     const TemporaryDirectory directory;
     const std::string path = directory / "p.yaml";
