@@ -5,6 +5,7 @@
 #include "mneme/benchmark.h"
 #include "mneme/pipeline.h"
 #include "mneme/report.h"
+#include "mneme/task_file.h"
 
 #include "commands.h"
 #include "console.h"

@@ -31,8 +31,14 @@ struct ShownObject {
 class TaskTracer {
  public:
   TaskTracer(const TaskResult& plan, const TaskMotion& motion, const RateLimits& limits,
-             const SolveSettings& planned, const TraceSettings& settings)
-      : plan_(plan), motion_(motion), limits_(limits), planned_(planned), settings_(settings) {}
+             const SolveSettings& planned, const TrajectoryOptions& timing,
+             const TraceSettings& settings)
+      : plan_(plan),
+        motion_(motion),
+        limits_(limits),
+        planned_(planned),
+        timing_(timing),
+        settings_(settings) {}
 
   Result<PlanTrace> trace() {
     std::vector<PlanTrace> stages;
@@ -80,7 +86,10 @@ class TaskTracer {
     settings.waypoints = std::max(2, settings.waypoints / static_cast<int>(plan_.stages.size()));
     const auto& timed = motion_.stages[i];
     const Problem& world = world_of(stage);
-    const RateLimits limits = stage.gripper ? MNEME_TRY(find_rate_limits(world.robot)) : limits_;
+    RateLimits limits = limits_;
+    if (stage.gripper) {
+      limits = MNEME_TRY(find_rate_limits(world.robot, timing_.settings, timing_.limits));
+    }
     return make_trace(world, solved, nullptr, 0, settings, {timed ? &*timed : nullptr, &limits});
   }
 
@@ -173,6 +182,7 @@ class TaskTracer {
   const TaskMotion& motion_;
   const RateLimits& limits_;
   const SolveSettings& planned_;
+  const TrajectoryOptions& timing_;
   const TraceSettings& settings_;
   std::map<std::string, ShownObject> objects_;
   PlanTrace whole_;
@@ -182,8 +192,8 @@ class TaskTracer {
 
 Result<PlanTrace> trace_task(const TaskResult& plan, const TaskMotion& motion,
                              const RateLimits& limits, const SolveSettings& planned,
-                             const TraceSettings& settings) {
-  return TaskTracer(plan, motion, limits, planned, settings).trace();
+                             const TrajectoryOptions& timing, const TraceSettings& settings) {
+  return TaskTracer(plan, motion, limits, planned, timing, settings).trace();
 }
 
 }  // namespace mneme::app

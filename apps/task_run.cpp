@@ -3,6 +3,7 @@
 #include "task_run.h"
 
 #include "mneme/report.h"
+#include "mneme/task_file.h"
 
 #include "console.h"
 #include "inputs.h"
@@ -95,8 +96,8 @@ Result<void> write_files(const TaskRunOptions& options, const Task& task, const 
   TraceSettings shown;
   shown.waypoints = 2 * shown.waypoints;
   shown.package_paths = options.robot.package_paths;
-  const PlanTrace trace =
-      MNEME_TRY(trace_task(result, motion, limits, options.settings.solve, shown));
+  const PlanTrace trace = MNEME_TRY(
+      trace_task(result, motion, limits, options.settings.solve, options.trajectory, shown));
   return to_page(to_json(trace), options.view).and_then([&](const std::string& page) {
     return write_file(options.view, page);
   });
@@ -116,8 +117,8 @@ Result<TimedTask> time_plan(const TaskRunOptions& options, const Task& task,
                             const TaskResult& result, const SolveSettings& settings) {
   RateLimits limits = MNEME_TRY(limits_of(options, task));
   for (const std::string& warning : limits.warnings) print_warning(warning);
-  TaskMotion motion =
-      MNEME_TRY(time_task(task, result, settings, limits, options.trajectory.settings));
+  TaskMotion motion = MNEME_TRY(time_task(task, result, settings, limits,
+                                          options.trajectory.settings, options.trajectory.limits));
   return TimedTask{std::move(motion), std::move(limits)};
 }
 

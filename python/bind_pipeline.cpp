@@ -22,15 +22,11 @@
 #include <pybind11/stl.h>
 
 namespace mneme::python {
-namespace {
 
-/// Empty for None.
 std::string file_name(const py::object& path) {
   if (path.is_none()) return {};
   return py::module_::import("os").attr("fsencode")(path).cast<std::string>();
 }
-
-}  // namespace
 
 TrajectorySettings read_trajectory_settings(std::string method, const py::object& dt,
                                             const py::kwargs& arguments,

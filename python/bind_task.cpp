@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "mneme/task.h"
+#include "mneme/task_file.h"
 
 #include "arrays.h"
 #include "bindings.h"
@@ -122,8 +123,9 @@ TimedPlan trajectory_of(const PlannedTask& plan, const py::object& dt, const py:
   }
   const Robot& robot = plan.task.robot;
   const RateLimits rates = find_limits(robot, timing, limits);
+  const std::string file = file_name(limits);
   const TaskMotion motion = unwrap(run_interruptible(
-      [&] { return time_task(plan.task, plan.result, plan.settings, rates, timing); }));
+      [&] { return time_task(plan.task, plan.result, plan.settings, rates, timing, file); }));
   return {robot, unwrap(motion.trajectory.sample(timing.dt)), stage_begins(plan.result, motion)};
 }
 

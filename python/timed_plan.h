@@ -28,6 +28,9 @@ struct TimedPlan {
                                                           const pybind11::kwargs& arguments,
                                                           TrajectorySettings timing = {});
 
+/// Returns the name of a file; empty for None.
+[[nodiscard]] std::string file_name(const pybind11::object& path);
+
 /// Returns the limits of a file, or of the URDF, and issues their warnings.
 [[nodiscard]] RateLimits find_limits(const Robot& robot, const TrajectorySettings& timing,
                                      const pybind11::object& limits);

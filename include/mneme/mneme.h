@@ -26,3 +26,4 @@
 #include "mneme/learning.h"
 #include "mneme/pipeline.h"
 #include "mneme/task.h"
+#include "mneme/task_file.h"

@@ -21,6 +21,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace mneme {
@@ -45,17 +46,18 @@ struct PoseChoice {
   std::vector<Transform> poses;
 };
 
+/// A configuration, or a region in the root link's frame.
+using MoveGoal = std::variant<Configuration, PoseGoal>;
+
 /// A stage of a task. Each kind uses the fields listed for it, and `name`.
 struct Stage {
   StageKind kind = StageKind::move;
   std::string name = {};  ///< empty: its kind and number
-  /// move: configurations to end at; any one of them. Without these and `poses`, a move ends where
-  /// the next line begins.
-  std::vector<Configuration> configurations = {};
+  /// move: any one of these to end at. Without these and `poses`, a move ends where the next line
+  /// begins.
+  std::vector<MoveGoal> goals = {};
   /// move, line: poses to end at; any one of them.
   PoseChoice poses = {};
-  /// move: regions to end in, in the root link's frame; any one of them.
-  std::vector<PoseGoal> regions = {};
   /// line: the link to move. Default: the last link of the group.
   std::string link = {};
   /// line: unit vector in the frame of `along`. A line with poses may leave it 0 where its first
@@ -83,7 +85,7 @@ struct Task {
   Scene scene = {};
   Configuration start = {};
   std::vector<Stage> stages;
-  std::vector<OrientationConstraint> constraints = {};  ///< hold in each move
+  std::vector<OrientationConstraint> constraints = {};  ///< hold in each move and line
   /// As Problem::start_velocity: the first stage is a move then.
   std::vector<double> start_velocity = {};
   std::vector<std::string> warnings = {};
@@ -153,8 +155,8 @@ struct StageResult {
                                          ///< never null
   Path path;  ///< from where the stage before ended; one configuration if nothing moves
   double path_time_s = 0;  ///< at the velocity limits of the URDF (path_time()) and its speed
-  int alternative = -1;    ///< index of the pose that was chosen; -1: the stage has no choice
-  int alternatives = 0;    ///< number of poses to choose from
+  int alternative = -1;    ///< index of the goal or pose that was chosen; -1: there is no choice
+  int alternatives = 0;    ///< number of goals and poses to choose from; goals count first
   std::vector<Dropped> dropped = {};
   std::uint64_t states_checked = 0;                   ///< for the path
   std::shared_ptr<const GripperMotion> gripper = {};  ///< null if no joint outside the group moves
@@ -183,18 +185,6 @@ struct TaskResult {
   [[nodiscard]] bool is_solved() const { return status == PlanStatus::solved; }
 };
 
-/// Reads a task file: a problem file with `stages` instead of goals (docs/tasks.md). Errors name
-/// file, line and key.
-[[nodiscard]] Result<Task> load_task(const std::string& path, const ProblemOptions& options = {});
-/// True for a YAML file with the key `stages`. False for a file that cannot be read.
-[[nodiscard]] bool is_task_file(const std::string& path);
-
-/// Reads a list of stages as YAML or JSON text, as the key `stages` of a task file; `source` names
-/// it in messages.
-[[nodiscard]] Result<std::vector<Stage>> parse_stages(const std::string& text,
-                                                      const std::string& source,
-                                                      const Robot& robot);
-
 /// Checks a task without planning. Errors: no stages; an unknown link, frame, object or joint; a
 /// line without length; an object that is attached twice or detached but not held; values out of
 /// range. The message names the stage.
@@ -218,19 +208,16 @@ struct TaskMotion {
 };
 /// Times the path of each stage within `limits`, velocities scaled by the stage's speed, and joins
 /// them by join_motions(). Stops where a stage attaches, detaches, moves a gripper or has
-/// Stage::stop, and where no blend is found. Precondition: `result` is a plan of `task`. Errors:
-/// those of parameterize().
+/// Stage::stop, and where no blend is found. Joints of grippers keep the limits of `limits_file`,
+/// as `find_rate_limits()` reads it. Precondition: `result` is a plan of `task`. Errors: those of
+/// parameterize() and find_rate_limits().
 [[nodiscard]] Result<TaskMotion> time_task(const Task& task, const TaskResult& result,
                                            const SolveSettings& settings, const RateLimits& limits,
-                                           const TrajectorySettings& timing = {});
+                                           const TrajectorySettings& timing = {},
+                                           const std::string& limits_file = {});
 
 /// Returns when each stage begins, with the motions of gripper stages.
 [[nodiscard]] std::vector<StageBegin> stage_begins(const TaskResult& result,
                                                    const TaskMotion& motion);
-
-/// Returns the plan as JSON: status, message, path times and counts, and per stage its kind, path,
-/// choice and dropped alternatives. With a `motion`, also its duration and when each stage begins.
-[[nodiscard]] std::string to_json(const Task& task, const TaskResult& result,
-                                  const TaskMotion* motion = nullptr);
 
 }  // namespace mneme

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/endpoints.h"
 
+#include "mneme/task_file.h"
+
 #include "base/fail.h"
 #include "base/text.h"
 #include "base/threads.h"

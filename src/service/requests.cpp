@@ -7,7 +7,7 @@
 #include "pipeline/settings_input.h"
 #include "problem/problem_input.h"
 #include "scene/scene_input.h"
-#include "task/task_input.h"
+#include "task_file/task_input.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -223,7 +223,7 @@ Problem read_problem_of_request(const Input& input, const ProblemOptions& option
   const std::string name = named ? named->text() : kSource;
   return read_problem_of(
       {"", context.robot, {}},
-      {input, input, name, "", read_scene_of_request(input, name, context), kRequestSpelling},
+      {input, input, name, "", {read_scene_of_request(input, name, context)}, kRequestSpelling},
       options);
 }
 

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <variant>
 
 namespace mneme::internal {
 namespace {
@@ -151,7 +152,7 @@ void Alternatives::list_alternatives() {
       link_ = at.poses.link;
       targets_ = link_targets(touched_->world, at.poses, run_.start_poses);
     }
-    count_ = static_cast<int>(at.configurations.size() + at.regions.size() + targets_.size());
+    count_ = static_cast<int>(at.goals.size() + targets_.size());
   }
   is_left_.assign(as_index(count_), 1);
 }
@@ -175,9 +176,11 @@ void Alternatives::drop_out_of_reach() {
   };
   if (!group_.anchor) return;
   const Robot& robot = touched_->world.robot;
-  const std::vector<Configuration>& goals = stage(*group_.anchor).configurations;
+  const std::vector<MoveGoal>& goals = stage(*group_.anchor).goals;
   for (std::size_t i = 0; i < goals.size(); ++i) {
-    if (auto flaw = robot.describe_violation(goals[i], "its goal")) drop_at(i, *std::move(flaw));
+    const auto* q = std::get_if<Configuration>(&goals[i]);
+    if (q == nullptr) continue;
+    if (auto flaw = robot.describe_violation(*q, "its goal")) drop_at(i, *std::move(flaw));
   }
   if (targets_.empty()) return;
   const Reach reach(robot, link_);
@@ -380,9 +383,8 @@ std::optional<Candidate> Alternatives::next() {
 
 /// The region or the pose of an alternative that is no configuration.
 PoseGoal Alternatives::goal_of(int alternative) const {
-  const Stage& at = stage(*group_.anchor);
   if (as_index(alternative) < first_target()) {
-    return at.regions[as_index(alternative) - at.configurations.size()];
+    return std::get<PoseGoal>(stage(*group_.anchor).goals[as_index(alternative)]);
   }
   return {.link = link_, .pose = targets_[as_index(alternative) - first_target()]};
 }
@@ -455,9 +457,9 @@ void Alternatives::drop_in_contact(int stage, const CollisionChecker& checker,
 void Alternatives::list_configurations(int alternative) {
   const auto add = [&](Configuration q) { pending_.emplace_back(alternative, std::move(q)); };
   if (!group_.anchor) return add(run_.task.start);
-  const Stage& at = stage(*group_.anchor);
-  if (as_index(alternative) < at.configurations.size()) {
-    return add(at.configurations[as_index(alternative)]);
+  if (as_index(alternative) < first_target()) {
+    const MoveGoal& goal = stage(*group_.anchor).goals[as_index(alternative)];
+    if (const auto* q = std::get_if<Configuration>(&goal)) return add(*q);
   }
   for (Configuration& q : solve_kinematics(alternative)) add(std::move(q));
 }

@@ -17,6 +17,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace mneme {
@@ -109,10 +110,18 @@ class TaskCheck {
 
   /// Refuses goals that are no configurations, and goals beyond limits if there are no others: the
   /// search drops these.
-  Result<void> check_configurations(const Stage& stage) const {
-    bool has_other = !stage.regions.empty() || !stage.poses.poses.empty();
+  Result<void> check_goals(const Stage& stage) const {
+    bool has_other = !stage.poses.poses.empty();
     std::optional<std::string> first;
-    for (const Configuration& q : stage.configurations) {
+    for (const MoveGoal& goal : stage.goals) {
+      if (const auto* region = std::get_if<PoseGoal>(&goal)) {
+        if (const auto fault = describe_fault(task_.robot, *region)) {
+          return fail(ErrorCode::invalid, *fault);
+        }
+        has_other = true;
+        continue;
+      }
+      const Configuration& q = std::get<Configuration>(goal);
       const auto violation = task_.robot.describe_violation(q, "its goal");
       const bool is_number_per_joint =
           std::ssize(q) == task_.robot.joint_count() &&
@@ -126,12 +135,7 @@ class TaskCheck {
   }
 
   Result<void> check_move(const Stage& stage) const {
-    MNEME_TRY(check_configurations(stage));
-    for (const PoseGoal& region : stage.regions) {
-      if (const auto fault = describe_fault(task_.robot, region)) {
-        return fail(ErrorCode::invalid, *fault);
-      }
-    }
+    MNEME_TRY(check_goals(stage));
     for (const OrientationConstraint& constraint : stage.constraints) {
       if (const auto fault = describe_fault(task_.robot, constraint)) {
         return fail(ErrorCode::invalid, *fault);
@@ -196,6 +200,10 @@ class TaskCheck {
     MNEME_TRY(check_link(stage.carrier, "the link that takes an object"));
     for (const std::string& link : stage.may_touch)
       MNEME_TRY(check_link(link, "a link that may touch"));
+    if (links_.contains(stage.object)) {
+      return fail(ErrorCode::invalid, "object '{}' has the name of a link: rename the obstacle",
+                  stage.object);
+    }
     if (held_.contains(stage.object)) {
       return fail(ErrorCode::invalid, "object '{}' is held by link '{}' already; detach it first",
                   stage.object, held_.at(stage.object));

@@ -56,8 +56,7 @@ bool DropCounts::wants_what(int stage, DropReason reason) const {
 }
 
 int count_alternatives(const Stage& stage) {
-  return static_cast<int>(stage.configurations.size() + stage.regions.size() +
-                          stage.poses.poses.size());
+  return static_cast<int>(stage.goals.size() + stage.poses.poses.size());
 }
 
 std::string describe_drops(const Task& task, const Group& group, const DropCounts& drops) {

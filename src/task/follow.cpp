@@ -7,6 +7,7 @@
 
 #include "base/as_index.h"
 #include "base/threads.h"
+#include "check/cones.h"
 #include "line/floating_body.h"
 #include "pipeline/end_exit.h"
 #include "planning/end_contacts.h"
@@ -15,7 +16,9 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
+#include <vector>
 
 namespace mneme::internal {
 namespace {
@@ -160,6 +163,22 @@ tl::expected<FollowedLine, Failure> follow_out_of_contact(TaskRun& run,
   return tl::unexpected(std::move(failure));
 }
 
+/// Why the path leaves a cone of the task; nothing if it keeps all.
+std::optional<Failure> find_tilt(const Task& task, const Robot& robot, const Path& path) {
+  for (const OrientationConstraint& constraint : task.constraints) {
+    const Cones cones(robot, {&constraint, 1});
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      const std::vector<float> from(path[i - 1].begin(), path[i - 1].end());
+      const std::vector<float> to(path[i].begin(), path[i].end());
+      if (cones.contain_motion(from, to, {})) continue;
+      return Failure{DropReason::line,
+                     fmt::format("link '{}' leans more than the {:.3g} rad of its constraint",
+                                 constraint.link, constraint.angle)};
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 bool may_stand(TaskRun& run, const CheckedWorldPtr& world, const Configuration& q) {
@@ -181,7 +200,11 @@ tl::expected<FollowedLine, Failure> follow_line(TaskRun& run, const CheckedWorld
   } else {
     followed = follow_out_of_contact(run, world, line);
   }
-  if (followed && !line.is_start) std::ranges::reverse(followed->path);
+  if (!followed) return followed;
+  if (auto tilted = find_tilt(run.task, world->world.robot, followed->path)) {
+    return tl::unexpected(*std::move(tilted));
+  }
+  if (!line.is_start) std::ranges::reverse(followed->path);
   return followed;
 }
 

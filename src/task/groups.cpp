@@ -76,8 +76,7 @@ std::string stage_name(const Task& task, int stage) {
 }
 
 bool leads_to_line(const Stage& stage) {
-  return stage.kind == StageKind::move && stage.configurations.empty() && stage.regions.empty() &&
-         stage.poses.poses.empty();
+  return stage.kind == StageKind::move && stage.goals.empty() && stage.poses.poses.empty();
 }
 
 Result<std::vector<Group>> make_groups(const Task& task) {

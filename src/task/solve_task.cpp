@@ -417,12 +417,14 @@ void TaskSearch::add_stages(TaskResult& result) const {
         result.notes.push_back(fmt::format("stage '{}' ends in contact: {}", stage.name, touch));
       }
       const CheckedWorld& world = *local.world;
-      stage.world = std::make_shared<const Problem>(Problem{.name = task.name,
-                                                            .robot = world.world.robot,
-                                                            .robot_path = task.robot_path,
-                                                            .scene = world.checker.scene(),
-                                                            .start = stage.path.front(),
-                                                            .goals = {stage.path.back()}});
+      Problem problem{.name = task.name,
+                      .robot = world.world.robot,
+                      .robot_path = task.robot_path,
+                      .scene = world.checker.scene(),
+                      .start = stage.path.front(),
+                      .goals = {stage.path.back()}};
+      if (stage.kind == StageKind::line) problem.constraints = task.constraints;
+      stage.world = std::make_shared<const Problem>(std::move(problem));
       add_stage(std::move(stage), local.stage, result);
     }
   }

@@ -4,12 +4,12 @@
 
 #include "pipeline/trajectory_checker.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <deque>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace mneme {
 namespace {
@@ -17,33 +17,13 @@ namespace {
 /// Radians of L2 joint distance by which a timed line may leave its path.
 constexpr double kLineTolerance = 2e-4;
 
-using Json = nlohmann::ordered_json;
-
-Json dropped_json(const std::vector<Dropped>& all) {
-  Json list = Json::array();
-  for (const Dropped& dropped : all) {
-    list.push_back(
-        {{"reason", to_string(dropped.reason)}, {"count", dropped.count}, {"what", dropped.what}});
-  }
-  return list;
-}
-
 /// The fingers move as fast as their own limits allow.
 Result<Trajectory> time_gripper(const GripperMotion& gripper, const SolveSettings& settings,
-                                const TrajectorySettings& timing, double speed) {
-  RateLimits limits = MNEME_TRY(find_rate_limits(gripper.world->robot, timing));
+                                const TrajectorySettings& timing, const std::string& limits_file,
+                                double speed) {
+  RateLimits limits = MNEME_TRY(find_rate_limits(gripper.world->robot, timing, limits_file));
   for (double& value : limits.velocity) value *= speed;
   return make_trajectory(*gripper.world, settings, gripper.path, limits, timing);
-}
-
-Json gripper_json(const GripperMotion& gripper) {
-  Json json = Json::object();
-  const std::vector<std::string> names = gripper.world->robot.joint_names();
-  const Configuration &from = gripper.path.front(), &to = gripper.path.back();
-  for (std::size_t j = 0; j < names.size(); ++j) {
-    if (from[j] != to[j]) json[names[j]] = {from[j], to[j]};
-  }
-  return json;
 }
 
 std::vector<FingerMotion> fingers_of(const GripperMotion& gripper, const Trajectory& motion) {
@@ -61,6 +41,7 @@ struct MovingStages {
   const SolveSettings& settings;
   const RateLimits& limits;
   const TrajectorySettings& timing;
+  const std::string& limits_file;
   // Parts refer to verifiers, and these to checkers.
   std::deque<internal::TrajectoryChecker> checkers = {};
   std::deque<MotionVerifier> verifiers = {};
@@ -75,7 +56,8 @@ struct MovingStages {
                               stage.kind == StageKind::gripper;
     if (changes_hand && !parts.empty()) parts.back().stops = true;
     if (planned.gripper) {
-      Trajectory motion = MNEME_TRY(time_gripper(*planned.gripper, settings, timing, stage.speed));
+      Trajectory motion =
+          MNEME_TRY(time_gripper(*planned.gripper, settings, timing, limits_file, stage.speed));
       const Configuration& q = planned.path.back();
       // The group rests meanwhile.
       parts.push_back({Trajectory({{0, q}}, q, motion.duration_s()), limits, nullptr, true});
@@ -125,8 +107,8 @@ struct MovingStages {
 
 Result<TaskMotion> time_task(const Task& task, const TaskResult& result,
                              const SolveSettings& settings, const RateLimits& limits,
-                             const TrajectorySettings& timing) {
-  MovingStages moving{settings, limits, timing};
+                             const TrajectorySettings& timing, const std::string& limits_file) {
+  MovingStages moving{settings, limits, timing, limits_file};
   for (std::size_t i = 0; i < result.stages.size(); ++i) {
     MNEME_TRY(moving.add(task.stages[i], result.stages[i]));
   }
@@ -141,39 +123,6 @@ std::vector<StageBegin> stage_begins(const TaskResult& result, const TaskMotion&
     if (stage.gripper) stages.back().fingers = fingers_of(*stage.gripper, *motion.stages[i]);
   }
   return stages;
-}
-
-std::string to_json(const Task& task, const TaskResult& result, const TaskMotion* motion) {
-  Json stages = Json::array();
-  for (std::size_t i = 0; i < result.stages.size(); ++i) {
-    const StageResult& stage = result.stages[i];
-    Json one{
-        {"name", stage.name}, {"kind", to_string(stage.kind)}, {"path_time_s", stage.path_time_s}};
-    if (motion != nullptr) one["begin_s"] = motion->begins_s[i];
-    if (stage.alternatives > 0) one["alternatives"] = stage.alternatives;
-    if (stage.alternative >= 0) one["alternative"] = stage.alternative;
-    one["dropped"] = dropped_json(stage.dropped);
-    one["states_checked"] = stage.states_checked;
-    one["path"] = stage.path;
-    if (stage.gripper) one["gripper"] = gripper_json(*stage.gripper);
-    stages.push_back(std::move(one));
-  }
-  Json json{{"task", task.name},
-            {"status", to_string(result.status)},
-            {"message", result.message},
-            {"path_time_s", result.path_time_s},
-            {"first_path_time_s", result.first_path_time_s},
-            {"preparation_time_s", result.preparation_time_s},
-            {"first_plan_time_s", result.first_plan_time_s},
-            {"total_time_s", result.total_time_s},
-            {"states_checked", result.states_checked},
-            {"plans", result.plans},
-            {"remembered_rows", result.remembered_rows},
-            {"stages", stages},
-            {"notes", result.notes}};
-  if (motion != nullptr) json["duration_s"] = motion->trajectory.duration_s();
-  // Names may hold bytes that are not UTF-8.
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace mneme

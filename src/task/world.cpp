@@ -64,6 +64,11 @@ Result<World> attached(const World& world, const Stage& stage, const Configurati
   const Obstacle* obstacle = world.scene.find(stage.object);
   const Transform X_WL = world.robot.link_poses(q)[as_index(*world.robot.find_link(stage.carrier))];
   AttachedObject object{stage.object, stage.carrier, {}, {}, stage.may_touch};
+  // Contact of the obstacle that was allowed stays so.
+  for (const std::string& name : obstacle->may_touch) {
+    const bool is_new = std::ranges::count(object.may_touch, name) == 0;
+    if (is_new && world.robot.find_link(name)) object.may_touch.push_back(name);
+  }
   for (const Shape& shape : obstacle->shapes) {
     object.shapes.push_back(transformed(X_WL.inverse(), shape));
   }

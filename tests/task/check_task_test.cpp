@@ -77,42 +77,19 @@ TEST_SUITE("unit") {
     fails("{gripper: 0.02}", "expected values by joint, or the name of a state");
   }
 
+  TEST_CASE("an obstacle with the name of a link cannot be attached") {
+    const Error error = require_error(try_task(replaced(kCell, "name: cup", "name: panda_link3") +
+                                               stages("{attach: panda_link3}")));
+    CHECK(contains(error.message,
+                   "object 'panda_link3' has the name of a link: rename the obstacle"));
+  }
+
   TEST_CASE("a message quotes begin and end of a long name") {
     const std::string name(100'000, 'x');
     const std::string message = load_failure(stages("{detach: " + name + "}"));
     CHECK(contains(message, "expected a held object to detach, got 'xxx"));
     CHECK(contains(message, "xxx'; held is nothing"));
     CHECK(message.size() < 5000);
-  }
-
-  TEST_CASE("turns in degrees are refused") {
-    const std::string message = load_failure(
-        stages("{move: {link: panda_hand, to: {vary: [{turn: z, from: -180, to: 180, count: "
-               "9}]}}}"));
-    CHECK_MESSAGE(contains(message,
-                           "turns from -180 to 180 go beyond a whole turn: expected radians; "
-                           "degrees are -3.1416 to 3.1416 rad"),
-                  message);
-  }
-
-  TEST_CASE("alternatives are the product of turns and shifts") {
-    const Task task =
-        make_task(kCell + stages("{move: {link: panda_hand, to: {position: [0.5, 0, "
-                                 "0.5], vary: [{turn: z, from: 0, to: 1.5707963, "
-                                 "count: 2}, {shift: x, from: 0, to: 0.2, count: 3}]}}}"));
-    const std::vector<Transform>& poses = task.stages[0].poses.poses;
-    REQUIRE(poses.size() == 6);
-    CHECK((poses[2].translation - Vec3(0.7, 0, 0.5)).norm() < 1e-6);
-    CHECK((poses[5].translation - Vec3(0, 0.7, 0.5)).norm() < 1e-6);
-  }
-
-  TEST_CASE("a task file is told from a problem file by its stages") {
-    const TemporaryDirectory directory;
-    write_file(directory / "task.yaml", kCell + stages("{detach: cup}"));
-    write_file(directory / "problem.yaml", kCell + "goal: [0, 0, 0, 0, 0, 0, 0]\n# stages\n");
-    CHECK(is_task_file(directory / "task.yaml"));
-    CHECK_FALSE(is_task_file(directory / "problem.yaml"));
-    CHECK_FALSE(is_task_file(directory / "missing.yaml"));
   }
 }
 

@@ -4,7 +4,7 @@
 /// Tasks of a Panda at a table with a cup.
 #pragma once
 
-#include "mneme/task.h"
+#include "mneme/task_file.h"
 
 #include "support/support.h"
 

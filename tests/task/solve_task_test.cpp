@@ -410,6 +410,38 @@ TEST_SUITE("flow") {
     CHECK(result.status == PlanStatus::invalid_goal);
     CHECK(result.message.find("stage 'line 1': no straight line (") == 0);
   }
+
+  TEST_CASE("lines keep the task's constraints") {
+    // The line tilts the hand by 0.4 rad about y.
+    const std::string tilt =
+        "stages: [{line: {link: panda_hand, to: {position: [0.4, 0, 0.5], quat_xyzw: [0.98006658, "
+        "0, "
+        "-0.19866933, 0]}}}]\n";
+    CHECK(solved(make_task(kCell + tilt)).is_solved());
+    const auto constrained = [&](double angle) {
+      return solved(make_task(kCell + "constraints: [{link: panda_hand, axis: [0, 0, -1], angle: " +
+                              std::to_string(angle) + "}]\n" + tilt));
+    };
+    CHECK(constrained(0.5).is_solved());
+    const TaskResult result = constrained(0.2);
+    CHECK(result.status == PlanStatus::invalid_goal);
+    CHECK_MESSAGE(
+        contains(result.message, "link 'panda_hand' leans more than the 0.2 rad of its constraint"),
+        result.message);
+  }
+
+  TEST_CASE("the goal that was reached is counted in the order of the file") {
+    const std::string pose = "{link: panda_hand, position: [0.4, 0, 0.5], quat_xyzw: [1, 0, 0, 0]}",
+                      beyond = "[0, 3, 0, -2, 0, 1, 0]";
+    for (const int reached : {0, 1}) {
+      const std::string goals = reached == 0 ? pose + ", " + beyond : beyond + ", " + pose;
+      const TaskResult result =
+          solved(make_task(kCell + "stages: [{move: {any: [" + goals + "]}}]\n"));
+      REQUIRE_MESSAGE(result.is_solved(), result.message);
+      CHECK(result.stages[0].alternatives == 2);
+      CHECK(result.stages[0].alternative == reached);
+    }
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace mneme::test {
@@ -54,6 +55,11 @@ TEST_SUITE("unit") {
     for (double time = 0; time < motion.begins_s[1]; time += 1e-3) {
       CHECK(motion.trajectory.at(time).position == task.start);
       CHECK(motion.stages[0]->at(time).velocity[2] <= 1);
+    }
+    write_file(directory / "limits.yaml", "joint_limits: {grip: {max_velocity: 0.01}}\n");
+    const auto slow = require(time_task(task, result, {}, limits, {}, directory / "limits.yaml"));
+    for (double time = 0; time < slow.begins_s[1]; time += 1e-3) {
+      CHECK(std::abs(slow.stages[0]->at(time).velocity[2]) <= 0.01 * (1 + 1e-9));
     }
     const Robot& robot = result.stages[1].world->robot;
     const auto grip = std::ranges::find(robot.joints(), "grip", &Joint::name);
@@ -244,6 +250,16 @@ TEST_SUITE("unit") {
     CHECK((left.poses.at("cup").translation - expected.translation).norm() < 1e-9);
     const auto& cup = *std::get_if<Cylinder>(&left.scene.find("cup")->shapes.front());
     CHECK((cup.pose.translation - expected.translation).norm() < 1e-9);
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("contact that is allowed with an obstacle stays allowed once it is held") {
+    const Task task = make_task(kCell + "stages: [{allow: [[panda_link5, cup]]}, {attach: cup}]\n");
+    const World world = internal::first_world(task);
+    const auto allowed = require(internal::after_stage(world, task.stages[0], task.start));
+    const auto held = require(internal::after_stage(allowed, task.stages[1], task.start));
+    CHECK(held.robot.attached()[0].object.may_touch == std::vector<std::string>{"panda_link5"});
   }
 }
 

@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "task/task_input.h"
+#include "task_file/task_input.h"
 
 #include "mneme/goal.h"
+#include "mneme/task_file.h"
 
 #include "base/as_index.h"
 #include "base/fail.h"
@@ -17,6 +18,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -131,6 +133,9 @@ class StageReader {
   StageReader(const Robot& robot, const Transform& X_RF) : robot_(robot), X_RF_(X_RF) {
     const std::vector<std::string> tips = find_tips(robot.without_attached());
     if (tips.size() == 1) tip_ = tips.front();
+    for (const ApproximatedObject& each : robot.attached()) {
+      carriers_[each.object.name] = each.object.link;
+    }
   }
 
   Stage read(const Input& input) {
@@ -234,8 +239,8 @@ class StageReader {
     Problem scratch{.robot = robot_,
                     .start = Configuration(static_cast<std::size_t>(robot_.joint_count()))};
     read_goal(input, X_RF_, scratch);
-    for (Configuration& q : scratch.goals) stage.configurations.push_back(std::move(q));
-    for (PoseGoal& goal : scratch.pose_goals) stage.regions.push_back(std::move(goal));
+    std::ranges::move(scratch.goals, std::back_inserter(stage.goals));
+    std::ranges::move(scratch.pose_goals, std::back_inserter(stage.goals));
   }
 
   void read_line(const Input& input, Stage& stage) {
@@ -334,13 +339,11 @@ Task read_task(const std::string& path, const ProblemOptions& options) {
                     "start", "start_velocity", "allow", "attached", "constraints", "self_filter",
                     "stages"});
   const std::string name = input.text_or("name", std::filesystem::path(path).stem().string());
-  FramedScene scene = read_scene_of_problem(input, path);
   // Stages take the place of the goals.
   ProblemOptions without_goal = options;
   without_goal.goal = Configuration();
-  Problem problem = read_problem({input, input, name, directory_of(path), std::move(scene.scene),
-                                  kSceneSpelling, std::move(scene.files)},
-                                 without_goal);
+  Problem problem = read_problem(
+      {input, input, name, directory_of(path), read_scene_of_problem(input, path)}, without_goal);
   Task task{name,
             std::move(problem.robot),
             std::move(problem.robot_path),
