@@ -40,8 +40,16 @@ struct ConvertOptions {
   std::string frame;
 };
 
+/// extract_scene() that prints the scene's warnings.
+Result<FramedScene> extract(const std::string& where) {
+  Result<FramedScene> scene = extract_scene(where);
+  if (!scene) return scene;
+  for (const std::string& warning : scene->scene.warnings) print_warning(warning);
+  return scene;
+}
+
 Result<FramedScene> read_scene(const ConvertOptions& options) {
-  Result<FramedScene> scene = extract_scene(options.input);
+  Result<FramedScene> scene = extract(options.input);
   if (!scene || options.robot.empty()) return scene;
   const Robot robot = MNEME_TRY(load_named_robot(options.robot, options.robot_options));
   return in_root_frame(*scene, robot).map([&](Scene moved) {
@@ -104,7 +112,7 @@ Result<std::string> write_one(const VaryOptions& options, const FramedScene& nom
 }
 
 Result<ExitCode> run_vary(const VaryOptions& options) {
-  const FramedScene nominal = MNEME_TRY(extract_scene(options.nominal));
+  const FramedScene nominal = MNEME_TRY(extract(options.nominal));
   const Variations variations = MNEME_TRY(load_variations(options.variations));
   MNEME_TRY(make_directory(options.output));
   std::vector<std::string> files;
