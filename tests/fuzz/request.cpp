@@ -14,7 +14,7 @@
 namespace mneme::fuzz {
 namespace {
 
-constexpr internal::RequestLimits kLimits = {.head_bytes = 4096, .body_bytes = 4096};
+constexpr internal::RequestLimits kLimits = {.head_bytes = 512, .body_bytes = 512};
 
 /// Reads the requests of what arrives in pieces of `step` bytes. After a chunk extension with an
 /// open quotation Beast may wait for more or refuse; neither is a request.
