@@ -22,6 +22,8 @@ constexpr int kSolutions = 10;  ///< of inverse kinematics, to rate
 constexpr int kImprovements = 12;
 constexpr std::uint64_t kPlanIterations = 4000;
 constexpr double kNever = 1e6;
+/// Rating that a radian between start and goal costs: motions to far branches take longer.
+constexpr double kDetour = 1.5;
 /// Branches closer than this are the same, radians.
 constexpr double kSameBranch = 0.02, kSameSolution = 0.1;
 /// Boxes of less than this share of the region get fewer seeds.
@@ -335,7 +337,7 @@ class Examination {
     for (const Configuration& solution : found.solutions) {
       JointVector q = to_vector(solution);
       if (!e_.chain().reach(goal.pose, e_.chain().response(q), 10, 1e-8, q)) continue;
-      if (e_.chain().keeps_limits(q)) candidates.push_back({e_.fitter_->rate(box_, q), q, 0});
+      if (e_.chain().keeps_limits(q)) candidates.push_back({rate(q), q, 0});
     }
     const auto is_better = [](const Candidate& a, const Candidate& b) {
       return a.rating > b.rating;
@@ -345,6 +347,11 @@ class Examination {
     for (Candidate& candidate : candidates) improve(goal.pose, candidate);
     std::ranges::stable_sort(candidates, is_better);
     return candidates;
+  }
+
+  /// Larger is better.
+  [[nodiscard]] double rate(const JointVector& q) const {
+    return e_.fitter_->rate(box_, q) - kDetour * (q - to_vector(e_.start_)).norm();
   }
 
   [[nodiscard]] bool is_clear(const JointVector& q, std::size_t level) const {
@@ -367,7 +374,7 @@ class Examination {
       JointVector q = candidate.q + along;
       step *= 0.85;
       if (!e_.chain().reach(pose, response, 6, 1e-8, q) || !e_.chain().keeps_limits(q)) continue;
-      const double rating = e_.fitter_->rate(box_, q);
+      const double rating = rate(q);
       if (rating <= candidate.rating || !is_clear(q, candidate.level)) continue;
       candidate.q = q;
       candidate.rating = rating;

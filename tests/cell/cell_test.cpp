@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "mneme/pipeline.h"
+
 #include "cell/cell_data.h"
 #include "cell/cells.h"
 #include "cell/split_tree.h"
@@ -254,6 +256,36 @@ TEST_SUITE("flow") {
       REQUIRE(there.tier == CellTier::certified);
       CHECK(there.box == jump.next);
     }
+  }
+
+  TEST_CASE("a cell prefers branches near the start, as plans do") {
+    const TemporaryDirectory directory;
+    const CellRegion region =
+        require_region(directory, region_text("{x: 0.08, y: 0.1, z: 0.02, yaw: 0.4}", "", 5));
+    const Cell cell = require_cell(region, 200);
+    const auto length = [&](const Path& path) {
+      double sum = 0;
+      for (std::size_t i = 1; i < path.size(); ++i) {
+        sum += region.problem.robot.distance(path[i - 1], path[i]);
+      }
+      return sum;
+    };
+    Rng rng(1);
+    double of_cell = 0, of_plans = 0;
+    for (int i = 0; i < 20; ++i) {
+      const CellTask task = random_task_of(region, rng);
+      CellAnswer answer;
+      cell.look_up(task, answer);
+      if (answer.tier != CellTier::certified) continue;
+      Problem problem = region.problem;
+      problem.goals.clear();
+      problem.pose_goals = {region.middle()};
+      problem.pose_goals[0].pose = link_pose(region, task);
+      of_cell += length(answer.path);
+      of_plans += length(require(solve(problem, nullptr, {})).plan.path);
+    }
+    REQUIRE(of_plans > 0);
+    CHECK(of_cell < 1.7 * of_plans);
   }
 
   TEST_CASE("a cell depends on its settings, not on threads") {
