@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mneme::internal {
 namespace {
@@ -24,6 +25,9 @@ constexpr std::uint64_t kPlanIterations = 4000;
 constexpr double kNever = 1e6;
 /// Rating that a radian between start and goal costs: motions to far branches take longer.
 constexpr double kDetour = 1.5;
+/// Boxes of more than this share of the region leave out branches that are farther from the start
+/// than the nearest one, by this factor and so many radians: near branches serve parts of the box.
+constexpr double kLargeShare = 0.02, kFarther = 1.3, kLittleFarther = 0.3;
 /// Branches closer than this are the same, radians.
 constexpr double kSameBranch = 0.02, kSameSolution = 0.1;
 /// Boxes of less than this share of the region get fewer seeds.
@@ -345,13 +349,28 @@ class Examination {
     std::ranges::stable_sort(candidates, is_better);
     if (candidates.size() > kSolutions) candidates.resize(kSolutions);
     for (Candidate& candidate : candidates) improve(goal.pose, candidate);
+    if (open_.share > kLargeShare) drop_far(candidates);
     std::ranges::stable_sort(candidates, is_better);
     return candidates;
   }
 
+  [[nodiscard]] double distance_from_start(const JointVector& q) const {
+    return (q - to_vector(e_.start_)).norm();
+  }
+
   /// Larger is better.
   [[nodiscard]] double rate(const JointVector& q) const {
-    return e_.fitter_->rate(box_, q) - kDetour * (q - to_vector(e_.start_)).norm();
+    return e_.fitter_->rate(box_, q) - kDetour * distance_from_start(q);
+  }
+
+  void drop_far(std::vector<Candidate>& candidates) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Candidate& candidate : candidates) {
+      nearest = std::min(nearest, distance_from_start(candidate.q));
+    }
+    std::erase_if(candidates, [&](const Candidate& candidate) {
+      return distance_from_start(candidate.q) > kFarther * nearest + kLittleFarther;
+    });
   }
 
   [[nodiscard]] bool is_clear(const JointVector& q, std::size_t level) const {
