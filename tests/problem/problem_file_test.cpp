@@ -293,7 +293,8 @@ TEST_SUITE("unit") {
       write_file(directory / "scene.yaml",
                  "world: {collision_objects: [{header: {frame_id: " + frame +
                      "}, id: ball, operation: 0, primitives: [{type: 2, dimensions: [0.1]}], "
-                     "primitive_poses: [{position: {x: 1, y: 0, z: 0}, orientation: {w: 1}}]}]}\n");
+                     "primitive_poses: [{position: {x: 1, y: 0, z: 0}, orientation: {x: 0, y: 0, "
+                     "z: 0, w: 1}}]}]}\n");
       write_file(directory / "p.yaml", "robot: lifter.urdf\ngroup: world:arm\n" + own +
                                            "scene: scene.yaml\nstart: [0, 0]\ngoal: [0, 1]\n");
       return load_problem(directory / "p.yaml").map([](const Problem& problem) {
