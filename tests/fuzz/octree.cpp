@@ -8,7 +8,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const auto cubes = mneme::internal::parse_octree(mneme::fuzz::as_text(data, size),
                                                      {is_unknown_occupied}, "fuzz.bt");
     mneme::fuzz::expect_message(cubes);
-    if (cubes && cubes->empty()) std::abort();
   }
   return 0;
 }
