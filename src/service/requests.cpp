@@ -313,27 +313,13 @@ TaskRequest read_task(const Input& input, std::string_view query, const RequestC
   // Stages take the place of the goals.
   ProblemOptions options;
   options.goal = Configuration();
-  Problem problem = read_problem_of_request(input, options, context);
+  Task task = read_task_of(read_problem_of_request(input, options, context), input);
   // Read before: g++ 12 destroys what is within inner braces twice if what follows throws.
   std::optional<TrajectorySettings> timing = read_timing(input);
-  TaskRequest request{{std::move(problem.name),
-                       std::move(problem.robot),
-                       std::move(problem.robot_path),
-                       std::move(problem.scene),
-                       std::move(problem.start),
-                       {},
-                       std::move(problem.constraints),
-                       std::move(problem.start_velocity),
-                       std::move(problem.warnings)},
-                      {},
-                      std::move(timing)};
+  TaskRequest request{std::move(task), {}, std::move(timing)};
   request.settings.solve = read_settings(input, context, &request.settings);
   read_query(query, request.timing);
   request.may_remember = read_switch(input, "remember", true);
-  Task& task = request.task;
-  const Input stages = input.at("stages");
-  task.stages = read_stages(stages, task.robot, read_frame(input, context.robot));
-  check_stages(stages, task);
   return request;
 }
 

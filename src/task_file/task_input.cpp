@@ -331,37 +331,7 @@ class StageReader {
   std::map<std::string, std::string> carriers_;  ///< by object
 };
 
-Task read_task(const std::string& path, const ProblemOptions& options) {
-  const auto text = value_or_throw(read_text_file(path));
-  const InputValue value = parse_yaml(text, path);
-  const Input input(value, path);
-  input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
-                    "start", "start_velocity", "allow", "attached", "constraints", "self_filter",
-                    "stages"});
-  const std::string name = input.text_or("name", std::filesystem::path(path).stem().string());
-  // Stages take the place of the goals.
-  ProblemOptions without_goal = options;
-  without_goal.goal = Configuration();
-  Problem problem = read_problem(
-      {input, input, name, directory_of(path), read_scene_of_problem(input, path)}, without_goal);
-  Task task{name,
-            std::move(problem.robot),
-            std::move(problem.robot_path),
-            std::move(problem.scene),
-            std::move(problem.start),
-            {},
-            std::move(problem.constraints),
-            std::move(problem.start_velocity),
-            std::move(problem.warnings),
-            std::move(problem.files)};
-  const Input stages = input.at("stages");
-  task.stages = read_stages(stages, task.robot, read_frame(input, task.robot));
-  check_stages(stages, task);
-  return task;
-}
-
-}  // namespace
-
+/// `X_RF`: frame of poses without a frame, in the root link's frame.
 std::vector<Stage> read_stages(const Input& list, const Robot& robot, const Transform& X_RF) {
   StageReader reader(robot, X_RF);
   std::vector<Stage> stages;
@@ -376,10 +346,37 @@ std::vector<Stage> read_stages(const Input& list, const Robot& robot, const Tran
   return stages;
 }
 
-void check_stages(const Input& list, const Task& task) {
+Task read_task(const std::string& path, const ProblemOptions& options) {
+  const auto text = value_or_throw(read_text_file(path));
+  const InputValue value = parse_yaml(text, path);
+  const Input input(value, path);
+  input.allow_keys({"name", "robot", "srdf", "group", "joints", "fixed_joints", "frame", "scene",
+                    "start", "start_velocity", "allow", "attached", "constraints", "self_filter",
+                    "stages"});
+  const std::string name = input.text_or("name", std::filesystem::path(path).stem().string());
+  // Stages take the place of the goals.
+  ProblemOptions without_goal = options;
+  without_goal.goal = Configuration();
+  return read_task_of(
+      read_problem({input, input, name, directory_of(path), read_scene_of_problem(input, path)},
+                   without_goal),
+      input);
+}
+
+}  // namespace
+
+Task read_task_of(Problem problem, const Input& input) {
+  Task task{std::move(problem.name),        std::move(problem.robot),
+            std::move(problem.robot_path),  std::move(problem.scene),
+            std::move(problem.start),       {},
+            std::move(problem.constraints), std::move(problem.start_velocity),
+            std::move(problem.warnings),    std::move(problem.files)};
+  const Input list = input.at("stages");
+  task.stages = read_stages(list, task.robot, read_frame(input, task.robot));
   if (const auto checked = check_task(task); !checked) {
     list.fail(checked.error().code, checked.error().message);
   }
+  return task;
 }
 
 }  // namespace internal
