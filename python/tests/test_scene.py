@@ -267,6 +267,20 @@ def test_points_of_the_robot_itself_are_dropped(tmp_path):
     assert raised(mneme.drop_own_points, scene, robot, np.zeros(8), -1)[0] == "invalid"
 
 
+def test_objects_of_a_planning_scene_stand_in_its_frame(tmp_path):
+    path = tmp_path / "world.yaml"
+    path.write_text(
+        "world: {collision_objects: [{header: {frame_id: panda_link0}, id: a, operation: 0, primitives: "
+        "[{type: 2, dimensions: [0.1]}], primitive_poses: [{position: [1, 0, 0], orientation: [0, 0, 0, 1]}]}]}\n"
+    )
+    alone = mneme.Scene.load(path)
+    assert len(alone.warnings) == 1 and 'in frame "panda_link0"' in alone.warnings[0]
+    panda = mneme.Robot.load("panda")
+    assert mneme.Scene.load(path, robot=panda).warnings == []
+    path.write_text(path.read_text().replace("panda_link0", "nowhere"))
+    assert raised(mneme.Scene.load, path, robot=panda)[0] == "invalid"
+
+
 def test_what_was_left_aside_of_a_scene_is_told(tmp_path):
     header = "ply\nformat ascii 1.0\nelement vertex 2\n"
     header += "".join(f"property float {axis}\n" for axis in "xyz") + "end_header\n"

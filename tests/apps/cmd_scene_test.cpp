@@ -86,6 +86,15 @@ TEST_SUITE("flow") {
     CHECK(contains(read_file(files / "c.yaml"), "# in the frame of base\n"));
     CHECK(contains(run_program({"scene", "convert", files / "a.yaml"}).out, "obstacles:"));
   }
+
+  TEST_CASE("what a conversion leaves aside is told") {
+    const PlanarFiles files;
+    write_file(files / "cloud.yaml",
+               "obstacles: [{name: a, type: points, points: [], radius: 0.1}, {name: b, type: "
+               "sphere, position: [1, 0, 0], radius: 0.1}]\n");
+    CHECK(contains(require_run({"scene", "convert", files / "cloud.yaml"}).err,
+                   "there are no points, and the cloud is left out"));
+  }
 }
 
 TEST_SUITE("unit") {

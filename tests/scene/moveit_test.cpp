@@ -463,6 +463,28 @@ TEST_SUITE("unit") {
           "f:1: key is_diff: expected true or false, got \"maybe\"");
   }
 
+  TEST_CASE("what only a request uses of a planning scene is named in a warning") {
+    const auto warnings = [](const std::string& more) {
+      return require(parse_scene(world(ball("a", "base")) + "\n" + more, "f.yaml")).warnings;
+    };
+    CHECK(warnings("allowed_collision_matrix: {entry_names: []}\n").empty());
+    const auto matrix = warnings(
+        "allowed_collision_matrix: {entry_names: [a, b], entry_values: [{enabled: [true, true]}, "
+        "{enabled: [true, true]}]}\n");
+    REQUIRE(matrix.size() == 1);
+    CHECK_MESSAGE(contains(matrix[0], "key allowed_collision_matrix: is not used"), matrix[0]);
+    CHECK(warnings("robot_state: {joint_state: {name: [j], position: [1]}}\n").size() == 1);
+    CHECK(warnings("").empty());
+    // A root without children.
+    const auto scene = require(parse_scene(
+        "world: {octomap: {header: {frame_id: base}, octomap: {binary: true, id: OcTree, "
+        "resolution: 0.1, data: [0, 0]}}}\n",
+        "f.yaml"));
+    CHECK(scene.obstacles.empty());
+    REQUIRE(scene.warnings.size() == 1);
+    CHECK(contains(scene.warnings[0], "no leaf is occupied, and the octomap is left out"));
+  }
+
   TEST_CASE("without a robot all objects share a frame, which is named") {
     const FramedScene scene = place(world(ball("a", "base") + ", " + ball("b", "base"))).value();
     CHECK(scene.frame == "base");
