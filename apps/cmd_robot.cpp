@@ -119,7 +119,8 @@ Json to_json(const std::vector<Contact>& contacts) {
     rows.push_back({{"link", contact.link},
                     {"other", contact.other},
                     {"is_self", contact.is_self},
-                    {"distance", contact.distance}});
+                    {"distance", contact.distance},
+                    {"may_be_deeper", contact.may_be_deeper}});
   }
   return rows;
 }
@@ -151,9 +152,9 @@ void print_tips(const Json& tips) {
 }
 
 void print_contact(const Contact& contact, std::string_view ending) {
-  fmt::print("{} touches {} {} ({:.6f} m){}\n", printable(contact.link),
+  fmt::print("{} touches {} {} ({:.6f} m{}){}\n", printable(contact.link),
              contact.is_self ? "link" : "obstacle", printable(contact.other), contact.distance,
-             ending);
+             contact.may_be_deeper ? " or deeper" : "", ending);
 }
 
 /// The distance of the exact geometry, where that and not the spheres decides.

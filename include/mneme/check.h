@@ -22,6 +22,9 @@ struct Contact {
   std::string other;     ///< name of an obstacle or of another link
   bool is_self = false;  ///< true if `other` is a link
   double distance = 0;   ///< metres between the surfaces; negative: depth of overlap
+  /// True if the overlap may be deeper: depth ends at the center of a sphere of the robot, or at
+  /// the axis of a capsule.
+  bool may_be_deeper = false;
 };
 
 /// The distance by exact geometry of a pair whose spheres are in contact.

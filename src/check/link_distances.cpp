@@ -274,6 +274,12 @@ bool is_free(const LinkDistances& links, const PosedLinks& posed,
 
 namespace {
 
+/// True if `gap`, of a contact of the link, ends at the center or axis of one of its shapes.
+bool is_cut(const LinkDistances& links, int link, double gap) {
+  return std::ranges::any_of(links.shapes(link),
+                             [&](const Capsule& shape) { return -gap >= shape.radius; });
+}
+
 /// Contacts with obstacles: of links that the group moves, or of all other links.
 std::vector<Contact> find_scene_contacts(const Robot& robot, const LinkDistances& links,
                                          const PosedLinks& posed, const Scene& scene, double margin,
@@ -287,13 +293,14 @@ std::vector<Contact> find_scene_contacts(const Robot& robot, const LinkDistances
     for (const ObstacleShape& shape : obstacles) {
       const double gap = links.between(posed, link, shape, margin);
       if (!(gap < margin)) continue;
-      if (shape.obstacle == touched) {
-        contacts.back().distance = std::min(contacts.back().distance, gap);
-      } else {
+      if (shape.obstacle != touched) {
         touched = shape.obstacle;
         const Obstacle& obstacle = scene.obstacles[as_index(touched)];
         contacts.push_back({robot.links()[as_index(link)].name, obstacle.name, false, gap});
       }
+      Contact& contact = contacts.back();
+      contact.distance = std::min(contact.distance, gap);
+      contact.may_be_deeper = is_cut(links, link, contact.distance);
     }
   }
   return contacts;
@@ -310,7 +317,9 @@ std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& link
   for (const LinkPair& pair : link_pairs(robot, scene)) {
     if (std::exchange(last_polled, pair.first) != pair.first) poll_interrupt();
     const double gap = links.between(posed, pair, 0);
-    if (gap < 0) contacts.push_back({name(pair.first), name(pair.second), true, gap});
+    if (gap >= 0) continue;
+    const bool may_be_deeper = is_cut(links, pair.first, gap) || is_cut(links, pair.second, gap);
+    contacts.push_back({name(pair.first), name(pair.second), true, gap, may_be_deeper});
   }
   return contacts;
 }

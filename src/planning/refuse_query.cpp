@@ -23,30 +23,16 @@ std::string millimetres(double metres) {
   return length < 99.5 ? fmt::format("{:.2g} mm", length) : fmt::format("{:.0f} mm", length);
 }
 
-double least_radius(const Robot& robot, const std::string& name) {
-  double least = std::numeric_limits<double>::infinity();
-  if (const auto index = robot.find_link(name)) {
-    const Link& link = robot.links()[internal::as_index(*index)];
-    for (const Sphere& sphere : link.spheres) least = std::min(least, sphere.radius);
-    for (const Capsule& capsule : link.capsules) least = std::min(least, capsule.radius);
-  }
-  return least;
-}
-
 /// `has_exact`: the link has exact geometry, and the contact is of its spheres.
-std::string describe(const Robot& robot, const Contact& contact, bool has_exact) {
+std::string describe(const Contact& contact, bool has_exact) {
   const std::string_view kind = contact.is_self ? "link" : "obstacle";
   if (is_near(contact)) {
     return fmt::format("link '{}' is {:.2g} m from {} '{}'", contact.link, contact.distance, kind,
                        contact.other);
   }
-  // Depth is measured up to the center of a sphere and the axis of a capsule.
-  const double depth = -contact.distance;
-  const bool is_deeper = depth >= least_radius(robot, contact.link) ||
-                         (contact.is_self && depth >= least_radius(robot, contact.other));
   return fmt::format("link '{}' touches {} '{}'{} by {}{}", contact.link, kind, contact.other,
-                     has_exact ? " with spheres" : "", is_deeper ? "at least " : "",
-                     millimetres(depth));
+                     has_exact ? " with spheres" : "", contact.may_be_deeper ? "at least " : "",
+                     millimetres(-contact.distance));
 }
 
 std::string describe(const ExactContact& behind) {
@@ -139,7 +125,7 @@ Refusal describe_contacts(const CollisionChecker& checker, const Configuration& 
     const bool can_help = behind && can_be_finer(checker.robot(), contacts[i]);
     room = can_help ? std::min(room, (behind->distance - margin) / behind->approximated_links) : 0;
     if (i >= kMostNamed) continue;
-    text += (i == 0 ? "" : ", ") + describe(checker.robot(), contacts[i], behind.has_value()) +
+    text += (i == 0 ? "" : ", ") + describe(contacts[i], behind.has_value()) +
             (behind ? describe(*behind) : "");
   }
   if (contacts.size() > kMostNamed)

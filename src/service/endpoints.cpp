@@ -64,7 +64,8 @@ Json contacts_json(const std::vector<Contact>& contacts) {
     list.push_back({{"link", contact.link},
                     {"other", contact.other},
                     {"is_self", contact.is_self},
-                    {"distance", contact.distance}});
+                    {"distance", contact.distance},
+                    {"may_be_deeper", contact.may_be_deeper}});
   }
   return list;
 }

@@ -66,6 +66,16 @@ TEST_SUITE("unit") {
     CHECK(contacts[0].other == "cup");
     CHECK(!contacts[0].is_self);
     CHECK(contacts[0].distance == doctest::Approx(-0.02));
+    CHECK_FALSE(contacts[0].may_be_deeper);
+  }
+
+  TEST_CASE("a contact that reaches the axis of a link may be deeper") {
+    const Robot arm = require_parsed(kArm);
+    const Box box{{Eigen::Matrix3d::Identity(), {1.5, 0, 0}}, {0.2, 0.5, 0.5}};
+    const Scene scene{"scene", {{"box", {box}}}};
+    const auto contacts = contacts_of(arm, scene, Configuration{0, 0, 0}, 0);
+    REQUIRE(!contacts.empty());
+    CHECK(contacts[0].may_be_deeper);
   }
 
   TEST_CASE("every link that touches is named") {
