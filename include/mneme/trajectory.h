@@ -58,9 +58,10 @@ void visit_settings(Settings& s, Visitor&& visit) {
 }
 
 /// Returns the robot with its joints' limits of position narrowed to min_position and max_position
-/// of `file`, as of find_rate_limits(); the robot itself if none is narrower. Continuous joints and
-/// joints that follow others keep theirs. Plan with this robot: its hashes differ. Errors: a file
-/// that cannot be read; invalid, if a joint is left without positions.
+/// of `file`, as of find_rate_limits(); the robot itself if none is narrower. Limits of a joint
+/// that follows another narrow that one; continuous joints keep theirs. Plan with this robot: its
+/// hashes differ. Errors: a file that cannot be read; invalid, if a joint is left without
+/// positions.
 [[nodiscard]] Result<Robot> narrow_positions(const Robot& robot, const std::string& file);
 
 /// Returns the limits of `file` where it has them, otherwise those of the robot's URDF, otherwise

@@ -98,11 +98,28 @@ Positions read_positions(const Input& joint) {
              positions.least, positions.most);
 }
 
-/// True if all positions of the joint are among these.
-bool contain(const Positions& positions, const Joint& joint) {
-  const bool is_endless = joint.type == JointType::continuous;
-  return positions.least <= (is_endless ? -kUnlimited : joint.lower + kLimitTolerance) &&
-         positions.most >= (is_endless ? kUnlimited : joint.upper - kLimitTolerance);
+/// The joint that `joint` follows, or itself.
+const Joint& leader_of(const Robot& robot, const Joint& joint) {
+  return joint.mimic ? robot.joints()[as_index(joint.mimic->joint)] : joint;
+}
+
+/// The positions of the leader of `joint` at which that has `positions`.
+Positions of_leader(const Joint& joint, const Positions& positions) {
+  if (!joint.mimic) return positions;
+  const auto [multiplier, offset] = std::pair(joint.mimic->multiplier, joint.mimic->offset);
+  if (multiplier == 0) return {};
+  const double one = (positions.least - offset) / multiplier;
+  const double other = (positions.most - offset) / multiplier;
+  return {std::min(one, other), std::max(one, other)};
+}
+
+/// True if the joint keeps these positions, as its leader's limits are now.
+bool contain(const Positions& positions, const Robot& robot, const Joint& joint) {
+  const Joint& leader = leader_of(robot, joint);
+  const bool is_endless = leader.type == JointType::continuous;
+  const auto [least, most] = of_leader(joint, positions);
+  return least <= (is_endless ? -kUnlimited : leader.lower + kLimitTolerance) &&
+         most >= (is_endless ? kUnlimited : leader.upper - kLimitTolerance);
 }
 
 /// Reads one file of limits, and collects what it ignores.
@@ -157,7 +174,7 @@ void LimitsFile::ignore_torque(const Input& joint) {
 
 /// Limits of positions are the robot's, which narrow_positions() has narrowed where it can.
 void LimitsFile::ignore_positions(const Input& joint, const Joint& own) {
-  if (contain(read_positions(joint), own)) return;
+  if (contain(read_positions(joint), robot_, own)) return;
   ignore(joint, joint.key() + " (the robot's limits of position are wider)", ErrorCode::unsupported,
          "the robot's limits of position are wider: narrow the <limit> of the joint");
 }
@@ -278,17 +295,21 @@ PositionLimits find_narrower(const Robot& robot, const std::string& text, const 
   const internal::InputValue value = internal::parse_yaml(text, file);
   const internal::Input limits = internal::find_limits(internal::Input(value, file));
   internal::visit_joints(limits, robot, [&](const internal::Input& joint, const Joint* own) {
-    const bool has_limits =
-        own != nullptr && internal::is_free(*own) && own->type != JointType::continuous;
+    if (own == nullptr) return;
+    const Joint& leader = internal::leader_of(robot, *own);
     const internal::Positions positions = internal::read_positions(joint);
-    if (!has_limits || internal::contain(positions, *own)) return;
-    const double lower = std::max(own->lower, positions.least);
-    const double upper = std::min(own->upper, positions.most);
-    if (lower > upper) {
-      joint.fail(ErrorCode::invalid, "expected positions within the limits [{}, {}], got {} to {}",
-                 own->lower, own->upper, positions.least, positions.most);
+    const bool has_limits = internal::is_free(leader) && leader.type != JointType::continuous;
+    if (!has_limits || internal::contain(positions, robot, *own)) return;
+    const auto [least, most] = internal::of_leader(*own, positions);
+    auto& [lower, upper] =
+        narrower.try_emplace(leader.name, std::array{leader.lower, leader.upper}).first->second;
+    if (std::max(lower, least) > std::min(upper, most)) {
+      joint.fail(ErrorCode::invalid,
+                 "expected positions that the limits [{}, {}] of joint '{}' allow, got {} to {}",
+                 lower, upper, leader.name, positions.least, positions.most);
     }
-    narrower[own->name] = {lower, upper};
+    lower = std::max(lower, least);
+    upper = std::min(upper, most);
   });
   return narrower;
 }

@@ -185,6 +185,24 @@ joint_limits:
     }
   }
 
+  TEST_CASE("limits of position of a joint that follows narrow the one it follows") {
+    const TemporaryDirectory directory;
+    const std::string file = directory / "limits.yaml";
+    const auto narrowed = [&](const std::string& limits) {
+      write_file(file, "joint_limits: {" + limits + "}");
+      const Robot robot = require(narrow_positions(hand(), file));
+      CHECK(require(find_rate_limits(robot, {}, file)).warnings.empty());
+      return std::pair(robot.group_joint(1).lower, robot.group_joint(1).upper);
+    };
+    // The finger is at -2 b.
+    CHECK(narrowed("finger: {min_position: -0.5, max_position: 1}") == std::pair(-0.5, 0.25));
+    CHECK(narrowed("b: {min_position: -0.2}, finger: {min_position: -0.5, max_position: 1}") ==
+          std::pair(-0.2, 0.25));
+    write_file(file, "joint_limits: {finger: {min_position: 3}}");
+    CHECK(contains(narrow_positions(hand(), file).error().message,
+                   "joint_limits.finger: expected positions that the limits [-1, 1] of joint 'b'"));
+  }
+
   TEST_CASE("other keys and joints of a file are ignored with one warning, or refused if strict") {
     const test::TemporaryDirectory directory;
     const std::string file = directory / "limits.yaml";
