@@ -77,8 +77,13 @@ class EndMover {
       return refused->message +
              ". A path may begin in this contact, but no straight motion of the joints leaves it";
     }
-    return fmt::format("{} ({}, which start-tolerance allows)",
-                       refused ? refused->message : "start: no straight motion leads it inside",
+    std::string fault = refused ? refused->message : "start: no straight motion leads it inside";
+    if (!refused) {
+      for (const Touch& touch : exit_->find_touches(start, kSolidClearance)) {
+        fault += "; " + exit_->describe(touch);
+      }
+    }
+    return fmt::format("{} ({}, which start-tolerance allows)", fault,
                        fmt::join(describe_excess(start), ", "));
   }
 

@@ -150,6 +150,21 @@ TEST_SUITE("flow") {
                   message);
   }
 
+  TEST_CASE("a start beyond a limit is refused for the contact that it has only there") {
+    Problem problem = planar_world({0, 0, 0}, {-1, 0.3, 0.2}, {});
+    problem.start[2] = problem.robot.group_joint(2).lower - 0.04;
+    const Transform last = problem.robot.link_poses(problem.start).back();
+    const double radius = problem.robot.links().back().capsules.front().radius;
+    // 1 cm deep; the joint at its limit is 1 cm away.
+    const Vec3 center = last * Vec3(0.5, -0.3 - radius + 0.01, 0);
+    problem.scene = make_circle_scene("world", {{center.x(), center.y(), 0.3}});
+    const auto result = solve(problem, nullptr, {});
+    CHECK(result->plan.status == PlanStatus::invalid_start);
+    const std::string& message = result->plan.message;
+    CHECK_MESSAGE(message.find("touches obstacle 'circle_1'") != std::string::npos, message);
+    CHECK_MESSAGE(message.find("0.04 rad beyond its limit") != std::string::npos, message);
+  }
+
   TEST_CASE("many held bodies in contact are examined with looks at the clock") {
     Problem problem = planar_world({0, 0, 0}, {-1, 0.3, 0.2}, {});
     std::vector<AttachedObject> bodies;
