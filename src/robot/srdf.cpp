@@ -223,8 +223,7 @@ class SrdfLookup {
     }
     if (left_out.empty()) return;
     parts_.warnings.push_back(fmt::format(
-        "{}: <passive_joint> leaves {} out of the groups: not planned for, it stays at its fixed "
-        "value",
+        "{}: <passive_joint> leaves {} out of the groups of the SRDF, which do not plan for it",
         source_, fmt::join(left_out, ", ")));
   }
 

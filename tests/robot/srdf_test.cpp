@@ -222,8 +222,8 @@ TEST_SUITE("unit") {
         parts);
     CHECK(read.groups.at(0).joints == Names{"j3", "j5"});
     CHECK(read.warnings ==
-          Names{"a.srdf: <passive_joint> leaves j4 out of the groups: not planned for, it stays at "
-                "its fixed value"});
+          Names{"a.srdf: <passive_joint> leaves j4 out of the groups of the SRDF, which do not "
+                "plan for it"});
   }
 
   TEST_CASE("a group that names the root link has the virtual joint that carries it") {
