@@ -24,7 +24,7 @@ WriteQueue::~WriteQueue() {
 }
 
 void WriteQueue::push(std::int64_t count, Make make) {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   if (counts_.waiting + count > kMostRows) {
     return drop(
         count, fmt::format("more than {} rows wait to be stored; new ones are dropped", kMostRows));
@@ -38,7 +38,9 @@ void WriteQueue::push(std::int64_t count, Make make) {
   }
   lots_.push_back({count, std::move(make)});
   counts_.waiting += count;
-  if (is_idle_) changed_.notify_all();  // to wake a thread costs more than all the rest
+  const bool is_idle = is_idle_;
+  lock.unlock();                       // a thread that wakes takes the lock at once
+  if (is_idle) changed_.notify_all();  // to wake a thread costs more than all the rest
 }
 
 void WriteQueue::drop(std::int64_t count, std::string failure) {
