@@ -228,16 +228,12 @@ void print_path(const PathMeasures& measures, const Path& path) {
   for (const Configuration& q : path) fmt::print("  {:.6f}\n", fmt::join(q, ","));
 }
 
-constexpr double kNotablePreparation_s = 1e-3;
-
 void print_result(const LoadedPlan& loaded, const SolveResult& result,
                   const PathMeasures& measures) {
   const PlanResult& plan = result.plan;
   fmt::print("{}: {}, sampler {}, seed {}, {}\n", to_string(plan.status), result.planner,
              result.sampler, result.seed, to_string(result.isa));
-  if (result.preparation_time_s > kNotablePreparation_s) {
-    fmt::print("preparation {:.3f} ms for the scene\n", 1e3 * result.preparation_time_s);
-  }
+  print_preparation(result.preparation_time_s);
   fmt::print("planning    {:.3f} ms, of it retrieval {:.3f} ms and learning {:.3f} ms\n",
              1e3 * result.planning_time_s, 1e3 * result.gl.retrieval_time_s,
              1e3 * result.gl.learning_time_s);

@@ -84,6 +84,11 @@ void print_warning(const std::string& message) {
   if (printed.insert(message).second) print_note("warning: " + message);
 }
 
+void print_preparation(double time_s) {
+  constexpr double kNotable_s = 1e-3;
+  if (time_s > kNotable_s) fmt::print("preparation {:.3f} ms for the scene\n", 1e3 * time_s);
+}
+
 void print_json(const nlohmann::ordered_json& json) {
   fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }

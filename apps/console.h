@@ -22,6 +22,8 @@ void print_error(std::string_view message);
 void print_note(std::string_view message);
 /// A note "warning: ...", unless it was printed before: many problems share a robot or a scene.
 void print_warning(const std::string& message);
+/// Prints to standard output what making the collision checker took, unless it is less than 1 ms.
+void print_preparation(double time_s);
 /// True if standard error is a terminal that understands control sequences.
 [[nodiscard]] bool has_terminal();
 /// `text` with control characters as \x1b: names come from files that others wrote, and a terminal

@@ -63,9 +63,11 @@ void print_answer(const TaskRunOptions& options, const Task& task, const TaskRes
   } else {
     fmt::print("{}: {}, seed {}\n", to_string(result.status),
                counted(task.stages.size(), "stage", "stages"), options.settings.solve.plan.seed);
+    print_preparation(result.preparation_time_s);
     if (result.is_solved()) {
       fmt::print("planning    {:.3f} ms to the first plan, {:.3f} ms in all\n",
-                 1e3 * result.first_plan_time_s, 1e3 * result.total_time_s);
+                 1e3 * result.first_plan_time_s,
+                 1e3 * (result.total_time_s - result.preparation_time_s));
       fmt::print("path time   {:.3f} s at the velocity limits", result.path_time_s);
       if (result.plans > 1) {
         fmt::print(", the best of {} plans, the first {:.3f} s", result.plans,
