@@ -83,6 +83,7 @@ py::list contacts(const CollisionChecker& checker, const py::object& q) {
     row["other"] = contact.other;
     row["is_self"] = contact.is_self;
     row["distance"] = contact.distance;
+    row["may_be_deeper"] = contact.may_be_deeper;
     found.append(row);
   }
   return found;
@@ -129,9 +130,9 @@ void bind_collision(py::module_& module) {
            "joint\n"
            "limits are not checked.")
       .def("contacts", &contacts, py::arg("q"),
-           "Returns all contacts at q: dictionaries with link, other, is_self and distance "
-           "(metres,\n"
-           "negative in contact).")
+           "Returns all contacts at q: dictionaries with link, other, is_self, distance (metres,\n"
+           "negative in contact) and may_be_deeper: depth ends at the center of a sphere of the\n"
+           "robot, or at the axis of a capsule.")
       .def(
           "is_path_free", &path_is_free, py::arg("path"), py::arg("resolution") = py::none(),
           py::kw_only(), py::arg("start_tolerance") = SolveSettings().start_tolerance,
@@ -140,7 +141,10 @@ void bind_collision(py::module_& module) {
           "free.\n"
           "Uses exact distances that share no code with the kernels. resolution: radians.\n"
           "Default: a tenth of the checker's. The path's first and last motion may do what plan()\n"
-          "allows with the same start_tolerance and allow_at_ends.");
+          "allows with the same start_tolerance and allow_at_ends. For the path of a plan, make "
+          "the\n"
+          "checker of plan.checked_scene: where only spheres touch at an end, plan() goes on with\n"
+          "exact geometry.");
 }
 
 }  // namespace mneme::python

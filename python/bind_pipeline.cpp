@@ -295,10 +295,11 @@ std::string trajectory_help() {
 
 void bind_trajectory(py::module_& module) {
   using Point = Trajectory::Point;
-  py::class_<TimedPlan>(module, "Trajectory",
-                        "A sampled motion of n points, from rest to rest. Continuous joints do not "
-                        "wrap.")
-      .def_property_readonly(
+  py::class_<TimedPlan> type(
+      module, "Trajectory",
+      "A sampled motion of n points, from rest to rest. Continuous joints do not wrap.");
+  refuse_pickling(type, "send its times, positions and velocities, or its to_json()");
+  type.def_property_readonly(
           "duration", [](const TimedPlan& self) { return self.points.back().time_s; }, "Seconds.")
       .def_property_readonly("times", &times_of, "Shape (n,), seconds; the last is the duration.")
       .def_property_readonly(

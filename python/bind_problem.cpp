@@ -17,6 +17,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 
@@ -48,7 +50,12 @@ Constraints checked(const Robot& robot, Constraints constraints) {
 
 /// Empty for None: at rest. Any number of values if `joints` is -1.
 std::vector<double> to_velocity(const py::object& velocity, int joints, const char* name) {
-  return velocity.is_none() ? std::vector<double>() : to_vector(velocity, joints, name);
+  if (velocity.is_none()) return {};
+  std::vector<double> values = to_vector(velocity, joints, name);
+  if (!std::ranges::all_of(values, [](double v) { return std::isfinite(v); })) {
+    raise_invalid(fmt::format("{}: expected finite numbers", name));
+  }
+  return values;
 }
 
 SharedProblem make_problem(const Robot& robot, const std::shared_ptr<Scene>& scene,

@@ -96,6 +96,9 @@ void bind_factories(py::class_<Robot>& robot) {
          const std::vector<std::string>& package_paths,
          const std::map<std::string, double>& fixed_values, bool strict, bool hard_limits,
          const py::kwargs& settings) {
+        if (!group.empty() && !joints.empty()) {
+          raise_invalid("group and joints: expected one of them; joints names all to plan for");
+        }
         RobotOptions options;
         options.strict = strict;
         options.hard_limits = hard_limits;
@@ -114,7 +117,8 @@ void bind_factories(py::class_<Robot>& robot) {
       ("Reads a robot: a URDF file, or the name of a bundled robot.\n\n"
        "srdf: file with groups and allowed collisions. Default: the one beside the URDF.\n"
        "group: a group of the SRDF, or the chain 'base_link:tip_link'.\n"
-       "joints: names of the joints to plan for, in the order of a configuration.\n"
+       "joints: instead of a group, names of the joints to plan for, in the order of a "
+       "configuration.\n"
        "package_paths: directories to search for packages of package:// URLs.\n"
        "fixed_values: radians or metres of joints outside the group, by name. A planar joint J has "
        "J/x, J/y and J/theta; a floating one J/trans_x .. J/trans_z and J/rot_x .. J/rot_w.\n"

@@ -81,6 +81,11 @@ Obstacle& find(Scene& scene, const std::string& name) {
 std::size_t add_points(Scene& scene, const std::string& name, const py::object& points,
                        double radius, const py::object& position, const py::object& quat_xyzw) {
   check_size("radius", radius);
+  if (py::isinstance(points, py::module_::import("numpy.ma").attr("MaskedArray"))) {
+    raise_invalid(
+        "points: expected an array without a mask, such as points.filled(numpy.nan): rows with NaN "
+        "are left out");
+  }
   const py::array raw = to_real_array(points, "points");
   if (raw.ndim() > 0) unwrap(check_point_count(name, static_cast<std::size_t>(raw.shape(0))));
   const Array array = to_matrix(raw, 3, "points");

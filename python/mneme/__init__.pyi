@@ -635,7 +635,7 @@ class Client:
         self,
         problem: Optional[Problem] = None,
         *,
-        scene: Union[Scene, str, None] = None,
+        scene: Union[Scene, dict[str, Any], str, None] = None,
         start: Union[npt.ArrayLike, str, dict[str, float], None] = None,
         goals: Union[npt.ArrayLike, PoseGoal, Sequence[Any], None] = None,
         attached: Optional[Sequence[dict[str, Any]]] = None,
@@ -653,12 +653,12 @@ class Client:
         goals: Union[PoseGoal, Sequence[PoseGoal]],
         *,
         near: Optional[npt.ArrayLike] = None,
-        scene: Union[Scene, str, None] = None,
+        scene: Union[Scene, dict[str, Any], str, None] = None,
         margin: float = 0.0,
         **settings: Any,
     ) -> Solutions: ...
     def check(
-        self, configurations: npt.ArrayLike, scene: Union[Scene, str, None] = None, margin: float = 0.0
+        self, configurations: npt.ArrayLike, scene: Union[Scene, dict[str, Any], str, None] = None, margin: float = 0.0
     ) -> list[dict[str, Any]]: ...
     def put_scene(
         self, id: str, scene: Union[Scene, dict[str, Any]], frame: Optional[str] = None

@@ -9,7 +9,7 @@ import urllib.parse
 import numpy as np
 
 from ._connections import Connections, make_error
-from ._mneme import PoseGoal
+from ._mneme import PoseGoal, Scene
 from ._solutions import Solutions
 
 _GRACE_S = 0.4  # for the answer to a plan with a time limit
@@ -139,15 +139,24 @@ def _members(compact):
 
 
 def _scene_keys(scene):
-    """Returns a Scene as keys of a request."""
+    """Returns a Scene, or a dict with keys of compact files, as keys of a request."""
+    if isinstance(scene, dict):
+        return dict(scene)
     members = _members(scene.to_compact_json())
     return {key: members[key] for key in _SCENE_KEYS if key in members}
 
 
+def _json(key, value):
+    """Returns the text of a value, which `key` names in errors."""
+    try:
+        return value if isinstance(value, _Json) else json.dumps(value, allow_nan=False)
+    except ValueError:
+        raise ValueError(f"{key}: expected finite numbers") from None
+
+
 def _text(body):
     """Returns a body as JSON, in bytes."""
-    pairs = (f"{json.dumps(key)}:{value if isinstance(value, _Json) else json.dumps(value)}" for key, value in body.items())
-    return ("{" + ",".join(pairs) + "}").encode()
+    return ("{" + ",".join(f"{json.dumps(key)}:{_json(key, value)}" for key, value in body.items()) + "}").encode()
 
 
 def _check_size(scene, end):
@@ -215,13 +224,14 @@ class Client:
 
     def plan(self, problem=None, *, scene=None, start=None, goals=None, attached=None, constraints=None,
              start_velocity=None, end_velocity=None, trajectory=None, trace=False, clearance=False, remember=True, **settings):
-        """Plans a Problem, or from `start` to one of `goals` in `scene`, a Scene or the id of an uploaded one.
+        """Plans a Problem, or from `start` to one of `goals` in `scene`.
 
-        goals: configurations and PoseGoals. attached: a list of attached objects, as in compact files; default: those
-        of the problem's robot. constraints: OrientationConstraints that replace the problem's. trajectory: a dict of
-        keywords of Plan.trajectory(), which may be empty: `answer` then has the trajectory. settings: as for
-        mneme.plan(). With `timeout`, the call ends within that and half a second, whatever the service does: a late
-        answer is a TimeoutError.
+        scene: a Scene, a dict with keys of compact files, or the id of an uploaded scene. goals: configurations and
+        PoseGoals. attached: a list of attached objects, as in compact files; default: those of the problem's robot.
+        constraints: OrientationConstraints that replace the problem's. trajectory: a dict of keywords of
+        Plan.trajectory(), which may be empty: `answer` then has the trajectory. settings: as for mneme.plan(). With
+        `timeout`, the call ends within that and half a second, whatever the service does: a late answer is a
+        TimeoutError.
         """
         if problem is None and (start is None or goals is None):
             raise TypeError("plan() takes a problem, or start and goals")
@@ -233,7 +243,7 @@ class Client:
                     raise TypeError(f"Client.plan: {name}={settings[name]!r} is not a number of seconds")
             limit_s = settings["timeout"] + (settings.get("improve") or 0) + _GRACE_S
         for sent in (scene, None if problem is None else problem.scene):
-            if sent is not None and not isinstance(sent, str):
+            if isinstance(sent, Scene):
                 _check_size(sent, begin + limit_s)
         body = {}
         if problem is not None:
@@ -285,7 +295,7 @@ class Client:
 
     def put_scene(self, id, scene, frame=None):
         """Uploads a Scene, or a dict with keys of compact files. Returns the names of its obstacles."""
-        body = dict(scene) if isinstance(scene, dict) else _scene_keys(scene)
+        body = _scene_keys(scene)
         if frame is not None:
             body["frame"] = frame
         return self.ask("PUT", self._scene_path(id), body)["obstacles"]
@@ -294,7 +304,7 @@ class Client:
         """Removes obstacles by name, then adds those of `scene`, which replace others of the same names."""
         body = {"remove": list(remove)}
         if scene is not None:
-            body.update(dict(scene) if isinstance(scene, dict) else _scene_keys(scene))
+            body.update(_scene_keys(scene))
         return self.ask("PATCH", self._scene_path(id), body)["obstacles"]
 
     def delete_scene(self, id):

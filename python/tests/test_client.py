@@ -109,6 +109,17 @@ def test_scenes_are_kept_and_edited(client, problem):
     assert refused.value.code == "invalid" and "there is no scene" in str(refused.value)
 
 
+def test_a_scene_may_be_a_dict(client, problem):
+    scene = {"circles": [[6, 0, 1]]}
+    plan = client.plan(scene=scene, start=np.zeros(8), goals=problem.start)
+    assert plan.status == "invalid_start" and "circle" in plan.message
+
+
+def test_numbers_that_are_not_finite_are_named(client, problem):
+    with pytest.raises(ValueError, match="^start: expected finite numbers"):
+        client.plan(problem, start=np.full(problem.robot.joint_count, np.nan))
+
+
 def test_checks_and_health(client):
     scene = mneme.Scene.from_circles([[4, 0, 0.5]])
     free, touching = client.check([[1.5] + [0] * 7, [0] * 8], scene)

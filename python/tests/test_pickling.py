@@ -68,7 +68,8 @@ def test_what_is_made_in_each_process_says_so(tmp_path):
                                (problem, "Problem cannot be pickled: load it in each process"),
                                (database, "Database cannot be pickled: open it in each process"),
                                (mneme.CollisionChecker(robot, mneme.Scene()), "make it in each process"),
-                               (mneme.plan(problem), "Plan cannot be pickled: send its path")):
+                               (mneme.plan(problem), "Plan cannot be pickled: send its path"),
+               (mneme.plan(problem).trajectory(0.1), "Trajectory cannot be pickled: send its times")):
             for send in (pickle.dumps, copy.copy):
                 with pytest.raises(TypeError, match=instead):
                     send(thing)

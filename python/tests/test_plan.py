@@ -313,3 +313,10 @@ def test_where_only_spheres_touch_plans_are_checked_by_exact_geometry(tmp_path):
     assert plan.notes[0].endswith("this pair is checked by exact geometry, 3 mm away")
     assert mneme.CollisionChecker(robot, plan.checked_scene).is_path_free(plan.path)
     assert not mneme.CollisionChecker(robot, scene).is_path_free(plan.path)
+
+
+def test_velocities_that_are_not_finite_are_refused(problem):
+    velocity = np.zeros(problem.robot.joint_count)
+    velocity[0] = np.nan
+    with pytest.raises(ValueError, match="start_velocity: expected finite numbers"):
+        problem.with_start(problem.start, velocity)

@@ -118,3 +118,8 @@ def test_planar_joints_stand_where_fixed_values_say(tmp_path):
     assert robot.hash != mneme.Robot.load(path).hash
     message = raised(mneme.Robot.load, path, fixed_values={"base": 1})[1]
     assert "its fixed values are base/theta, base/x, base/y" in message
+
+
+def test_a_group_and_joints_are_not_given_together():
+    with pytest.raises(ValueError, match="group and joints: expected one of them"):
+        mneme.Robot.load("panda", group="panda_arm", joints=["panda_joint1"])

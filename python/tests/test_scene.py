@@ -375,3 +375,9 @@ def test_quaternions_of_other_lengths_are_scaled_with_a_warning_or_refused():
     for wrong in ([0, 0, 0, 0], [0, 0, 0, 11], [0, 0, 0, 0.05], [0, 0, 0, np.nan]):
         code, message = raised(scene.add_box, "b", [0, 0, 0], [1, 1, 1], wrong)
         assert code == "invalid" and "expected a quaternion of length 1" in message
+
+
+def test_points_with_a_mask_are_refused():
+    points = np.ma.masked_array(np.ones((2, 3)), [[True] * 3, [False] * 3])
+    with pytest.raises(ValueError, match="points: expected an array without a mask"):
+        mneme.Scene().add_points("cloud", points, 0.01)
