@@ -6,7 +6,7 @@
 usage: plan_many.py PROBLEMS.json .. [--every N] [--seeds N] [--dt SECONDS]
 
 Plans every N-th problem of compact files without memory: paths with their proofs, then also trajectories that are
-sampled every dt seconds. Rates are per second of one core, from the time that the process took of all cores, so that
+sampled every dt seconds, as fast as mneme makes them, and those of shortest paths that are timed once. Rates are per second of one core, from the time that the process took of all cores, so that
 other work on the machine does not count.
 """
 import argparse
@@ -24,6 +24,11 @@ def measure(problems, seeds, what, **settings):
     return runs[0]
 
 
+def mean_duration(plans):
+    ends = plans.trajectory_offsets[1:][plans.is_solved]
+    return plans.times[ends - 1].mean()
+
+
 def main():
     parser = argparse.ArgumentParser(usage=__doc__)
     parser.add_argument("files", nargs="+")
@@ -39,6 +44,9 @@ def main():
     mneme.plan_many(problems)  # caches
     measure(problems, arguments.seeds, "paths with proof")
     plans = measure(problems, arguments.seeds, f"with trajectories every {arguments.dt} s", dt=arguments.dt)
+    simple = measure(problems, arguments.seeds, "the same of shortest paths, timed once", dt=arguments.dt,
+                     minimize_time=False, time_rounds=0)
+    print(f"mean duration: {mean_duration(plans):.3f} s, of shortest paths {mean_duration(simple):.3f} s")
     print(f"rows per trajectory: {len(plans.times) / max(1, int(plans.is_solved.sum())):.0f}")
 
 
