@@ -122,12 +122,7 @@ Result<Scene> in_root_frame(const FramedScene& framed, const Robot& robot) {
   return internal::without_throwing([&] {
     const internal::InputValue nothing;
     const Input place(nothing, framed.scene.name);
-    const auto X_RF = internal::find_fixed_link(robot, framed.frame, place);
-    if (!X_RF) {
-      place.fail(ErrorCode::invalid, "expected a link of robot {} as frame, got \"{}\"",
-                 robot.name(), framed.frame);
-    }
-    return internal::moved(*X_RF, framed.scene);
+    return internal::moved(internal::pose_of_frame(robot, framed.frame, place), framed.scene);
   });
 }
 

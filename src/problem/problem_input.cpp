@@ -215,17 +215,15 @@ std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& 
   return X_RF;
 }
 
+Transform pose_of_frame(const Robot& robot, const std::string& name, const Input& place) {
+  if (const auto X_RF = find_fixed_link(robot, name, place)) return *X_RF;
+  place.fail(ErrorCode::invalid, "expected a link of robot {} as frame, got \"{}\"", robot.name(),
+             name);
+}
+
 Transform read_frame(const Input& input, const Robot& robot) {
   const auto frame = input.find("frame");
-  if (!frame) {
-    return {};
-  }
-  const auto X_RF = find_fixed_link(robot, frame->text(), *frame);
-  if (!X_RF) {
-    frame->fail(ErrorCode::invalid, "expected a link of robot {}, got \"{}\"", robot.name(),
-                frame->text());
-  }
-  return *X_RF;
+  return frame ? pose_of_frame(robot, frame->text(), *frame) : Transform();
 }
 
 namespace {
@@ -311,11 +309,6 @@ std::vector<std::string> describe_far_obstacles(const Robot& robot, const Scene&
                   first, others, nearest, robot.name(), reach)};
 }
 
-/// Empty if the key is missing.
-std::vector<double> read_velocity(const std::optional<Input>& input, const Robot& robot) {
-  return input ? read_joint_values(*input, robot) : std::vector<double>();
-}
-
 /// The frame that a scene file names for its objects, unless the header names one.
 std::optional<Transform> find_scene_frame(const ProblemInput& input, const Robot& robot) {
   const std::string& frame = input.framed.frame;
@@ -366,7 +359,9 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
                   .warnings = std::move(robot.warnings)};
   problem.allowed_pairs = std::move(allowing.allowed_pairs);
   const auto velocity = [&](const char* key, const std::optional<std::vector<double>>& given) {
-    return given ? *given : read_velocity(input.problem.find(key), problem.robot);
+    if (given) return *given;
+    const auto values = input.problem.find(key);
+    return values ? read_joint_values(*values, problem.robot) : std::vector<double>();
   };
   problem.start_velocity = velocity("start_velocity", options.start_velocity);
   problem.end_velocity = velocity("end_velocity", options.end_velocity);

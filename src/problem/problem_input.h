@@ -73,6 +73,9 @@ void check_robot_facts(const Input& input, const Robot& robot);
 [[nodiscard]] std::optional<Transform> find_fixed_link(const Robot& robot, const std::string& name,
                                                        const Input& place);
 
+/// As find_fixed_link(). Throws InputFailure also if there is no such link.
+[[nodiscard]] Transform pose_of_frame(const Robot& robot, const std::string& name,
+                                      const Input& place);
 /// Returns the pose of the link that the key `frame` names, in the root link's frame; the identity
 /// without the key. Throws InputFailure if the link can move against the root.
 [[nodiscard]] Transform read_frame(const Input& input, const Robot& robot);

@@ -196,7 +196,8 @@ TEST_SUITE("unit") {
     CHECK((X_WB * Vec3(1, 0, 0) - Vec3(0, 1, 0.5)).norm() < 1e-12);
     const Error error = require_error(frame("frame: table"));
     CHECK(error.code == ErrorCode::invalid);
-    CHECK(error.message == "f:1: key frame: expected a link of robot lifter, got \"table\"");
+    CHECK(error.message ==
+          "f:1: key frame: expected a link of robot lifter as frame, got \"table\"");
     const Error moving = require_error(frame("frame: arm"));
     CHECK(moving.code == ErrorCode::unsupported);
     CHECK(moving.message ==
