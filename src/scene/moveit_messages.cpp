@@ -17,13 +17,6 @@
 
 namespace mneme::internal {
 
-Vec3 read_moveit_point(const Input& input) {
-  if (!input.is_map()) return read_point(input);
-  input.allow_keys({"x", "y", "z"});
-  return {input.at("x").finite_number(), input.at("y").finite_number(),
-          input.at("z").finite_number()};
-}
-
 Eigen::Matrix3d read_moveit_rotation(const Input& input) {
   if (!input.is_map()) return read_rotation(input, false);
   input.allow_keys({"x", "y", "z", "w"});
@@ -32,6 +25,14 @@ Eigen::Matrix3d read_moveit_rotation(const Input& input) {
 }
 
 namespace {
+
+/// A list of three numbers, or the keys x, y and z.
+Vec3 read_vector(const Input& input) {
+  if (!input.is_map()) return read_point(input);
+  input.allow_keys({"x", "y", "z"});
+  return {input.at("x").finite_number(), input.at("y").finite_number(),
+          input.at("z").finite_number()};
+}
 
 /// An unset orientation of a pose in ROS 1 is all zeros; MoveIt reads it as the identity.
 bool is_unset(const Input& rotation) {
@@ -45,7 +46,7 @@ bool is_unset(const Input& rotation) {
 Transform read(const Input& input, std::string_view vector, std::string_view quaternion) {
   input.allow_keys({vector, quaternion});
   Transform X;
-  X.translation = read_moveit_point(input.at(vector));
+  X.translation = read_vector(input.at(vector));
   const auto rotation = input.find(quaternion);
   if (rotation && !is_unset(*rotation)) X.rotation = read_moveit_rotation(*rotation);
   return X;
@@ -156,7 +157,7 @@ Mesh read_moveit_mesh(const Input& mesh, const Transform& pose) {
   mesh.allow_keys({"triangles", "vertices"});
   std::vector<Vec3> vertices;
   for (const Input& vertex : mesh.items("vertices")) {
-    vertices.push_back(read_moveit_point(vertex));
+    vertices.push_back(read_vector(vertex));
   }
   std::vector<Triangle> triangles;
   for (const Input& triangle : mesh.items("triangles")) {

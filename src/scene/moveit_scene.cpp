@@ -92,10 +92,6 @@ void refuse_other_values(const Input& scene, std::string_view list, std::string_
   }
 }
 
-}  // namespace
-
-namespace {
-
 /// True for a moveit_msgs/PlanningSceneWorld or CollisionObject.
 bool is_moveit_world(const Input& input) {
   return input.find("collision_objects") || (input.find("id") && input.find("operation"));

@@ -20,8 +20,6 @@
 
 namespace mneme::internal {
 
-/// A list of three numbers, or the keys x, y and z.
-[[nodiscard]] Vec3 read_moveit_point(const Input& input);
 /// The key `position`, and `orientation` if present.
 [[nodiscard]] Transform read_moveit_pose(const Input& input);
 /// A quaternion with the keys x, y, z, w, or a list of them.

@@ -17,12 +17,6 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n";
 
-std::string_view trimmed_line(std::string_view line) {
-  const std::size_t begin = std::min(line.find_first_not_of(kBlanks), line.size());
-  const std::size_t end = line.find_last_not_of(kBlanks);
-  return end == line.npos ? std::string_view() : line.substr(begin, end + 1 - begin);
-}
-
 /// Reads objects of MoveIt's scene text one after the other.
 class SceneText {
  public:
@@ -49,7 +43,7 @@ class SceneText {
     const std::string_view line = rest_.substr(0, end);
     rest_.remove_prefix(std::min(end + 1, rest_.size()));
     ++line_;
-    return trimmed_line(line);
+    return trimmed(line);
   }
 
   std::string_view next_word() {
@@ -215,7 +209,7 @@ class SceneText {
 bool is_scene_text(std::string_view text) {
   text.remove_prefix(std::min(text.find('\n'), text.size()));
   const std::string_view rest = text.substr(std::min(text.find_first_not_of(kBlanks), text.size()));
-  return rest.starts_with("* ") || trimmed_line(rest) == ".";
+  return rest.starts_with("* ") || trimmed(rest) == ".";
 }
 
 Scene read_scene_text(std::string_view text, const std::string& source,
