@@ -13,7 +13,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <system_error>
 #include <utility>
 #include <sys/socket.h>
 #include <sys/stat.h>

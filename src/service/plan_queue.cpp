@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "service/plan_queue.h"
 
-#include <algorithm>
 #include <iterator>
 
 namespace mneme::internal {

@@ -227,18 +227,24 @@ Problem read_problem_of_request(const Input& input, const ProblemOptions& option
       options);
 }
 
+/// Reads a map of settings by name, and of no other keys than `names`.
+template <class Settings>
+void read_settings_map(const Input& input, Settings& settings,
+                       std::vector<std::string_view> names = {}) {
+  visit_settings(settings, [&](const char* name, const auto&, auto, auto, std::string_view) {
+    names.push_back(name);
+  });
+  input.allow_keys(names);
+  visit_settings(settings, SettingsReader(input));
+}
+
 /// Reads the key `trajectory`: true, or settings of trajectories by name.
 std::optional<TrajectorySettings> read_timing(const Input& request) {
   const auto input = request.find("trajectory");
   if (!input) return std::nullopt;
   TrajectorySettings timing;
   if (!input->is_map()) return input->boolean() ? std::optional(timing) : std::nullopt;
-  std::vector<std::string_view> names;
-  visit_settings(timing, [&](const char* name, const auto&, auto, auto, std::string_view) {
-    names.push_back(name);
-  });
-  input->allow_keys(names);
-  visit_settings(timing, SettingsReader(*input));
+  read_settings_map(*input, timing);
   return timing;
 }
 
@@ -349,12 +355,8 @@ IkRequest read_ik(const Input& input, const RequestContext& context) {
   request.margin = read_margin(input);
   const auto settings = input.find("settings");
   if (!settings) return request;
-  std::vector<std::string_view> names = {"seed"};
-  visit_settings(request.settings, [&](const char* name, const auto&, auto, auto,
-                                       std::string_view) { names.push_back(name); });
-  settings->allow_keys(names);
+  read_settings_map(*settings, request.settings, {"seed"});
   const SettingsReader read(*settings);
-  visit_settings(request.settings, read);
   read("seed", request.settings.seed, 0, ~std::uint64_t{0}, "");
   return request;
 }
