@@ -27,6 +27,11 @@ std::vector<Group> cut_before_moves(const Task& task) {
   return groups;
 }
 
+/// True for a move that ends where the next line begins.
+bool leads_to_line(const Stage& stage) {
+  return stage.kind == StageKind::move && stage.goals.empty() && stage.poses.poses.empty();
+}
+
 /// Makes the line that a move without a goal leads to the group's anchor.
 Result<void> anchor_at_line(const Task& task, Group& group) {
   const auto stage_of = [&](int i) -> const Stage& { return task.stages[as_index(i)]; };
@@ -73,10 +78,6 @@ Result<void> check_lines(const Task& task, const Group& group) {
 std::string stage_name(const Task& task, int stage) {
   const Stage& at = task.stages[as_index(stage)];
   return at.name.empty() ? fmt::format("{} {}", to_string(at.kind), stage + 1) : at.name;
-}
-
-bool leads_to_line(const Stage& stage) {
-  return stage.kind == StageKind::move && stage.goals.empty() && stage.poses.poses.empty();
 }
 
 Result<std::vector<Group>> make_groups(const Task& task) {

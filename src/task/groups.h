@@ -30,7 +30,4 @@ struct Group {
 /// Returns the stage's name, or its kind and number.
 [[nodiscard]] std::string stage_name(const Task& task, int stage);
 
-/// True for a move that ends where the next line begins.
-[[nodiscard]] bool leads_to_line(const Stage& stage);
-
 }  // namespace mneme::internal

@@ -11,8 +11,6 @@
 #include "robot/kinematics.h"
 #include "tables/make_tables.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -42,7 +42,6 @@ struct World {
   std::map<std::string, HeldObject> held;  ///< by name
   std::shared_ptr<GripperRobots> grippers = std::make_shared<GripperRobots>();
 };
-using WorldPtr = std::shared_ptr<const World>;
 
 /// Pose of a shape's own frame. Spheres: no rotation; capsules: z along the axis.
 [[nodiscard]] Transform pose_of(const Shape& shape);
