@@ -3,7 +3,7 @@
 #include "line/line_search.h"
 
 #include "base/as_index.h"
-#include "robot/kinematics.h"
+#include "check/parted_pairs.h"
 
 #include <Eigen/Geometry>
 
@@ -30,24 +30,6 @@ constexpr double kMostDrift = 40;
 
 /// Rounding error of a share of the line.
 constexpr double kRounding = 1e-12;
-
-/// The links that no joint of the group moves relative to `link`.
-std::vector<std::string> find_carried(const Robot& robot, const std::string& link) {
-  const auto last_joint = [&](int index) {
-    const std::vector<int> joints = joints_to(robot, index);
-    const auto moving = std::ranges::find_if(joints, [&](int joint) {
-      return robot.joints()[as_index(joint)].type != JointType::fixed &&
-             find_drive(robot, joint).has_value();
-    });
-    return moving == joints.end() ? -1 : *moving;
-  };
-  const int carrier = last_joint(*robot.find_link(link));
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < robot.links().size(); ++i) {
-    if (last_joint(static_cast<int>(i)) == carrier) names.push_back(robot.links()[i].name);
-  }
-  return names;
-}
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
@@ -84,7 +66,11 @@ bool LineSearch::is_link_blocked() {
   if (stop_s_ == examined_s_) return is_link_blocked_;
   examined_s_ = stop_s_;
   const Robot& robot = checker_.robot();
-  if (carried_.empty()) carried_ = find_carried(robot, goal_.link);
+  if (carried_.empty()) {
+    for (const int link : rigid_with(robot, *robot.find_link(goal_.link))) {
+      carried_.push_back(robot.links()[as_index(link)].name);
+    }
+  }
   const Configuration q(stop_.to.data(), stop_.to.data() + robot.joint_count());
   is_link_blocked_ = std::ranges::any_of(checker_.contacts(q), [&](const Contact& contact) {
     return !contact.is_self && std::ranges::count(carried_, contact.link) > 0;

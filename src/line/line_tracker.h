@@ -9,9 +9,7 @@
 #include "goal/link_chain.h"
 #include "line/line_segment.h"
 
-#include <cstdint>
 #include <span>
-#include <vector>
 
 namespace mneme::internal {
 
