@@ -116,8 +116,7 @@ void add_capsule(XmlReader& xml, const XmlElement& capsule, const Transform& pos
   link.capsules.push_back({pose * Vec3(-half), pose * half, radius});
 }
 
-}  // namespace
-
+/// Returns the pose of the child <origin> of `element`; the identity without one.
 Transform read_origin(XmlReader& xml, const XmlElement& element) {
   const XmlElement* origin = element.FirstChildElement("origin");
   if (origin == nullptr) return {};
@@ -136,8 +135,6 @@ Transform read_origin(XmlReader& xml, const XmlElement& element) {
   if (length == QuaternionLength::tolerated) xml.tolerate(*origin, kScaledFault, kScaledFault);
   return {rotation_from_quaternion(q[3], q[0], q[1], q[2]), xyz};
 }
-
-namespace {
 
 void add_shape(XmlReader& xml, const MeshFinder& meshes, const XmlElement& shape,
                const Transform& pose, Link& link) {

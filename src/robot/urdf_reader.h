@@ -15,9 +15,6 @@
 
 namespace mneme::internal {
 
-/// Returns the pose of the child <origin> of `element`; the identity without one.
-[[nodiscard]] Transform read_origin(XmlReader& xml, const XmlElement& element);
-
 /// Adds the shapes of a <collision> to `link`.
 void read_collision(XmlReader& xml, const MeshFinder& meshes, const XmlElement& element,
                     Link& link);

@@ -3,7 +3,6 @@
 
 // The robots that come with mneme, against facts about their kinematics (see robots/SOURCE.md).
 #include "robot/small_robots.h"
-#include "robot/urdf_reader.h"
 #include "support/environment.h"
 #include "support/support.h"
 

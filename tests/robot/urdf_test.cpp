@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "robot/small_robots.h"
-#include "robot/urdf_reader.h"
 #include "support/support.h"
 
 #include <string>
