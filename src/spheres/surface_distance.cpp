@@ -6,8 +6,6 @@
 #include "base/threads.h"
 #include "geometry/part_distance.h"
 
-#include <Eigen/Geometry>
-
 #include <cmath>
 
 namespace mneme::internal {

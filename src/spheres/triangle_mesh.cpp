@@ -7,7 +7,6 @@
 #include "geometry/axis_box.h"
 #include "mesh/mesh_file.h"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
