@@ -8,7 +8,6 @@
 
 #include <pybind11/numpy.h>
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>

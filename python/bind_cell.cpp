@@ -48,10 +48,7 @@ CellTask to_task(const py::object& task) {
 }
 
 Cell build(const std::filesystem::path& path, const py::kwargs& arguments) {
-  CellSettings settings;
-  Keywords keywords("Cell.build", arguments);
-  keywords.apply(settings);
-  keywords.finish();
+  auto settings = read_keywords<CellSettings>("Cell.build", arguments);
   std::atomic<bool> cancel = false;
   settings.cancel = &cancel;
   return unwrap(run_interruptible(cancel, [&]() -> Result<Cell> {

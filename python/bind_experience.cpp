@@ -19,7 +19,6 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
-#include <cstring>
 
 namespace mneme::python {
 namespace {

@@ -206,10 +206,7 @@ py::object solve_ik(const Robot& robot, const OneOrMore& given, const py::object
                     const py::kwargs& arguments) {
   const auto* one = std::get_if<PoseGoal>(&given);
   std::vector<PoseGoal> goals = one ? std::vector{*one} : std::get<1>(given);
-  IkSettings settings;
-  Keywords keywords("inverse_kinematics", arguments);
-  keywords.apply(settings);
-  keywords.finish();
+  auto settings = read_keywords<IkSettings>("inverse_kinematics", arguments);
   settings.seed = seed;
   if (goals.empty()) raise_invalid("goals: expected at least one, got none");
   const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);

@@ -64,10 +64,7 @@ Line make_line(std::string link, const py::object& by, const std::optional<PoseG
 
 LineResult plan_on_line(const Robot& robot, const Line& line, const py::object& start,
                         const Scene& scene, const std::string& isa, const py::kwargs& arguments) {
-  LineSettings settings;
-  Keywords keywords("plan_line", arguments);
-  keywords.apply(settings);
-  keywords.finish();
+  auto settings = read_keywords<LineSettings>("plan_line", arguments);
   const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
   if (start.is_none() && !line.start) raise_invalid("start: expected one, or a line with from_");
   const Configuration from =

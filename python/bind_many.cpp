@@ -60,7 +60,7 @@ py::array_t<std::int64_t> offsets(const Plans& plans, const RowsOf& rows_of) {
   return read_only(std::move(array));
 }
 
-/// `values_of` has the rows of a solution, `row_of` the numbers of each.
+/// `rows_of` has the rows of a solution, `row_of` the numbers of each.
 template <class RowsOf, class RowOf>
 py::array_t<double> rows(const Plans& plans, const RowsOf& rows_of, const RowOf& row_of) {
   py::ssize_t count = 0;
@@ -124,19 +124,6 @@ py::dict columns(const py::object& self) {
   return all;
 }
 
-/// Takes the keywords of trajectories out of `arguments`.
-TrajectorySettings take_timing(py::kwargs& arguments) {
-  TrajectorySettings timing;
-  py::kwargs own;
-  visit_settings(timing, [&](std::string_view flag, auto&, auto, auto, std::string_view) {
-    const py::str keyword(keyword_of(flag));
-    if (!arguments.contains(keyword)) return;
-    own[keyword] = arguments.attr("pop")(keyword);
-  });
-  Keywords("plan_many", own).apply(timing);
-  return timing;
-}
-
 Plans plan_all(const std::vector<SharedProblem>& shared, const Memory* memory,
                const std::string& planner, const std::optional<std::string>& sampler,
                const std::string& isa, int jobs, const py::object& dt, py::kwargs arguments) {
@@ -145,7 +132,7 @@ Plans plan_all(const std::vector<SharedProblem>& shared, const Memory* memory,
   settings.jobs = jobs;
   if (!dt.is_none()) {
     arguments["dt"] = dt;
-    settings.timing = take_timing(arguments);
+    settings.timing = take_keywords<TrajectorySettings>("plan_many", arguments);
   }
   settings.solve = read_solve_settings(
       "plan_many", planner, sampler.value_or(memory == nullptr ? "uniform" : "gl"), isa, arguments);

@@ -28,15 +28,12 @@ std::string file_name(const py::object& path) {
   return py::module_::import("os").attr("fsencode")(path).cast<std::string>();
 }
 
-TrajectorySettings read_trajectory_settings(std::string method, const py::object& dt,
+TrajectorySettings read_trajectory_settings(const std::string& method, const py::object& dt,
                                             const py::kwargs& arguments,
                                             TrajectorySettings timing) {
   py::kwargs all(arguments);
   if (!dt.is_none()) all["dt"] = dt;
-  Keywords keywords(std::move(method), all);
-  keywords.apply(timing);
-  keywords.finish();
-  return timing;
+  return read_keywords(method, all, timing);
 }
 
 RateLimits find_limits(const Robot& robot, const TrajectorySettings& timing,
@@ -71,9 +68,7 @@ void read_timing(const py::object& keywords, Plan& plan) {
   auto arguments = py::reinterpret_borrow<py::kwargs>(keywords.attr("copy")());
   py::object limits = py::none();
   if (arguments.contains("limits")) limits = arguments.attr("pop")("limits");
-  Keywords known("Plan.trajectory", arguments);
-  known.apply(plan.timing);
-  known.finish();
+  plan.timing = read_keywords<TrajectorySettings>("Plan.trajectory", arguments);
   plan.problem.robot = unwrap(narrow_positions(plan.problem.robot, file_name(limits)));
   plan.settings.plan.limits =
       std::make_shared<const RateLimits>(find_limits(plan.problem.robot, plan.timing, limits));

@@ -91,42 +91,24 @@ std::string path_of(const py::object& robot) {
   }
 }
 
-struct ProblemArguments {
-  std::string where;
-  py::object robot;
-  py::object start;
-  py::object goal;
-  std::vector<PoseGoal> pose_goals;
-  Constraints constraints;
-  RobotOptions options;
-  std::optional<double> self_filter;
-  py::object start_velocity, end_velocity;
-};
+/// Nothing for None. Planning checks the number of values.
+std::optional<std::vector<double>> to_given(const py::object& values, const char* name) {
+  if (values.is_none()) return std::nullopt;
+  return to_vector(values, -1, name);
+}
 
-SharedProblem load(const ProblemArguments& arguments) {
-  ProblemOptions options;
-  options.robot = arguments.options;
-  if (py::isinstance<Robot>(arguments.robot)) {
-    options.made_robot = arguments.robot.cast<Robot>();
-    if (!(arguments.options == RobotOptions())) {
+/// `options` have all arguments but the robot.
+SharedProblem load(const std::string& where, const py::object& robot, ProblemOptions options) {
+  if (py::isinstance<Robot>(robot)) {
+    options.made_robot = robot.cast<Robot>();
+    if (!(options.robot == RobotOptions())) {
       raise_invalid("robot: a Robot has its own SRDF, group and packages; pass only the Robot");
     }
-  } else if (const auto named = path_of(arguments.robot); !named.empty()) {
+  } else if (const auto named = path_of(robot); !named.empty()) {
     options.robot_path = unwrap(robot_file(named));
   }
-  if (!arguments.start.is_none()) options.start = to_vector(arguments.start, -1, "start");
-  if (!arguments.goal.is_none()) options.goal = to_vector(arguments.goal, -1, "goal");
-  if (!arguments.start_velocity.is_none()) {
-    options.start_velocity = to_vector(arguments.start_velocity, -1, "start_velocity");
-  }
-  if (!arguments.end_velocity.is_none()) {
-    options.end_velocity = to_vector(arguments.end_velocity, -1, "end_velocity");
-  }
-  options.pose_goals = arguments.pose_goals;
-  options.constraints = arguments.constraints;
-  options.self_filter = arguments.self_filter;
   SharedProblem shared(unwrap(run_interruptible([&] {
-    return load_problem(arguments.where, options).map([](Problem problem) {
+    return load_problem(where, options).map([](Problem problem) {
       prepare(problem.robot);
       return problem;
     });
@@ -154,20 +136,25 @@ void bind_factories(py::class_<SharedProblem>& problem) {
               "start_velocity, end_velocity: a value per joint, rad/s or m/s; default: at rest.");
   problem.def_static(
       "load",
-      [](const std::filesystem::path& where, py::object robot, py::object start, py::object goal,
-         std::vector<PoseGoal> pose_goals, Constraints constraints,
+      [](const std::filesystem::path& where, const py::object& robot, const py::object& start,
+         const py::object& goal, std::vector<PoseGoal> pose_goals, Constraints constraints,
          const std::filesystem::path& srdf, std::string group,
          std::vector<std::string> package_paths, std::optional<double> self_filter, bool strict,
-         bool hard_limits, py::object start_velocity, py::object end_velocity) {
-        RobotOptions options;
-        options.strict = strict;
-        options.hard_limits = hard_limits;
-        options.srdf_path = srdf.string();
-        options.group = std::move(group);
-        options.package_paths = std::move(package_paths);
-        return load({where.string(), std::move(robot), std::move(start), std::move(goal),
-                     std::move(pose_goals), std::move(constraints), std::move(options), self_filter,
-                     std::move(start_velocity), std::move(end_velocity)});
+         bool hard_limits, const py::object& start_velocity, const py::object& end_velocity) {
+        ProblemOptions options;
+        options.robot.strict = strict;
+        options.robot.hard_limits = hard_limits;
+        options.robot.srdf_path = srdf.string();
+        options.robot.group = std::move(group);
+        options.robot.package_paths = std::move(package_paths);
+        options.start = to_given(start, "start");
+        options.goal = to_given(goal, "goal");
+        options.start_velocity = to_given(start_velocity, "start_velocity");
+        options.end_velocity = to_given(end_velocity, "end_velocity");
+        options.pose_goals = std::move(pose_goals);
+        options.constraints = std::move(constraints);
+        options.self_filter = self_filter;
+        return load(where.string(), robot, std::move(options));
       },
       py::arg("where"), py::kw_only(), py::arg("robot") = "", py::arg("start") = py::none(),
       py::arg("goal") = py::none(), py::arg("pose_goals") = std::vector<PoseGoal>(),

@@ -26,10 +26,7 @@ namespace mneme::python {
 namespace {
 
 Robot load(const std::string& robot, const RobotOptions& options, const py::kwargs& settings) {
-  SphereSettings spheres;
-  Keywords keywords("Robot.load", settings);
-  keywords.apply(spheres);
-  keywords.finish();
+  const auto spheres = read_keywords<SphereSettings>("Robot.load", settings);
   const std::string path = unwrap(robot_file(robot));
   const Robot loaded = unwrap(run_interruptible([&] {
     return load_approximated_robot(path, options, spheres).map([](ApproximatedRobot made) {
@@ -46,12 +43,6 @@ Robot make_planar(const py::object& lengths, double thickness, const std::string
   const std::string chosen = name.empty() ? fmt::format("planar{}", values.size()) : name;
   const std::string urdf = unwrap(planar_arm_urdf(chosen, values, thickness));
   return unwrap(parse_robot(urdf, chosen));
-}
-
-std::vector<std::string> joint_names(const Robot& robot) {
-  std::vector<std::string> names;
-  for (int i = 0; i < robot.joint_count(); ++i) names.push_back(robot.group_joint(i).name);
-  return names;
 }
 
 std::vector<std::string> link_names(const Robot& robot) {
@@ -140,7 +131,7 @@ void bind_properties(py::class_<Robot>& robot) {
       .def_property_readonly(
           "joint_count", &Robot::joint_count,
           "Number of joints in the planning group, the length of a configuration.")
-      .def_property_readonly("joint_names", &joint_names,
+      .def_property_readonly("joint_names", &Robot::joint_names,
                              "Names of the group's joints, in the order of a configuration.")
       .def_property_readonly("link_names", &link_names, "Names of all links, parents first.")
       .def_property_readonly("limits", &limits,

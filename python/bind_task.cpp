@@ -20,7 +20,6 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -50,22 +49,11 @@ Task make_task(const Robot& robot, const Scene& scene, const py::object& start,
   return task;
 }
 
-PlannedTask plan_task(const Task& task, const py::object& database, const py::kwargs& arguments) {
-  TaskSettings settings;
-  Keywords own("plan_task", arguments);
-  own.apply(settings);
-  py::kwargs rest;
-  for (const auto& argument : arguments) {
-    const std::string key = to_utf8(argument.first);
-    bool is_own = false;
-    visit_settings(settings, [&](std::string_view flag, auto&, auto, auto, std::string_view) {
-      is_own = is_own || keyword_of(flag) == key;
-    });
-    if (!is_own) rest[argument.first] = argument.second;
-  }
+PlannedTask plan_task(const Task& task, const py::object& database, py::kwargs arguments) {
+  auto settings = take_keywords<TaskSettings>("plan_task", arguments);
   const bool has_database = !database.is_none();
   settings.solve = read_solve_settings("plan_task", "rrt_connect", has_database ? "gl" : "uniform",
-                                       "automatic", rest);
+                                       "automatic", arguments);
   std::shared_ptr<Database> memory;
   if (has_database) memory = database.cast<const Memory&>().get();
   if (memory == nullptr) check_without_memory("plan_task", settings.solve);

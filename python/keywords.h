@@ -91,6 +91,29 @@ class Keywords {
   std::vector<std::string> known_;
 };
 
+/// Reads the settings of a call that has no other keywords. `function`: its name in messages.
+/// Raises TypeError for an unknown keyword.
+template <class Settings>
+[[nodiscard]] Settings read_keywords(const std::string& function, const py::kwargs& arguments,
+                                     Settings settings = {}) {
+  Keywords keywords(function, arguments);
+  keywords.apply(settings);
+  keywords.finish();
+  return settings;
+}
+
+/// As read_keywords(), for the keywords of these settings alone, which it takes out of `arguments`.
+template <class Settings>
+[[nodiscard]] Settings take_keywords(const std::string& function, py::kwargs& arguments) {
+  py::kwargs own;
+  const Settings defaults;
+  visit_settings(defaults, [&](std::string_view flag, const auto&, auto, auto, std::string_view) {
+    const py::str keyword(keyword_of(flag));
+    if (arguments.contains(keyword)) own[keyword] = arguments.attr("pop")(keyword);
+  });
+  return read_keywords<Settings>(function, own);
+}
+
 /// Reads the settings of plan(). `function`: the name of the call in messages. Raises TypeError for
 /// an unknown keyword.
 [[nodiscard]] SolveSettings read_solve_settings(const std::string& function,

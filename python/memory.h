@@ -9,7 +9,6 @@
 
 #include "errors.h"
 
-#include <filesystem>
 #include <memory>
 #include <string>
 

@@ -23,7 +23,7 @@ struct TimedPlan {
 
 /// Reads `dt`, unless it is None, and the other arguments of a method that times a motion into
 /// `timing`. `method`: its name in messages.
-[[nodiscard]] TrajectorySettings read_trajectory_settings(std::string method,
+[[nodiscard]] TrajectorySettings read_trajectory_settings(const std::string& method,
                                                           const pybind11::object& dt,
                                                           const pybind11::kwargs& arguments,
                                                           TrajectorySettings timing = {});
