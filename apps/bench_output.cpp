@@ -70,62 +70,47 @@ std::string printable_table(std::vector<SetSummary> summaries) {
 /// A table of results that grows on a terminal, or a line every few seconds. Not thread-safe.
 class LiveTable {
  public:
-  explicit LiveTable(std::size_t total);
+  explicit LiveTable(std::size_t total) : total_(static_cast<std::int64_t>(total)) {}
   LiveTable(const LiveTable&) = delete;
   LiveTable& operator=(const LiveTable&) = delete;
   /// Removes the table.
-  ~LiveTable();
+  ~LiveTable() { erase(); }
 
   /// Shows `rows`, the last of which has just come. Cheap to call often.
-  void update(std::span<const BenchmarkRow> rows);
+  void update(std::span<const BenchmarkRow> rows) {
+    const BenchmarkRow& last = rows.back();
+    const std::string detail = fmt::format("{}#{} {}", printable(last.set), printable(last.problem),
+                                           to_string(last.status));
+    if (is_terminal_ && since_shown_.elapsed_s() > kInterval) {
+      since_shown_ = {};
+      draw(rows);
+    }
+    progress_.update(static_cast<std::int64_t>(rows.size()), total_, detail);
+  }
 
  private:
-  void draw(std::span<const BenchmarkRow> rows);
-  void erase();
-
-  using Clock = std::chrono::steady_clock;
-  std::int64_t total_;
-  Progress progress_;  ///< for what is no terminal, and the bar below the table
-  bool is_terminal_;
-  int lines_ = 0;  ///< of the table that is shown
-  Clock::time_point shown_ = Clock::now();
-};
-
-LiveTable::LiveTable(std::size_t total)
-    : total_(static_cast<std::int64_t>(total)),
-      progress_("planning"),
-      is_terminal_(has_terminal()) {}
-
-LiveTable::~LiveTable() { erase(); }
-
-void LiveTable::update(std::span<const BenchmarkRow> rows) {
-  const BenchmarkRow& last = rows.back();
-  const std::string detail =
-      fmt::format("{}#{} {}", printable(last.set), printable(last.problem), to_string(last.status));
-  const Clock::time_point now = Clock::now();
-  if (is_terminal_ && std::chrono::duration<double>(now - shown_).count() > kInterval) {
-    shown_ = now;
-    draw(rows);
+  void draw(std::span<const BenchmarkRow> rows) {
+    const winsize size = terminal_size();
+    erase();
+    const std::string table = fit_table(printable_table(summarize_sets(rows)), size.ws_col - 1,
+                                        size.ws_row - kLinesBelow);
+    fmt::print(stderr, "{}", table);
+    std::fflush(stderr);
+    lines_ = static_cast<int>(std::count(table.begin(), table.end(), '\n'));
   }
-  progress_.update(static_cast<std::int64_t>(rows.size()), total_, detail);
-}
+  void erase() {
+    if (lines_ == 0) return;
+    // Back over the bar and up to the first line of the table, then clear all below.
+    fmt::print(stderr, "\r\033[{}A\033[J", lines_);
+    lines_ = 0;
+  }
 
-void LiveTable::draw(std::span<const BenchmarkRow> rows) {
-  const winsize size = terminal_size();
-  erase();
-  const std::string table =
-      fit_table(printable_table(summarize_sets(rows)), size.ws_col - 1, size.ws_row - kLinesBelow);
-  fmt::print(stderr, "{}", table);
-  std::fflush(stderr);
-  lines_ = static_cast<int>(std::count(table.begin(), table.end(), '\n'));
-}
-
-void LiveTable::erase() {
-  if (lines_ == 0) return;
-  // Back over the bar and up to the first line of the table, then clear all below.
-  fmt::print(stderr, "\r\033[{}A\033[J", lines_);
-  lines_ = 0;
-}
+  std::int64_t total_;
+  Progress progress_{"planning"};  ///< for what is no terminal, and the bar below the table
+  bool is_terminal_ = has_terminal();
+  int lines_ = 0;  ///< of the table that is shown
+  Stopwatch since_shown_;
+};
 
 using Json = nlohmann::ordered_json;
 

@@ -20,7 +20,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -158,7 +157,7 @@ Result<void> check_files(const PlanOptions& options, const Problem& problem) {
 }
 
 Result<LoadedPlan> load(const PlanOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch stopwatch;
   ProblemOptions overrides = MNEME_TRY(problem_options(options.robot, options.robot_options));
   overrides.start = options.start;
   overrides.goal = options.goal;
@@ -178,8 +177,8 @@ Result<LoadedPlan> load(const PlanOptions& options) {
     for (const std::string& warning : limits->warnings) print_warning(warning);
   }
   std::optional<Database> database = MNEME_TRY(open_memory_if_any(options, problem));
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-  return LoadedPlan{std::move(problem), std::move(database), std::move(limits), elapsed.count()};
+  return LoadedPlan{std::move(problem), std::move(database), std::move(limits),
+                    stopwatch.elapsed_s()};
 }
 
 void print_memory(const Problem& problem, const SolveResult& result) {

@@ -101,12 +101,10 @@ Progress::~Progress() {
 
 void Progress::update(std::int64_t done, std::int64_t total, std::string_view detail) {
   if (done_at_start_ < 0) done_at_start_ = done;
-  const Clock::time_point now = Clock::now();
-  const double since_shown = std::chrono::duration<double>(now - shown_).count();
-  if (since_shown < (is_terminal_ ? kBarInterval : kLineInterval)) return;
-  shown_ = now;
+  if (since_shown_.elapsed_s() < (is_terminal_ ? kBarInterval : kLineInterval)) return;
+  since_shown_ = {};
 
-  const double elapsed = std::chrono::duration<double>(now - started_).count();
+  const double elapsed = since_start_.elapsed_s();
   const double rate = static_cast<double>(done - done_at_start_) / std::max(elapsed, 1e-9);
   const std::string left =
       rate > 0 ? format_duration(static_cast<double>(total - done) / rate) + " left" : "";

@@ -6,11 +6,12 @@
 /// the same kind ends the program at once.
 #pragma once
 
+#include "mneme/base.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <atomic>
-#include <chrono>
 #include <concepts>
 #include <cstdint>
 #include <string>
@@ -53,12 +54,10 @@ class Progress {
   void update(std::int64_t done, std::int64_t total, std::string_view detail = "");
 
  private:
-  using Clock = std::chrono::steady_clock;
   std::string label_;
   bool is_terminal_;
   bool has_bar_ = false;
-  Clock::time_point started_ = Clock::now();
-  Clock::time_point shown_ = Clock::now();
+  Stopwatch since_start_, since_shown_;
   std::int64_t done_at_start_ = -1;
 };
 

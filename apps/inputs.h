@@ -39,7 +39,7 @@ struct Workspace {
 };
 /// Reads a scene file or a problem (whatever load_problem takes).
 [[nodiscard]] Result<Workspace> load_workspace(const std::string& where,
-                                               const ProblemOptions& options = {});
+                                               const ProblemOptions& options);
 
 /// A robot in a scene.
 struct PlacedRobot {
@@ -62,7 +62,7 @@ void note_record_flaw(const Database& database);
 /// Opens the database at `url` for planning: for writing only if planning may add to it.
 [[nodiscard]] Result<Database> open_memory(const std::string& url, const Robot& robot,
                                            const SolveSettings& settings,
-                                           const DatabaseSettings& kept = {});
+                                           const DatabaseSettings& kept);
 
 /// Removes the SQLite file of a database, and those that mneme keeps beside it.
 void remove_database(const std::string& file);

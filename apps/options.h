@@ -167,7 +167,7 @@ void add_other_robot(CLI::App& app, std::string& robot, RobotOptions& options);
 /// The required argument PROBLEMS and the flag --part; `suites` says what else the argument may be.
 void add_problem_list(CLI::App& app, std::vector<std::string>& problems, std::string& part,
                       const std::string& suites = "");
-/// The required argument `name` for a scene or a problem.
+/// The required argument SCENE, a scene or a problem.
 void add_scene_argument(CLI::App& app, std::string& scene);
 /// The flag --seed.
 void add_seed(CLI::App& app, std::uint64_t& seed, const std::string& help);
