@@ -399,7 +399,6 @@ class TrackedIterator {
     return *this;
   }
   bool operator==(const TrackedIterator& other) const { return here_ == other.here_; }
-  bool operator!=(const TrackedIterator& other) const { return here_ != other.here_; }
 
  private:
   const char* here_;
