@@ -13,7 +13,6 @@
 #include <array>
 #include <memory>
 #include <mutex>
-#include <span>
 #include <string_view>
 #include <utility>
 #include <variant>

@@ -77,6 +77,16 @@ bool is_own_stream(std::string_view path) {
          path.starts_with("/proc/self/fd/");
 }
 
+/// Syncs the directory of `path`, so that new names survive a loss of power where the file system
+/// supports it.
+void sync_directory_of(const std::string& path) {
+  const auto directory = std::filesystem::path(path).parent_path();
+  const int file = ::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY);
+  if (file < 0) return;
+  (void)::fsync(file);
+  (void)::close(file);
+}
+
 }  // namespace
 
 Result<std::string> read_text_file(const std::string& path, std::size_t max_bytes) {
@@ -157,14 +167,6 @@ Result<void> NewFile::finish() {
 tl::unexpected<Error> NewFile::error() const {
   return fail(ErrorCode::io, "{}: cannot be written: {}", path_,
               std::generic_category().message(errno));
-}
-
-void sync_directory_of(const std::string& path) {
-  const auto directory = std::filesystem::path(path).parent_path();
-  const int file = ::open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY);
-  if (file < 0) return;
-  (void)::fsync(file);
-  (void)::close(file);
 }
 
 }  // namespace mneme::internal

@@ -64,12 +64,8 @@ class NewFile {
   NewFile() = default;
   [[nodiscard]] tl::unexpected<Error> error() const;
   std::string path_;
-  std::string written_path_;  // empty after finish()
+  std::string written_path_;
   UniqueFile file_;
 };
-
-/// Syncs the directory of `path`, so that new names survive a loss of power where the file system
-/// supports it.
-void sync_directory_of(const std::string& path);
 
 }  // namespace mneme::internal

@@ -3,8 +3,6 @@
 #include "support/environment.h"
 #include "support/support.h"
 
-#include <string>
-
 namespace mneme {
 namespace {
 

@@ -15,7 +15,6 @@
 #include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <stdexcept>
 
