@@ -101,9 +101,7 @@ template <class Member>
 double median_of(const std::vector<RepeatedTask>& repeats, Member member) {
   std::vector<double> values;
   for (const RepeatedTask& repeated : repeats) values.push_back(repeated.*member);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
+  return median(std::move(values));
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <vector>
 
 namespace mneme::app {
 namespace {
@@ -21,12 +20,6 @@ constexpr double kNoGain = 1.1;
 struct Runs {
   std::vector<double> times_s;  ///< infinite of those without a path
 
-  [[nodiscard]] double median_s() const {
-    std::vector<double> sorted = times_s;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::ranges::nth_element(sorted, middle);
-    return *middle;
-  }
   [[nodiscard]] auto solved() const {
     return std::ranges::count_if(times_s, [](double time_s) { return std::isfinite(time_s); });
   }
@@ -46,7 +39,7 @@ Runs runs_of(std::span<const BenchmarkRow> rows, const std::string& planner,
 }
 
 std::string compare(const std::string& planner, const Runs& memory, const Runs& uniform) {
-  const double memory_ms = 1e3 * memory.median_s(), uniform_ms = 1e3 * uniform.median_s();
+  const double memory_ms = 1e3 * median(memory.times_s), uniform_ms = 1e3 * median(uniform.times_s);
   if (std::isfinite(memory_ms) && std::isfinite(uniform_ms)) {
     return fmt::format("{}: {}", planner, compare_times(uniform_ms, memory_ms));
   }
@@ -58,6 +51,12 @@ std::string compare(const std::string& planner, const Runs& memory, const Runs& 
 }
 
 }  // namespace
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
 
 std::string compare_times(double without_ms, double with_ms) {
   const double factor = without_ms / with_ms;

@@ -8,9 +8,12 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 namespace mneme::app {
 
+/// Of an even number of values the upper one. Precondition: there is a value.
+[[nodiscard]] double median(std::vector<double> values);
 /// Compares two medians in milliseconds, without and with memory: a gain, no gain or a loss.
 [[nodiscard]] std::string compare_times(double without_ms, double with_ms);
 
