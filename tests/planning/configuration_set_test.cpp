@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/small_worlds.h"
 #include "planning/configuration_set.h"
+#include "path/waypoints.h"
 
 #include <algorithm>
 #include <numeric>
@@ -9,10 +10,7 @@
 namespace mneme::test {
 namespace {
 
-std::vector<float> random_floats(const Robot& robot, Rng& rng) {
-  const Configuration q = random_configuration(robot, rng);
-  return {q.begin(), q.end()};
-}
+using internal::to_floats;
 
 /// Distances from `q` to all of `set`, by the library's double-precision metric.
 std::vector<double> all_distances(const Robot& robot, const internal::ConfigurationSet& set,
@@ -36,9 +34,9 @@ TEST_SUITE("oracle") {
     Rng rng(5);
     for (int round = 0; round < 2; ++round) {
       for (int size = 1; size <= 3000; ++size) {
-        set.add(random_floats(robot, rng));
+        set.add(to_floats(random_configuration(robot, rng)));
         if (size % 499 != 0) continue;
-        const std::vector<float> q = random_floats(robot, rng);
+        const std::vector<float> q = to_floats(random_configuration(robot, rng));
         const std::vector<double> distances = all_distances(robot, set, q);
         const auto [index, squared] = set.nearest(q);
         const double least = *std::min_element(distances.begin(), distances.end());
@@ -56,9 +54,9 @@ TEST_SUITE("oracle") {
       internal::ConfigurationSet set(space, Isa::automatic);
       Rng rng(4);
       for (int size = 1; size <= 70; ++size) {
-        set.add(random_floats(robot, rng));
+        set.add(to_floats(random_configuration(robot, rng)));
         INFO(robot.name(), ", size ", size);
-        const std::vector<float> q = random_floats(robot, rng);
+        const std::vector<float> q = to_floats(random_configuration(robot, rng));
         const std::vector<double> distances = all_distances(robot, set, q);
         std::vector<double> sorted = distances;
         std::sort(sorted.begin(), sorted.end());
@@ -106,7 +104,7 @@ TEST_SUITE("unit") {
     Rng rng(5);
     std::vector<std::vector<float>> added;
     for (int i = 0; i < 40; ++i) {
-      added.push_back(random_floats(robot, rng));
+      added.push_back(to_floats(random_configuration(robot, rng)));
       CHECK(set.add(added.back()) == i);
     }
     REQUIRE(set.size() == 40);
