@@ -145,6 +145,7 @@ Result<std::vector<std::shared_ptr<const Cell>>> load_cells(const ServeOptions& 
   std::vector<std::shared_ptr<const Cell>> cells;
   for (const std::string& path : options.cells) {
     const Cell cell = MNEME_TRY(load_cell(path, "", overrides));
+    for (const std::string& warning : cell.region().problem.warnings) print_warning(warning);
     if (!cell.is_of_this_world()) {
       print_note(path +
                  ": robot, scene or allowed contacts have changed since it was built: its "

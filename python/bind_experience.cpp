@@ -167,7 +167,7 @@ py::list find(const Memory& memory, const LocalPrimitive& primitive,
   const MemoryKind* kind = memory_kind_of(primitive.kind);
   if (kind == nullptr) raise_invalid("primitive: its kind of memory is unknown");
   const double threshold = similarity.value_or(kind->defaults.similarity);
-  if (!(threshold > 0)) raise_invalid("similarity: expected more than 0 m^2");
+  if (!(threshold > 0)) raise_invalid("similarity: expected more than 0");
   if (max_matches < 0) raise_invalid("max_matches: expected 0 or more");
   py::list rows;
   for (const Match& match :
