@@ -124,13 +124,13 @@ Result<RobotSignature> upgraded_robot(const std::string& store, std::string_view
 
 Result<void> migrate_rows(const std::string& store, const OldRows& old_rows, StoreTransaction& to) {
   const StoreState head = MNEME_TRY(to.head());
-  Tally tally(StoreState{});
+  StoreState counted;
   std::set<std::int64_t> dead;
   MNEME_TRY(to.read_tombstones(0, [&](const Tombstone& tombstone) -> Result<void> {
     if (checksum_of(tombstone) != tombstone.checksum) {
       return missing(store, fmt::format("tombstone {} is damaged", tombstone.id));
     }
-    tally.add(tombstone);
+    count(tombstone, counted);
     dead.insert(tombstone.row);
     return {};
   }));
@@ -143,7 +143,7 @@ Result<void> migrate_rows(const std::string& store, const OldRows& old_rows, Sto
     std::vector<std::unique_ptr<const UpgradedRow>> upgraded;
     std::vector<StoredRow> live;
     for (const StoredRow& old : rows) {
-      tally.add(old);
+      count(old, counted);
       if (dead.contains(old.id)) continue;
       const auto& row = upgraded.emplace_back(std::make_unique<const UpgradedRow>(old));
       // A damaged row does not count as known: it must not hide a sound one.
@@ -154,7 +154,7 @@ Result<void> migrate_rows(const std::string& store, const OldRows& old_rows, Sto
     }
     return to.add_rows(live);
   }));
-  if (const auto flaw = tally.compare(head)) return missing(store, *flaw);
+  if (const auto flaw = describe_difference(counted, head)) return missing(store, *flaw);
   MNEME_TRY(to.remove_dead());
   return to.set_head(state);
 }

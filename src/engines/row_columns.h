@@ -8,7 +8,6 @@
 
 #include "store/store.h"
 
-#include <algorithm>
 #include <bit>
 #include <optional>
 #include <string>
@@ -91,10 +90,8 @@ KnownRow read_known_row(const Source& source, const ContentHash& content) {
 /// Reads the columns of a LessonMark: lesson, content, and whether a usable row has that content.
 template <class Source>
 LessonMark read_lesson(const Source& source) {
-  LessonMark mark{std::bit_cast<std::uint64_t>(source.integer(0)), {}, source.integer(2) != 0};
-  const auto content = source.blob(1);
-  std::copy_n(content.begin(), std::min(content.size(), mark.content.size()), mark.content.begin());
-  return mark;
+  return {std::bit_cast<std::uint64_t>(source.integer(0)), to_content_hash(source.blob(1)),
+          source.integer(2) != 0};
 }
 
 template <class Source>

@@ -25,6 +25,13 @@ namespace mneme::internal {
 /// experience, whatever their provenance.
 using ContentHash = std::array<std::byte, 16>;
 
+/// The hash in a stored column, which ends in zeros if the column is too short.
+[[nodiscard]] inline ContentHash to_content_hash(std::span<const std::byte> bytes) {
+  ContentHash hash{};
+  std::copy_n(bytes.begin(), std::min(bytes.size(), hash.size()), hash.begin());
+  return hash;
+}
+
 inline void swap_to_little_endian([[maybe_unused]] std::span<std::byte> bytes,
                                   [[maybe_unused]] std::size_t element_size) {
   if constexpr (std::endian::native == std::endian::big) {

@@ -138,20 +138,15 @@ class Store {
   [[nodiscard]] virtual Result<void> set_signature(const RobotSignature& signature) = 0;
 };
 
-/// Counts rows and tombstones as they are read, for comparison with the store's head.
-class Tally {
- public:
-  explicit Tally(const StoreState& since) : found_(since) {}
-  void add(const StoredRow& row);
-  void add(const Tombstone& tombstone);
-  /// Counts and digests of everything read so far.
-  [[nodiscard]] const StoreState& found() const { return found_; }
-  /// Difference from `head` in words: rows missing, added or renumbered. Nothing if equal.
-  [[nodiscard]] std::optional<std::string> compare(const StoreState& head) const;
+/// Adds a row or tombstone that is read or written to the counts, digests and last numbers of
+/// `state`.
+void count(const StoredRow& row, StoreState& state);
+void count(const Tombstone& tombstone, StoreState& state);
 
- private:
-  StoreState found_;
-};
+/// Difference of what was counted from the store's head, in words: rows missing, added or
+/// renumbered. Nothing if equal.
+[[nodiscard]] std::optional<std::string> describe_difference(const StoreState& counted,
+                                                             const StoreState& head);
 
 /// Changes of a store since a known state.
 struct StoreChanges {

@@ -9,33 +9,33 @@
 
 namespace mneme::internal {
 
-void Tally::add(const StoredRow& row) {
-  ++found_.row_count;
-  found_.row_digest ^= tally_mark(row.id, row.key_checksum);
-  found_.last_row = std::max(found_.last_row, row.id);
-  found_.generation = std::max(found_.generation, row.generation);
+void count(const StoredRow& row, StoreState& state) {
+  ++state.row_count;
+  state.row_digest ^= tally_mark(row.id, row.key_checksum);
+  state.last_row = std::max(state.last_row, row.id);
+  state.generation = std::max(state.generation, row.generation);
 }
 
-void Tally::add(const Tombstone& tombstone) {
-  ++found_.tombstone_count;
-  found_.tombstone_digest ^= tally_mark(tombstone.id, tombstone.checksum);
-  found_.last_tombstone = std::max(found_.last_tombstone, tombstone.id);
-  found_.generation = std::max(found_.generation, tombstone.generation);
+void count(const Tombstone& tombstone, StoreState& state) {
+  ++state.tombstone_count;
+  state.tombstone_digest ^= tally_mark(tombstone.id, tombstone.checksum);
+  state.last_tombstone = std::max(state.last_tombstone, tombstone.id);
+  state.generation = std::max(state.generation, tombstone.generation);
 }
 
-std::optional<std::string> Tally::compare(const StoreState& head) const {
-  if (found_.row_count != head.row_count) {
-    return fmt::format("holds {} rows, but {} were inserted", found_.row_count, head.row_count);
+std::optional<std::string> describe_difference(const StoreState& counted, const StoreState& head) {
+  if (counted.row_count != head.row_count) {
+    return fmt::format("holds {} rows, but {} were inserted", counted.row_count, head.row_count);
   }
-  if (found_.row_digest != head.row_digest) {
+  if (counted.row_digest != head.row_digest) {
     return "the ids or checksums of its rows differ from the inserted ones";
   }
-  if (found_.tombstone_count == head.tombstone_count &&
-      found_.tombstone_digest == head.tombstone_digest) {
+  if (counted.tombstone_count == head.tombstone_count &&
+      counted.tombstone_digest == head.tombstone_digest) {
     return std::nullopt;
   }
   return fmt::format("its tombstones differ from the inserted ones: {} stored, {} inserted",
-                     found_.tombstone_count, head.tombstone_count);
+                     counted.tombstone_count, head.tombstone_count);
 }
 
 Result<StoreChanges> read_changes(Store& store, const StoreState& since, RowParts parts,
@@ -47,19 +47,19 @@ Result<StoreChanges> read_changes(Store& store, const StoreState& since, RowPart
   if (head == since) return changes;
   changes.is_complete = head.epoch != since.epoch || head.row_count < since.row_count;
   const StoreState begin = changes.is_complete ? StoreState{} : since;
-  Tally tally(begin);
+  StoreState counted = begin;
   const auto add_dead = [&](const Tombstone& tombstone) {
-    tally.add(tombstone);
+    count(tombstone, counted);
     changes.dead.insert(tombstone.row);
     return Result<void>();
   };
   const auto add_row = [&](const StoredRow& row) {
-    tally.add(row);
+    count(row, counted);
     return changes.dead.contains(row.id) ? Result<void>() : visit(row);
   };
   MNEME_TRY(transaction->read_tombstones(begin.last_tombstone, add_dead));
   MNEME_TRY(transaction->read_rows(begin.last_row, parts, add_row));
-  if (const auto flaw = tally.compare(head)) {
+  if (const auto flaw = describe_difference(counted, head)) {
     return fail(ErrorCode::corrupt, "{}: {}", store.name(), *flaw);
   }
   return changes;

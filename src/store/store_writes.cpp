@@ -99,9 +99,8 @@ class Append {
       ++result_.replaced_count;
     }
     StoreState& state = result_.state;
-    const StoredRow stored = row.stored(++state.last_row, state.generation);
-    ++state.row_count;
-    state.row_digest ^= tally_mark(stored.id, stored.key_checksum);
+    const StoredRow stored = row.stored(state.last_row + 1, state.generation);
+    count(stored, state);
     fresh.push_back(stored);
     result_.ids.push_back(stored.id);
     known_.insert_or_assign(row.content(), KnownRow{row.content(), stored.id, provenance});
@@ -118,11 +117,10 @@ class Append {
 }  // namespace
 
 Tombstone make_tombstone(StoreState& state, std::int64_t row, std::string reason) {
-  Tombstone tombstone{++state.last_tombstone, row, state.generation, std::move(reason),
-                      current_time(),         0};
+  Tombstone tombstone{state.last_tombstone + 1, row, state.generation, std::move(reason),
+                      current_time(),           0};
   tombstone.checksum = checksum_of(tombstone);
-  ++state.tombstone_count;
-  state.tombstone_digest ^= tally_mark(tombstone.id, tombstone.checksum);
+  count(tombstone, state);
   return tombstone;
 }
 

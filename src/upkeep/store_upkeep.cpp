@@ -27,10 +27,7 @@ Result<std::vector<LiveRow>> list_by_content(Store& store) {
     auto flaw = decode_key(row, key);
     if (!flaw) flaw = sizes.check(key.kind, key.key.size());
     if (flaw) return damaged(store, row.id, *flaw);
-    LiveRow& live = list.emplace_back();
-    live.id = row.id;
-    std::copy_n(row.content.begin(), std::min(row.content.size(), live.content.size()),
-                live.content.begin());
+    list.push_back({to_content_hash(row.content), row.id});
     return {};
   };
   MNEME_TRY(read_changes(store, {}, RowParts::keys, visit));
@@ -74,14 +71,13 @@ namespace {
 Result<StoreState> recount(StoreTransaction& transaction) {
   const auto head = transaction.head();
   if (!head && head.error().code != ErrorCode::corrupt) return tl::unexpected(head.error());
-  Tally tally(StoreState{});
-  const auto count = [&](const auto& counted) {
-    tally.add(counted);
+  StoreState state;
+  const auto visit = [&](const auto& counted) {
+    count(counted, state);
     return Result<void>();
   };
-  MNEME_TRY(transaction.read_tombstones(0, count));
-  MNEME_TRY(transaction.read_rows(0, RowParts::keys, count));
-  StoreState state = tally.found();
+  MNEME_TRY(transaction.read_tombstones(0, visit));
+  MNEME_TRY(transaction.read_rows(0, RowParts::keys, visit));
   state.epoch = next_epoch(head ? &*head : nullptr);
   if (head) {
     state.generation = head->generation;
