@@ -204,8 +204,13 @@ Result<PostgresAnswer> PostgresConnection::query(const std::string& sql,
   return answer;
 }
 
+Result<void> PostgresConnection::run(const std::string& sql,
+                                     const std::vector<std::string>& parameters) {
+  return query(sql, parameters).map([](const PostgresAnswer&) {});
+}
+
 Result<void> PostgresConnection::run_all(const std::vector<std::string>& statements) {
-  for (const std::string& sql : statements) MNEME_TRY(query(sql));
+  for (const std::string& sql : statements) MNEME_TRY(run(sql));
   return {};
 }
 

@@ -88,6 +88,9 @@ class PostgresConnection {
   /// Parameters are text; $1 is the first.
   [[nodiscard]] Result<PostgresAnswer> query(const std::string& sql,
                                              const std::vector<std::string>& parameters = {});
+  /// The same for a statement whose answer does not matter.
+  [[nodiscard]] Result<void> run(const std::string& sql,
+                                 const std::vector<std::string>& parameters = {});
   /// Runs statements without parameters, up to the first that fails.
   [[nodiscard]] Result<void> run_all(const std::vector<std::string>& statements);
   /// Passes each row to `visit` as row 0 of an answer, without holding all rows in memory.

@@ -65,12 +65,11 @@ std::vector<std::string> parameters_of(const RobotSignature& robot) {
 }
 
 Result<void> insert_robot(PostgresConnection& connection, const RobotSignature& robot) {
-  return connection
-      .query(fmt::format("INSERT INTO mneme_robot VALUES (1, {}, $1, $2, $3, $4::integer, "
-                         "$5::bigint)",
-                         kSchemaVersion),
-             parameters_of(robot))
-      .map([](const PostgresAnswer&) {});
+  return connection.run(
+      fmt::format("INSERT INTO mneme_robot VALUES (1, {}, $1, $2, $3, $4::integer, "
+                  "$5::bigint)",
+                  kSchemaVersion),
+      parameters_of(robot));
 }
 
 Result<void> create_all(PostgresConnection& connection, const RobotSignature& robot) {
@@ -130,9 +129,9 @@ Result<void> create_postgres_schema(PostgresConnection& connection, const RobotS
   MNEME_TRY(connection.query("BEGIN"));
   const auto created = create_all(connection, robot);
   const std::string state = connection.last_state();
-  const auto ended = connection.query(created ? "COMMIT" : "ROLLBACK");
+  const auto ended = connection.run(created ? "COMMIT" : "ROLLBACK");
   if (!created) return was_faster(state) ? Result<void>() : created;
-  return ended.map([](const PostgresAnswer&) {});
+  return ended;
 }
 
 Result<bool> has_postgres_lessons(PostgresConnection& connection) {
@@ -147,12 +146,10 @@ Result<void> create_postgres_lessons(PostgresConnection& connection) {
 
 Result<void> replace_postgres_signature(PostgresConnection& connection,
                                         const RobotSignature& robot) {
-  return connection
-      .query(
-          "UPDATE mneme_robot SET robot_name = $1, kinematics_hash = $2, model_hash = $3, "
-          "joint_count = $4::integer, checksum = $5::bigint",
-          parameters_of(robot))
-      .map([](const PostgresAnswer&) {});
+  return connection.run(
+      "UPDATE mneme_robot SET robot_name = $1, kinematics_hash = $2, model_hash = $3, "
+      "joint_count = $4::integer, checksum = $5::bigint",
+      parameters_of(robot));
 }
 
 Result<StoreState> read_postgres_head(PostgresConnection& connection, bool is_locked) {
@@ -170,17 +167,15 @@ Result<void> write_postgres_head(PostgresConnection& connection, const StoreStat
   std::vector<std::string> parameters;
   for (const std::int64_t number : numbers) parameters.push_back(std::to_string(number));
   parameters.push_back(std::to_string(hash_numbers(numbers)));
-  return connection
-      .query(
-          "INSERT INTO mneme_head VALUES (1, $1::bigint, $2::bigint, $3::bigint, $4::bigint, "
-          "$5::bigint, $6::bigint, $7::bigint, $8::bigint, $9::bigint) ON CONFLICT (id) DO UPDATE "
-          "SET generation = excluded.generation, epoch = excluded.epoch, last_row = "
-          "excluded.last_row, last_tombstone = excluded.last_tombstone, row_count = "
-          "excluded.row_count, row_digest = excluded.row_digest, tombstone_count = "
-          "excluded.tombstone_count, tombstone_digest = excluded.tombstone_digest, checksum = "
-          "excluded.checksum",
-          parameters)
-      .map([](const PostgresAnswer&) {});
+  return connection.run(
+      "INSERT INTO mneme_head VALUES (1, $1::bigint, $2::bigint, $3::bigint, $4::bigint, "
+      "$5::bigint, $6::bigint, $7::bigint, $8::bigint, $9::bigint) ON CONFLICT (id) DO UPDATE "
+      "SET generation = excluded.generation, epoch = excluded.epoch, last_row = "
+      "excluded.last_row, last_tombstone = excluded.last_tombstone, row_count = "
+      "excluded.row_count, row_digest = excluded.row_digest, tombstone_count = "
+      "excluded.tombstone_count, tombstone_digest = excluded.tombstone_digest, checksum = "
+      "excluded.checksum",
+      parameters);
 }
 
 namespace {

@@ -96,10 +96,7 @@ class PostgresTransaction final : public StoreTransaction {
                     "e.id DESC",
                     kServerJoin),
         {array_of_contents(contents)}, [&](const PostgresAnswer& answer) {
-          ContentHash content{};
-          const auto bytes = answer.blob(0, 5);
-          std::copy_n(bytes.begin(), std::min(bytes.size(), content.size()), content.begin());
-          known.push_back(read_known_row(PostgresRow(answer), content));
+          known.push_back(read_known_row(PostgresRow(answer), to_content_hash(answer.blob(0, 5))));
           return Result<void>();
         }));
     return known;
@@ -181,18 +178,15 @@ class PostgresTransaction final : public StoreTransaction {
       lessons.push_back(std::bit_cast<std::int64_t>(mark.lesson));
       contents.push_back(mark.content);
     }
-    return connection_
-        .query(
-            "INSERT INTO mneme_lesson SELECT * FROM unnest($1::bigint[], $2::bytea[]) ON CONFLICT "
-            "DO NOTHING",
-            {array_of(lessons), array_of_contents(contents)})
-        .map([](const PostgresAnswer&) {});
+    return connection_.run(
+        "INSERT INTO mneme_lesson SELECT * FROM unnest($1::bigint[], $2::bytea[]) ON CONFLICT "
+        "DO NOTHING",
+        {array_of(lessons), array_of_contents(contents)});
   }
 
   Result<void> remove_tombstones(std::span<const std::int64_t> ids) override {
-    return connection_
-        .query("DELETE FROM mneme_tombstone WHERE id = ANY($1::bigint[])", {array_of(ids)})
-        .map([](const PostgresAnswer&) {});
+    return connection_.run("DELETE FROM mneme_tombstone WHERE id = ANY($1::bigint[])",
+                           {array_of(ids)});
   }
 
   Result<void> set_head(const StoreState& state) override {
