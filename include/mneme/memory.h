@@ -257,8 +257,7 @@ struct KindDefault {
 };
 /// Returns all settings whose default depends on the kind, for help and documents. A default that
 /// also depends on escape walks reads "0.8 (0.5 with walks)".
-[[nodiscard]] std::vector<KindDefault> kind_defaults(
-    std::span<const MemoryKind* const> kinds = memory_kinds());
+[[nodiscard]] std::vector<KindDefault> kind_defaults();
 
 /// Kind of memory and decomposition of scenes.
 struct MemorySettings {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "memory/kind_table.h"
+#include "mneme/memory.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -18,7 +18,6 @@ extern const MemoryKind kCirclePairs, kBodyPairs, kLocalMotions, kWholePaths;
 namespace {
 
 constexpr std::array kMemoryKinds = {&kCirclePairs, &kBodyPairs, &kLocalMotions, &kWholePaths};
-constexpr KindTable kAllKinds(kMemoryKinds);
 
 template <class Value>
 std::string default_text(const Value& value) {
@@ -70,11 +69,21 @@ constexpr std::array kDefaults = {
     DefaultEntry{"max-gap", member_text<&MemoryDefaults::max_gap>},
 };
 
-}  // namespace
+/// The kind of highest `rank` among those that support the robot.
+const MemoryKind& best_for(const Robot& robot, int MemoryKind::*rank) {
+  return **std::ranges::max_element(kMemoryKinds, {}, [&](const MemoryKind* kind) {
+    return kind->handles(robot) ? kind->*rank : -1;
+  });
+}
 
-Result<const MemoryKind*> KindTable::find(std::string_view name) const {
+}  // namespace
+}  // namespace internal
+
+std::span<const MemoryKind* const> memory_kinds() { return internal::kMemoryKinds; }
+
+Result<const MemoryKind*> find_memory_kind(std::string_view name) {
   std::vector<std::string> known;
-  for (const MemoryKind* kind : kinds_) {
+  for (const MemoryKind* kind : memory_kinds()) {
     if (kind->name == name) return kind;
     known.emplace_back(kind->name);
   }
@@ -83,41 +92,24 @@ Result<const MemoryKind*> KindTable::find(std::string_view name) const {
                           fmt::join(known, ", "), did_you_mean(name, known)));
 }
 
-const MemoryKind* KindTable::of_version(std::string_view version) const {
-  const auto found = std::ranges::find(kinds_, version, &MemoryKind::version);
-  return found == kinds_.end() ? nullptr : *found;
-}
-
-const MemoryKind& KindTable::best_for(const Robot& robot, int MemoryKind::*rank) const {
-  return **std::ranges::max_element(
-      kinds_, {}, [&](const MemoryKind* kind) { return kind->handles(robot) ? kind->*rank : -1; });
-}
-
-}  // namespace internal
-
-std::span<const MemoryKind* const> memory_kinds() { return internal::kAllKinds.kinds(); }
-
-Result<const MemoryKind*> find_memory_kind(std::string_view name) {
-  return internal::kAllKinds.find(name);
-}
-
 const MemoryKind* memory_kind_of(std::string_view version) {
-  return internal::kAllKinds.of_version(version);
+  const auto found = std::ranges::find(memory_kinds(), version, &MemoryKind::version);
+  return found == memory_kinds().end() ? nullptr : *found;
 }
 
 const MemoryKind& default_memory_kind(const Robot& robot) {
-  return internal::kAllKinds.best_for(robot, &MemoryKind::rank_for_scenes);
+  return internal::best_for(robot, &MemoryKind::rank_for_scenes);
 }
 
 const MemoryKind& default_kind_of_paths(const Robot& robot) {
-  return internal::kAllKinds.best_for(robot, &MemoryKind::rank_for_paths);
+  return internal::best_for(robot, &MemoryKind::rank_for_paths);
 }
 
-std::vector<KindDefault> kind_defaults(std::span<const MemoryKind* const> kinds) {
+std::vector<KindDefault> kind_defaults() {
   std::vector<KindDefault> rows;
   for (const internal::DefaultEntry& entry : internal::kDefaults) {
     KindDefault& row = rows.emplace_back(KindDefault{entry.setting, {}});
-    for (const MemoryKind* kind : kinds) row.values.push_back(entry.text(kind->defaults));
+    for (const MemoryKind* kind : memory_kinds()) row.values.push_back(entry.text(kind->defaults));
   }
   return rows;
 }

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "memory/kind_table.h"
 #include "memory/random_pairs.h"
 #include "support/kinds.h"
 #include "support/lifting_arm.h"
@@ -171,29 +170,15 @@ TEST_SUITE("unit") {
     }
   }
 
-  TEST_CASE("a kind that is added is found, ranked, listed in messages and among the defaults") {
-    MemoryKind triples;
-    triples.name = "triples";
-    triples.version = "triples/1";
-    triples.defaults.sigma = 0.125;
-    triples.defaults.share_with_walks = MemoryShare{.lambda = 0.25};
-    triples.handles = [](const Robot& robot) { return !robot.is_planar(); };
-    triples.rank_for_scenes = 9;
-    std::vector<const MemoryKind*> kinds(memory_kinds().begin(), memory_kinds().end());
-    kinds.push_back(&triples);
-    const internal::KindTable table(kinds);
-    CHECK(table.find("triples").value() == &triples);
-    CHECK(table.of_version("triples/1") == &triples);
-    CHECK(contains(table.find("quads").error().message, "paths, triples"));
-    const auto name_for = [&](const Robot& robot, int MemoryKind::*rank) {
-      return table.best_for(robot, rank).name;
-    };
-    CHECK(name_for(lifting_arm(), &MemoryKind::rank_for_scenes) == "triples");
-    CHECK(name_for(planar8(), &MemoryKind::rank_for_scenes) == "pairs");
-    CHECK(name_for(lifting_arm(), &MemoryKind::rank_for_paths) == "paths");
-    const std::vector<KindDefault> defaults = kind_defaults(kinds);
-    CHECK(std::ranges::find(defaults, "sigma", &KindDefault::setting)->values.back() == "0.125");
-    CHECK(defaults.front().values.back() == "0.5 (0.25 with walks)");
+  TEST_CASE("solved problems of an arm in space are remembered as paths") {
+    CHECK(default_kind_of_paths(planar8()).name == "pairs");
+    CHECK(default_kind_of_paths(lifting_arm()).name == "paths");
+  }
+
+  TEST_CASE("a default that depends on escape walks lists both values") {
+    const std::vector<KindDefault> defaults = kind_defaults();
+    CHECK(defaults.front().setting == "lambda");
+    CHECK(defaults.front().values.front() == "0.8 (0.5 with walks)");
   }
 
   TEST_CASE("the kind that is left out is the robot's own") {
