@@ -6,6 +6,7 @@
 #include "mneme/memory.h"
 
 #include "memory/planar_chain.h"
+#include "robot/kinematics.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -83,11 +84,7 @@ class Learner {
   std::vector<Configuration> free_configurations() {
     std::vector<Configuration> found;
     for (int i = 0; i < kFreeAttempts && static_cast<int>(found.size()) < kGoalsPerQuery; ++i) {
-      Configuration q;
-      for (int j = 0; j < checker_.robot().joint_count(); ++j) {
-        const Joint& joint = checker_.robot().group_joint(j);
-        q.push_back(rng_.uniform(joint.lower, joint.upper));
-      }
+      Configuration q = internal::random_configuration(checker_.robot(), rng_);
       const bool is_out = internal::first_crossing_link(chain_, key_, q) < 0;
       if (is_out && checker_.is_valid(std::span<const double>(q))) found.push_back(std::move(q));
     }
