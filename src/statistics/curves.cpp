@@ -77,7 +77,7 @@ class Curves {
     }
     least = std::max(least, kCurveShortest);
     most = std::max({most, longest_s, 3 * least});
-    axis_ = {least / 1.5, most * 1.1, 0, kDiagramWidth};
+    axis_ = {least / 1.5, most * 1.1, kDiagramWidth};
   }
 
   [[nodiscard]] double height_of(double share) const {
@@ -127,8 +127,7 @@ class Curves {
 
   [[nodiscard]] std::string dash(const Series& series) const {
     const auto position = std::ranges::find(settings_, series.setting) - settings_.begin();
-    const std::string pattern = dash_of(static_cast<std::size_t>(position));
-    return pattern.empty() ? "none" : pattern;
+    return dash_of(static_cast<std::size_t>(position));
   }
 
   /// One series for each sampler and setting.

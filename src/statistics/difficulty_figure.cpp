@@ -58,7 +58,7 @@ class Scatter {
       most = std::max({most, dot.across.p50, dot.up.p50});
     }
     least = std::max(least, kDotShortest);
-    axis_ = {least / 1.5, std::max(most, 3 * least) * 1.5, 0, kDotSide};
+    axis_ = {least / 1.5, std::max(most, 3 * least) * 1.5, kDotSide};
     across_ = std::move(across);
     up_ = std::move(up);
   }

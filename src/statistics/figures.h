@@ -12,12 +12,11 @@
 
 namespace mneme::internal {
 
-/// A logarithmic axis: times from `least` to `most` seconds, from `begin` to `end` pixels.
+/// A logarithmic axis: times from `least` to `most` seconds on `length` pixels.
 struct TimeAxis {
   double least = 1e-3;
   double most = 1;
-  double begin = 0;
-  double end = 1;
+  double length = 1;
 
   /// Position of a time; times outside of the axis are at its ends.
   [[nodiscard]] double at(double seconds) const;
@@ -44,7 +43,7 @@ void draw_text(SvgWriter& svg, const std::string& kind, Point at, const std::str
 /// The CSS class with the colour of a sampler, the same in all figures of a report.
 [[nodiscard]] std::string color_class(const std::string& sampler,
                                       const std::vector<std::string>& samplers);
-/// The dash pattern of a setting, by its position; empty for the first.
+/// The dash pattern of a setting, by its position; "none" for the first.
 [[nodiscard]] std::string dash_of(std::size_t setting);
 
 /// CSS of all figures, for light and dark.

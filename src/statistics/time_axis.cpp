@@ -38,7 +38,7 @@ constexpr std::string_view kRules = R"css(
 
 double TimeAxis::at(double seconds) const {
   const double clamped = std::clamp(seconds, least, most);
-  return begin + (end - begin) * std::log(clamped / least) / std::log(most / least);
+  return length * std::log(clamped / least) / std::log(most / least);
 }
 
 std::vector<Tick> ticks_of(const TimeAxis& axis) {
@@ -96,7 +96,7 @@ std::string color_class(const std::string& sampler, const std::vector<std::strin
 }
 
 std::string dash_of(std::size_t setting) {
-  constexpr std::array<const char*, 5> kDashes = {"", "7 4", "2 3", "10 3 2 3", "4 2"};
+  constexpr std::array<const char*, 5> kDashes = {"none", "7 4", "2 3", "10 3 2 3", "4 2"};
   return kDashes[setting % kDashes.size()];
 }
 
