@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "memory/learned_scene.h"
 #include "ompl/planner_table.h"
 #include "ompl/small_problems.h"
 #include "pipeline/memory_steps.h"
@@ -35,18 +36,6 @@ int count_draws() {
       [&] { return sampler->drawn() >= 20 || stopwatch.elapsed_s() > kPatience; }));
   return sampler->drawn();
 }
-
-struct LearnedScene {
-  Problem problem = planar_problem("threaded_b4");
-  TemporaryDirectory directory;
-  Database database = make_database(directory / "m.db", problem.robot);
-  LearnedScene() {
-    const auto primitives = require(decompose(memory_query(problem)));
-    std::vector<PrimitiveKey> keys;
-    for (const LocalPrimitive& primitive : primitives) keys.push_back(primitive.key);
-    learn_into(database, problem.robot, keys);
-  }
-};
 
 /// How many of `count` draws lie within `radius` (L2) of a mean of the mixture.
 int count_near(const Robot& robot, const GaussianMixture& mixture, ob::StateSampler& sampler,

@@ -1,27 +1,18 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "memory/learned_scene.h"
 #include "pipeline/memory_sampler.h"
 #include "support/kinds.h"
-#include "support/planar_memory.h"
 
 #include <algorithm>
 
 namespace mneme::test {
 namespace {
 
-/// A memory of two kinds, each of which has something to say about the problem.
-struct MemoryFixture {
-  Problem problem = planar_problem("threaded_b4");
-  TemporaryDirectory directory;
-  Database database = make_database(directory / "m.db", problem.robot);
+/// A query to a memory of its scene.
+struct MemoryFixture : LearnedScene {
   SolveSettings settings;
 
-  MemoryFixture() {
-    const auto primitives = require(decompose(memory_query(problem)));
-    std::vector<PrimitiveKey> keys;
-    for (const LocalPrimitive& primitive : primitives) keys.push_back(primitive.key);
-    learn_into(database, problem.robot, keys);
-  }
   internal::Query query() {
     settings.plan.walk = 0;
     return require(internal::make_query(problem, &database, settings));
