@@ -3,10 +3,11 @@
 
 #include "report/packed.h"
 
+#include "geometry/axis_box.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string_view>
 #include <unordered_map>
 
@@ -25,15 +26,12 @@ void append(std::vector<std::uint8_t>& bytes, std::uint32_t value, int size) {
 /// Bounds of the points and the step of their coordinates.
 class Grid {
  public:
-  void include(const Vec3& p) {
-    low_ = low_.cwiseMin(p);
-    high_ = high_.cwiseMax(p);
-  }
-  [[nodiscard]] double extent() const { return std::max(1e-9, (high_ - low_).maxCoeff()); }
+  void include(const Vec3& p) { box_.include(p); }
+  [[nodiscard]] double extent() const { return std::max(1e-9, (box_.high - box_.low).maxCoeff()); }
   [[nodiscard]] double step() const { return extent() / kSteps; }
-  [[nodiscard]] const Vec3& low() const { return low_; }
+  [[nodiscard]] const Vec3& low() const { return box_.low; }
   void append(std::vector<std::uint8_t>& bytes, const Vec3& p) const {
-    for (int i = 0; i < 3; ++i) append_length(bytes, p[i] - low_[i]);
+    for (int i = 0; i < 3; ++i) append_length(bytes, p[i] - box_.low[i]);
   }
   void append_length(std::vector<std::uint8_t>& bytes, double length) const {
     const double steps = std::clamp(std::round(length / step()), 0.0, kSteps);
@@ -41,11 +39,8 @@ class Grid {
   }
 
  private:
-  Vec3 low_ = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high_ = -low_;
+  AxisBox box_;
 };
-
-Vec3 to_vector(const CloudPoint& p) { return {p[0], p[1], p[2]}; }
 
 using Corners = std::array<std::uint32_t, 3>;
 struct Surface {
@@ -107,11 +102,11 @@ std::string to_base64(std::span<const std::uint8_t> bytes) {
 
 Packed pack(const std::vector<CloudPoint>& points, std::size_t most) {
   Grid grid;
-  for (const CloudPoint& p : points) grid.include(to_vector(p));
+  for (const CloudPoint& p : points) grid.include(to_vec3(p));
   const std::size_t stride = (points.size() + most - 1) / std::max<std::size_t>(1, most);
   std::vector<std::uint8_t> bytes;
   for (std::size_t i = 0; i < points.size(); i += std::max<std::size_t>(1, stride))
-    grid.append(bytes, to_vector(points[i]));
+    grid.append(bytes, to_vec3(points[i]));
   return {points.size(), grid.low(), grid.step(), to_base64(bytes)};
 }
 
