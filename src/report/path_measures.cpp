@@ -52,21 +52,21 @@ class ClearanceSearch {
   };
 
   void sample() {
-    samples_.push_back({0, measure(0, kReach)});
+    samples_.push_back({0, measure(0)});
     const double step = robot_.is_planar() ? kPlanarStep : kStep;
     for (std::size_t i = 1; i < path_.size(); ++i) {
       const int count =
           std::max(1, static_cast<int>(std::ceil(robot_.distance(path_[i - 1], path_[i]) / step)));
       for (int k = 1; k <= count; ++k) {
         const double place = static_cast<double>(i - 1) + static_cast<double>(k) / count;
-        samples_.push_back({place, measure(place, kReach)});
+        samples_.push_back({place, measure(place)});
       }
     }
   }
 
-  /// Metres from the obstacles; exact up to the least so far and `slack`, otherwise any larger
+  /// Metres from the obstacles; exact up to the least so far and kReach, otherwise any larger
   /// value.
-  double measure(double place, double slack) {
+  double measure(double place) {
     internal::poll_interrupt();
     const auto last = static_cast<double>(path_.size() - 1);
     const double motion = std::clamp(std::floor(place), 0.0, std::max(0.0, last - 1));
@@ -74,7 +74,7 @@ class ClearanceSearch {
     const Configuration& to = path_[std::min(i + 1, path_.size() - 1)];
     const Configuration q = internal::interpolate(robot_, path_[i], to, place - motion);
     const auto found = internal::find_clearance(links_, links_.posed(robot_.link_poses(q)),
-                                                obstacles_, nearest_.distance + slack);
+                                                obstacles_, nearest_.distance + kReach);
     if (found.link >= 0 && found.distance < nearest_.distance) nearest_ = found;
     return found.distance;
   }
@@ -96,7 +96,7 @@ class ClearanceSearch {
       for (int k = -kParts; k <= kParts; ++k) {
         const double place =
             std::clamp(middle + (k < 0 ? before : after) * k / kParts, 0.0, samples_.back().place);
-        const double distance = measure(place, kReach);
+        const double distance = measure(place);
         if (distance < least.distance) least = {place, distance};
       }
       before /= kParts;
