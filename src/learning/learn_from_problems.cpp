@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
 #include <set>
 #include <utility>
@@ -82,7 +81,7 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
   settings.cancel = lesson.cancel;
   settings.walk = lesson.walk;
   RepeatedPlan repeated;
-  for (int i = 0; i < lesson.paths && !internal::is_cancelled(lesson); ++i) {
+  for (int i = 0; i < lesson.paths && !internal::is_set(lesson.cancel); ++i) {
     settings.seed = derive_seed(lesson.seed, static_cast<std::uint64_t>(i));
     PlanResult plan =
         plan_with(rrt_connect, checker, {problem.start, problem.goals}, *sampler, settings);

@@ -32,9 +32,9 @@ class Run {
 
   Result<LearnSummary> run() {
     const Result<void> served = serve_threads();
-    if (!served || is_cancelled(run_)) leave();
+    if (!served || is_set(run_.cancel)) leave();
     if (!served) return tl::unexpected(served.error());
-    summary_.is_cancelled = is_cancelled(run_);
+    summary_.is_cancelled = is_set(run_.cancel);
     summary_.skipped = tasks_.requested - open_count_ - summary_.learned -
                        static_cast<std::int64_t>(summary_.unsolved.size());
     summary_.time_s = stopwatch_.elapsed_s();
@@ -88,7 +88,7 @@ class Run {
       lock.unlock();
       auto learned = tasks_.learn(task);
       // A cancelled lesson is incomplete; drop it.
-      if (is_cancelled(run_)) return;
+      if (is_set(run_.cancel)) return;
       lock.lock();
       finished_.emplace_back(task, std::move(learned));
       has_news_.notify_one();
@@ -98,7 +98,7 @@ class Run {
   /// Exchanges tasks and results with the source until all are done.
   Result<void> serve() {
     double sound_s = stopwatch_.elapsed_s();
-    while (!is_cancelled(run_)) {
+    while (!is_set(run_.cancel)) {
       const Result<bool> is_done = serve_once();
       if (is_done && *is_done) return {};
       const double now_s = stopwatch_.elapsed_s();
@@ -189,7 +189,7 @@ class Run {
     (void)collect({});
     if (!unsaved_.empty()) (void)save();
     source_.release();
-    if (!is_cancelled(run_)) return;
+    if (!is_set(run_.cancel)) return;
     open_count_ = source_.count_open().value_or(open_count_);
     report();
     // The first call may only detect a lost connection.
@@ -261,8 +261,6 @@ class LocalSource final : public TaskSource {
 };
 
 }  // namespace
-
-bool is_cancelled(const LearnRun& run) { return run.cancel != nullptr && run.cancel->load(); }
 
 void count(const Learned& learned, std::vector<bool>::const_iterator is_new,
            LearnSummary& summary) {

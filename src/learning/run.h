@@ -46,7 +46,6 @@ class TaskSource {
   [[nodiscard]] virtual double patience_s() const { return 0; }
 };
 
-[[nodiscard]] bool is_cancelled(const LearnRun& run);
 /// Counts a saved task and its new rows.
 void count(const Learned& learned, std::vector<bool>::const_iterator is_new, LearnSummary& summary);
 
