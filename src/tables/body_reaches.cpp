@@ -100,8 +100,8 @@ int common_ancestor(const RobotTables& tables, int a, int b) {
   return a;
 }
 
-}  // namespace
-
+/// Displacement bounds on the straight motion between two configurations. The radius of a turn is
+/// at most the length of the links and slides between joint and point.
 Reaches find_reaches(const RobotTables& tables, std::span<const float> from,
                      std::span<const float> to) {
   const Reach reach(tables, from, to);
@@ -113,14 +113,15 @@ Reaches find_reaches(const RobotTables& tables, std::span<const float> from,
   }
   result.pairs.assign(tables.body_pairs.size() * joints, 0.0f);
   for (std::size_t i = 0; i < tables.body_pairs.size(); ++i) {
-    const BodyRow& first = tables.bodies[as_index(tables.body_pairs[i].first)];
-    const BodyRow& second = tables.bodies[as_index(tables.body_pairs[i].second)];
-    const int ancestor = common_ancestor(tables, first.frame, second.frame);
-    reach.add(first, ancestor, result.pairs.data() + i * joints);
-    reach.add(second, ancestor, result.pairs.data() + i * joints);
+    const BodyPairRow& pair = tables.body_pairs[i];
+    float* row = result.pairs.data() + i * joints;
+    reach.add(tables.bodies[as_index(pair.first)], pair.ancestor, row);
+    reach.add(tables.bodies[as_index(pair.second)], pair.ancestor, row);
   }
   return result;
 }
+
+}  // namespace
 
 std::vector<float> find_clearances(const RobotTables& robot, const SceneTables& scene) {
   constexpr float kSlack = 1e-4f;  // metres, for rounding

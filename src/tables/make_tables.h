@@ -65,11 +65,6 @@ struct PairTables {
 [[nodiscard]] std::vector<float> find_clearances(const RobotTables& robot,
                                                  const SceneTables& scene);
 
-/// Finds the displacement bounds on the straight motion between two configurations. The radius of a
-/// turn is at most the length of the links and slides between joint and point.
-[[nodiscard]] Reaches find_reaches(const RobotTables& tables, std::span<const float> from,
-                                   std::span<const float> to);
-
 /// Displacement bounds of a motion, metres.
 struct Displacements {
   std::vector<float> bodies;  ///< for each moving body

@@ -9,8 +9,6 @@
 #define MNEME_TABLES_SEPARATION_TABLE_INL_H_
 #endif
 
-#include <cstddef>
-
 #include "tables/tables.h"
 #include "simd/lanes-inl.h"
 
