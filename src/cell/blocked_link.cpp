@@ -4,6 +4,7 @@
 
 #include "base/as_index.h"
 #include "check/parted_pairs.h"
+#include "geometry/solids.h"
 #include "robot/kinematics.h"
 
 #include <algorithm>
@@ -46,18 +47,9 @@ double depth_in(const Capsule& capsule, const Shape& shape) {
 }
 
 /// A ball around a shape; infinite for compound shapes.
-std::pair<Vec3, double> ball_around(const Shape& shape) {
-  if (const auto* s = std::get_if<Sphere>(&shape)) return {s->center, s->radius};
-  if (const auto* c = std::get_if<Capsule>(&shape)) {
-    return {(c->a + c->b) / 2, (c->b - c->a).norm() / 2 + c->radius};
-  }
-  if (const auto* b = std::get_if<Box>(&shape)) {
-    return {b->pose.translation, b->half_extents.norm()};
-  }
-  if (const auto* c = std::get_if<Cylinder>(&shape)) {
-    return {c->pose.translation, std::hypot(c->radius, c->length / 2)};
-  }
-  return {Vec3::Zero(), std::numeric_limits<double>::infinity()};
+Sphere ball_around(const Shape& shape) {
+  if (is_compound(shape)) return {Vec3::Zero(), std::numeric_limits<double>::infinity()};
+  return bounding_sphere(shape);
 }
 
 }  // namespace
