@@ -6,7 +6,6 @@
 #include "check/solid_pair.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 #include <utility>

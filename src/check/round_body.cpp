@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <utility>
 #include <vector>
 
 namespace mneme::internal {
@@ -100,7 +99,7 @@ bool RoundBody::is_beyond(const Triangle& t, double margin, int splits) const {
   const auto [low, high] = std::minmax({t.a.z(), t.b.z(), t.c.z()});
   const double distance = distance_to_axis(t);
   if (is_beyond(distance, low, high, margin)) return true;
-  if (splits == 0 || !is_beyond(std::max(t.a.head<2>().norm(), 0.0), t.a.z(), t.a.z(), margin)) {
+  if (splits == 0 || !is_beyond(t.a.head<2>().norm(), t.a.z(), t.a.z(), margin)) {
     return false;
   }
   const Vec3 ab = 0.5 * (t.a + t.b), bc = 0.5 * (t.b + t.c), ca = 0.5 * (t.c + t.a);

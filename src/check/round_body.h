@@ -8,7 +8,6 @@
 #include "geometry/swept_solids.h"
 
 #include <array>
-#include <cmath>
 #include <limits>
 
 namespace mneme::internal {
