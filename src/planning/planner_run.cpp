@@ -78,6 +78,11 @@ void PlannerRun::refuse(PlanStatus status, std::string message) {
   result_.message = std::move(message);
 }
 
+void PlannerRun::stop(PlanStatus status, std::string message) {
+  refuse(status, std::move(message));
+  is_stopped_ = true;
+}
+
 int PlannerRun::begin_iterations(int most) {
   auto count = static_cast<std::uint64_t>(most);
   if (settings_.max_iterations) {
@@ -90,8 +95,7 @@ int PlannerRun::begin_iterations(int most) {
   }
   if (must_stop()) return 0;
   if (limit_ != nullptr && !limit_->may_go_on(result_.iterations)) {
-    refuse(PlanStatus::cancelled, "the limit of the search ended it");
-    is_stopped_ = true;
+    stop(PlanStatus::cancelled, "the limit of the search ended it");
     return 0;
   }
   result_.iterations += count;
@@ -100,21 +104,18 @@ int PlannerRun::begin_iterations(int most) {
 
 bool PlannerRun::must_stop() {
   if (is_stopped_) return true;
-  if (is_full()) {
-    refuse(PlanStatus::node_limit,
-           "no path within " + std::to_string(settings_.max_nodes) + " nodes");
-    is_stopped_ = true;
+  if (static_cast<std::uint64_t>(node_count_) >= settings_.max_nodes) {
+    stop(PlanStatus::node_limit,
+         "no path within " + std::to_string(settings_.max_nodes) + " nodes");
     return true;
   }
   const std::uint64_t work = result_.iterations + counters_.motions;
   if (work < next_clock_check_) return false;
   next_clock_check_ = work + work_per_clock_check_;
-  if (is_cancelled()) {
-    refuse(PlanStatus::cancelled, "cancelled");
-    is_stopped_ = true;
-  } else if (is_time_up()) {
-    refuse(PlanStatus::timeout, "no path within the time limit");
-    is_stopped_ = true;
+  if (is_set(settings_.cancel)) {
+    stop(PlanStatus::cancelled, "cancelled");
+  } else if (stopwatch_.elapsed_s() >= settings_.timeout_s) {
+    stop(PlanStatus::timeout, "no path within the time limit");
   }
   return is_stopped_;
 }
@@ -127,14 +128,6 @@ bool PlannerRun::would_pass(std::span<const float> from, std::span<const float> 
     return is_same(start_) || std::ranges::any_of(goals_, is_same);
   };
   return shorten_and_verify_.verifier().is_free(from, to, {is_end(from), is_end(to)}, counters_);
-}
-
-bool PlannerRun::is_cancelled() const { return is_set(settings_.cancel); }
-
-bool PlannerRun::is_time_up() const { return stopwatch_.elapsed_s() >= settings_.timeout_s; }
-
-bool PlannerRun::is_full() const {
-  return static_cast<std::uint64_t>(node_count_) >= settings_.max_nodes;
 }
 
 bool PlannerRun::find_direct_path() {

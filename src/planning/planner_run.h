@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -134,12 +133,11 @@ class PlannerRun {
   static constexpr std::size_t kMostGoals = 64;
 
   [[nodiscard]] bool would_pass(std::span<const float> from, std::span<const float> to);
-  [[nodiscard]] bool is_cancelled() const;
-  [[nodiscard]] bool is_time_up() const;
-  [[nodiscard]] bool is_full() const;
   /// Replaces the ends by the query's start and goal, which are not rounded to single precision.
   [[nodiscard]] Path to_query_path(const FloatPath& path) const;
   void refuse(PlanStatus status, std::string message);
+  /// Refuses, and must_stop() from now on.
+  void stop(PlanStatus status, std::string message);
   void add_goal(const Configuration& goal);
   [[nodiscard]] PlanResult take_result(int node_count);
 
