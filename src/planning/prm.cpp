@@ -44,9 +44,7 @@ class Prm {
         }
         const int degree = add_milestone({batch.data() + i * joints, joints});
         run_.report(sources[i], degree > 1 ? SampleOutcome::connected : SampleOutcome::extended);
-        if (find_connected_goal() >= 0) {
-          return run_.finish(milestones_.size());
-        }
+        if (is_goal_reached()) return run_.finish(milestones_.size());
       }
     }
     return run_.give_up(milestones_.size());
@@ -125,20 +123,20 @@ class Prm {
     moved->clear();
   }
 
-  /// Returns the milestone of a goal that a verified path reaches, and writes path_; otherwise -1.
-  int find_connected_goal() {
+  /// True if a verified path reaches a goal.
+  bool is_goal_reached() {
     for (const int goal : std::span(ends_).subspan(1)) {
       while (component_of(kStart) == component_of(goal)) {
         const std::vector<int> chain = find_chain(goal);
-        path_.clear();
-        for (const int i : chain) path_.emplace_back(milestones_[i].begin(), milestones_[i].end());
-        const int invalid = run_.find_invalid_motion(path_);
-        if (invalid < 0) return goal;
+        FloatPath path;
+        for (const int i : chain) path.emplace_back(milestones_[i].begin(), milestones_[i].end());
+        const int invalid = run_.find_invalid_motion(path);
+        if (invalid < 0) return true;
         const auto i = static_cast<std::size_t>(invalid);
         disconnect(chain[i], chain[i + 1]);
       }
     }
-    return -1;
+    return false;
   }
 
   /// Milestones from the start to `target`, which is in the same component.
@@ -178,7 +176,6 @@ class Prm {
   std::vector<std::vector<int>> members_;  ///< milestones of each label
   std::vector<std::vector<int>> edges_;
   std::vector<int> neighbours_;
-  FloatPath path_;
 };
 
 }  // namespace

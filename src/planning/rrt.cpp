@@ -90,11 +90,11 @@ class Rrt {
     const std::vector<float>& target = run_.goals()[static_cast<std::size_t>(goal)];
     const int last = tree_.connect(node, target);
     if (last < 0) return false;
-    path_ = tree_.path_to(last);
-    path_.push_back(target);
-    const int invalid = run_.find_invalid_motion(path_);
+    FloatPath path = tree_.path_to(last);
+    path.push_back(target);
+    const int invalid = run_.find_invalid_motion(path);
     if (invalid < 0) return true;
-    if (invalid + 2 < static_cast<int>(path_.size())) {
+    if (invalid + 2 < static_cast<int>(path.size())) {
       tree_.remove(tree_.ancestor_at(last, invalid + 1));
       ++removals_;
       std::fill(tried_from_.begin(), tried_from_.end(), -1);
@@ -108,7 +108,6 @@ class Rrt {
   std::vector<int> tried_from_;  ///< per goal the last node extended towards it
   int removals_ = 0;             ///< number of removed branches, which failed verification
   std::vector<float> delta_;
-  FloatPath path_;
 };
 
 }  // namespace

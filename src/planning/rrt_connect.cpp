@@ -3,9 +3,8 @@
 
 // RRT-Connect: Kuffner and LaValle, DOI 10.1109/ROBOT.2000.844730. Departures:
 // - Several goals are roots of one tree.
-// - The smaller tree grows, so that a tree in the open does not fill up while the other one is
-// still
-//   in a passage. It grows towards a sample until blocked.
+// - The smaller tree grows, so that a tree in the open does not fill up while the other one is in a
+//   passage. It grows towards a sample until blocked.
 // - Nodes that could not be extended have bounded domains.
 // - Remembered motions are appended to either tree as a whole.
 // - If a motion of a path fails verification, its branch is removed and planning continues.
