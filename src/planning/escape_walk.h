@@ -10,8 +10,6 @@
 #include "planning/tree.h"
 
 #include <cstdint>
-#include <optional>
-#include <span>
 #include <vector>
 
 namespace mneme::internal {

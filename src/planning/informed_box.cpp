@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "planning/informed_box.h"
 
-#include "base/as_index.h"
 #include "path/rest_to_rest.h"
 #include "robot/joint_space.h"
 

@@ -5,7 +5,6 @@
 #include "planning/nearest_kernels.h"
 
 #include <limits>
-#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "planning/nearest_kernels.cpp"

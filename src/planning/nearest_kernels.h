@@ -6,7 +6,6 @@
 
 #include "mneme/base.h"
 
-#include <cstdint>
 #include <utility>
 
 namespace mneme::internal {

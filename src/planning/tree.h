@@ -7,7 +7,6 @@
 #include "planning/configuration_set.h"
 #include "planning/planner_run.h"
 
-#include <optional>
 #include <span>
 #include <vector>
 
