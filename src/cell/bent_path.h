@@ -9,7 +9,6 @@
 #include "goal/link_chain.h"
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
