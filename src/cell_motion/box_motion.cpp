@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cell_motion/box_motion.h"
 
-#include "base/as_index.h"
 #include "cell/bent_path.h"
 
 #include <algorithm>
