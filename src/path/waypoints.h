@@ -8,7 +8,6 @@
 
 #include "robot/joint_space.h"
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
