@@ -6,7 +6,6 @@
 // limits is looked for. The proof comes last, the fastest first.
 #include "mneme/trajectory.h"
 
-#include "base/as_index.h"
 #include "trajectory/rounded_path.h"
 #include "trajectory/smooth_motion.h"
 #include "trajectory/speed_profile.h"
