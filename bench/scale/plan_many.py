@@ -6,8 +6,8 @@
 usage: plan_many.py PROBLEMS.json .. [--every N] [--seeds N] [--dt SECONDS]
 
 Plans every N-th problem of compact files without memory: paths with their proofs, then also trajectories that are
-sampled every dt seconds, as fast as mneme makes them, and those of shortest paths that are timed once. Rates are per second of one core, from the time that the process took of all cores, so that
-other work on the machine does not count.
+sampled every dt seconds, as fast as mneme makes them, and those of shortest paths that are timed once. Rates are per
+second of one core, from the time that the process took of all cores, so that other work on the machine does not count.
 """
 import argparse
 import time
