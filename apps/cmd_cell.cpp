@@ -270,6 +270,7 @@ void add_cell_query(CLI::App& group, Action& action) {
   add_number(command, "--timeout", options->timeout_s, 0.0, 1e6,
              "time to plan where the cell has no path, seconds; 0: do not plan");
   add_trajectory_flags(command, options->trajectory);
+  command.remove_option(command.get_option("--blend-tolerance"));  // one motion joins nothing
   add_json(command, options->is_json);
 }
 

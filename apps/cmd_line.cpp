@@ -202,6 +202,7 @@ void add_line(CLI::App& program, Action& action) {
   add_line_flags(command, *options);
   add_settings(command, options->settings);
   add_trajectory_flags(command, options->trajectory);
+  command.remove_option(command.get_option("--blend-tolerance"));  // one motion joins nothing
   add_isa(command);
   add_json(command, options->is_json);
 }

@@ -60,6 +60,11 @@ TEST_SUITE("flow") {
     CHECK(run_program({"cell", "query", cell, "--at", "0,0,0,0", "--trajectory", region + ".txt"})
               .exit_code == 2);
 
+    const ProgramRun blended =
+        run_program({"cell", "query", cell, "--at", "0,0,0,0", "--trajectory",
+                     directory / "blended.csv", "--blend-tolerance", "0"});
+    CHECK(blended.exit_code == 2);
+
     const ProgramRun verified = require_run({"cell", "verify", cell, "--samples", "50"});
     CHECK(contains(verified.out, "0 in contact"));
 
