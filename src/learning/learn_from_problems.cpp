@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/threads.h"
 #include "learning/run.h"
 #include "store/store.h"
 
