@@ -62,16 +62,14 @@ int Growth::take(int i, Tree& tree) {
 }
 
 int Growth::step_towards(int i, Tree& tree) {
-  const int from = step(i).node;
-  const std::span<const float> end = row(ends_, i);
-  const bool is_end_free = is_valid_[static_cast<std::size_t>(i)] != 0;
-  const bool is_free = is_end_free && run_.is_motion_valid(tree[from], end);
+  const int from = node(i);
+  const bool is_free = is_end_valid(i) && run_.is_motion_valid(tree[from], end(i));
   tree.adapt_domain(from, is_free);
   if (!is_free || run_.must_stop()) return -1;
-  int last = tree.add(end, from);
-  bool is_reached = step(i).is_sample_reached;
+  int last = tree.add(end(i), from);
+  bool is_reached = is_sample_reached(i);
   for (int node = last; node >= 0 && !is_reached && !run_.must_stop();) {
-    node = tree.extend(last, row(samples_, i), is_reached);
+    node = tree.extend(last, sample(i), is_reached);
     if (node >= 0) last = node;
   }
   return last;

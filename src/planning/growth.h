@@ -33,15 +33,27 @@ class Growth {
   /// Takes step `i` and continues towards its sample until blocked. Returns the last new node, or
   /// -1 if the step is blocked.
   int take(int i, Tree& tree);
+  // The functions below are not defined for an escape walk.
+  /// The node at which step `i` starts.
+  [[nodiscard]] int node(int i) const { return step(i).node; }
+  [[nodiscard]] std::span<const float> sample(int i) const { return row(samples_, i); }
+  [[nodiscard]] std::span<const float> end(int i) const { return row(ends_, i); }
+  /// True if step `i` ends at its sample.
+  [[nodiscard]] bool is_sample_reached(int i) const { return step(i).is_sample_reached; }
+  /// True if the end of step `i` is valid, and always if the batch has one step, whose motion check
+  /// covers its end.
+  [[nodiscard]] bool is_end_valid(int i) const {
+    return is_valid_[static_cast<std::size_t>(i)] != 0;
+  }
   /// Reports the outcome of step `i` to the sampler.
   void settle(int i, SampleOutcome outcome);
 
  private:
   struct Step {
-    int node = -1;                   ///< at which it starts
-    bool is_sample_reached = false;  ///< by its end
+    int node = -1;
+    bool is_sample_reached = false;
     SampleSource source = kUniformSource;
-    bool is_walk = false;  ///< The rest has no meaning then.
+    bool is_walk = false;
   };
 
   [[nodiscard]] const Step& step(int i) const { return steps_[static_cast<std::size_t>(i)]; }
@@ -60,7 +72,7 @@ class Growth {
   int rejections_ = 0;  ///< in a row
   std::vector<Step> steps_;
   std::vector<float> samples_, ends_;
-  std::vector<std::uint8_t> is_valid_;  ///< ends of the steps; 1 for a single step
+  std::vector<std::uint8_t> is_valid_;
 };
 
 }  // namespace mneme::internal
