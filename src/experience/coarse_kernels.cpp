@@ -74,8 +74,14 @@ HWY_INLINE CellsV pair_of(const std::int16_t* query, std::size_t pair) {
 }
 
 HWY_INLINE SumsV add_squares(CellsV cells, SumsV total) {
+#if HWY_ARCH_X86
   SumsV unused = hn::Zero(Sums());
   return hn::ReorderWidenMulAccumulate(Sums(), cells, cells, total, unused);
+#else  // where that function does not add the products of neighbours
+  const SumsV pairs = hn::BitCast(Sums(), cells);
+  const SumsV even = hn::ShiftRight<16>(hn::ShiftLeft<16>(pairs)), odd = hn::ShiftRight<16>(pairs);
+  return hn::Add(total, hn::Add(hn::Mul(even, even), hn::Mul(odd, odd)));
+#endif
 }
 
 HWY_INLINE std::uint64_t bits_of(hn::Mask<Sums> mask) {
