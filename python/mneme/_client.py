@@ -151,7 +151,7 @@ def _json(key, value):
     try:
         return value if isinstance(value, _Json) else json.dumps(value, allow_nan=False)
     except ValueError:
-        raise ValueError(f"{key}: expected finite numbers") from None
+        raise make_error("invalid", f"{key}: expected finite numbers") from None
 
 
 def _text(body):

@@ -116,7 +116,7 @@ def test_a_scene_may_be_a_dict(client, problem):
 
 
 def test_numbers_that_are_not_finite_are_named(client, problem):
-    with pytest.raises(ValueError, match="^start: expected finite numbers"):
+    with pytest.raises(mneme.Error, match="^start: expected finite numbers"):
         client.plan(problem, start=np.full(problem.robot.joint_count, np.nan))
 
 

@@ -318,5 +318,5 @@ def test_where_only_spheres_touch_plans_are_checked_by_exact_geometry(tmp_path):
 def test_velocities_that_are_not_finite_are_refused(problem):
     velocity = np.zeros(problem.robot.joint_count)
     velocity[0] = np.nan
-    with pytest.raises(ValueError, match="start_velocity: expected finite numbers"):
+    with pytest.raises(mneme.Error, match="start_velocity: expected finite numbers"):
         problem.with_start(problem.start, velocity)

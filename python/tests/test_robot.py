@@ -121,5 +121,5 @@ def test_planar_joints_stand_where_fixed_values_say(tmp_path):
 
 
 def test_a_group_and_joints_are_not_given_together():
-    with pytest.raises(ValueError, match="group and joints: expected one of them"):
+    with pytest.raises(mneme.Error, match="group and joints: expected one of them"):
         mneme.Robot.load("panda", group="panda_arm", joints=["panda_joint1"])

@@ -379,5 +379,5 @@ def test_quaternions_of_other_lengths_are_scaled_with_a_warning_or_refused():
 
 def test_points_with_a_mask_are_refused():
     points = np.ma.masked_array(np.ones((2, 3)), [[True] * 3, [False] * 3])
-    with pytest.raises(ValueError, match="points: expected an array without a mask"):
+    with pytest.raises(mneme.Error, match="points: expected an array without a mask"):
         mneme.Scene().add_points("cloud", points, 0.01)
