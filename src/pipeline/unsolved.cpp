@@ -83,10 +83,10 @@ std::uint64_t digest_of_scene(const Scene& scene) {
 
 /// True if the search has done all that the query allows.
 bool covers(const VainSearch& search, const PlanSettings& limits) {
-  constexpr double kRounding = 1 + 1e-9;
-  return search.seconds * kRounding >= limits.timeout_s ||
+  constexpr double kSlack = 1 + 1e-9;
+  return search.seconds * kSlack >= limits.timeout_s ||
          (limits.max_iterations &&
-          search.iterations * kRounding >= static_cast<double>(*limits.max_iterations));
+          search.iterations * kSlack >= static_cast<double>(*limits.max_iterations));
 }
 
 PlanResult describe_unsolved(std::int64_t row, const VainSearch& search) {
