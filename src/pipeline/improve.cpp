@@ -139,18 +139,26 @@ class Improvement {
     return shortest;
   }
 
-  /// Shortens the path, and takes it if it is then the shortest one that passes.
+  /// Shortens the path, and takes it if it is then the shortest one that passes. The first path was
+  /// shortened in time already: shortening it in length gives another place to begin.
   void offer(Path path) {
-    const PlanSettings settings = settings_of(round_ * kPlansPerRound);
-    ShortenEffort effort;
-    effort.minimize_time = settings.minimizes_time();
-    effort.patience = std::max(effort.minimize_time ? 0 : kPatience, settings.patience);
-    effort.limits = settings.limits.get();
     CheckCounters counters;
-    shorten(resolved_.checker, path, settings.seed, effort, nullptr, counters,
-            [&] { return is_over(); });
+    const bool is_timed = query_.settings.plan.minimizes_time();
+    if (is_timed && round_ == 0) shorten_in(false, path, counters);
+    shorten_in(is_timed, path, counters);
     if (cost_of(path) < cost_) verify(std::move(path), counters);
     count(counters);
+  }
+
+  /// In time or in length.
+  void shorten_in(bool time, Path& path, CheckCounters& counters) {
+    const PlanSettings settings = settings_of(round_ * kPlansPerRound);
+    ShortenEffort effort;
+    effort.minimize_time = time;
+    effort.patience = std::max(settings.minimizes_time() ? 0 : kPatience, settings.patience);
+    effort.limits = settings.limits.get();
+    shorten(resolved_.checker, path, settings.seed, effort, nullptr, counters,
+            [&] { return is_over(); });
   }
 
   void verify(Path path, CheckCounters& counters) {

@@ -93,6 +93,40 @@ TEST_SUITE("unit") {
     CHECK(faster == 3);
   }
 
+  TEST_CASE("a path of a trajectory is shortened in length, too, before other plans") {
+    const Problem problem = planar_problem("threaded_b2");
+    SolveSettings settings;
+    settings.plan.timeout_s = 60;
+    settings.plan.simplify = false;
+    const Path rough = solve(problem, nullptr, settings).value().plan.path;
+    const auto limits = std::make_shared<const RateLimits>(find_rate_limits(problem.robot).value());
+    settings.plan.simplify = true;
+    settings.plan.limits = limits;
+    settings.plan.improve = 1000;
+    settings.plan.improve_rounds = 1;
+    const auto query = require(internal::make_query(problem, nullptr, settings));
+    const auto resolved = require(internal::resolve_goals(query));
+    const MotionVerifier verifier(resolved.checker);
+    ShortenEffort in_time;
+    in_time.minimize_time = true;
+    in_time.limits = limits.get();
+    CheckCounters counters;
+    double improved_s = 0, again_s = 0;
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+      SolveResult result;
+      result.plan.status = PlanStatus::solved;
+      result.plan.path = rough;
+      shorten(resolved.checker, result.plan.path, seed, in_time, nullptr, counters, {});
+      Path again = result.plan.path;
+      shorten(resolved.checker, again, seed + 8, in_time, nullptr, counters, {});
+      again_s += estimate_duration(problem.robot, again, *limits, &verifier);
+      internal::improve(resolved, *make_uniform_sampler(problem.robot), result);
+      improved_s += estimate_duration(problem.robot, result.plan.path, *limits, &verifier);
+    }
+    CAPTURE(again_s);
+    CHECK(improved_s < 0.985 * again_s);
+  }
+
   TEST_CASE("faster motions that are not found are not searched for until time is up") {
     // A slow joint leaves a thin box for faster motions, and a post blocks nearly all of it.
     const Robot arm = parse_robot(R"(<robot name="arm">
