@@ -130,9 +130,13 @@ Plans plan_all(const std::vector<SharedProblem>& shared, const Memory* memory,
   if (jobs < 0) raise_invalid(fmt::format("plan_many: jobs={} is out of range: 0 or more", jobs));
   ManySettings settings;
   settings.jobs = jobs;
+  const std::size_t given = arguments.size();
+  if (!dt.is_none()) arguments["dt"] = dt;
+  const auto timing = take_keywords<TrajectorySettings>("plan_many", arguments);
   if (!dt.is_none()) {
-    arguments["dt"] = dt;
-    settings.timing = take_keywords<TrajectorySettings>("plan_many", arguments);
+    settings.timing = timing;
+  } else if (arguments.size() < given) {
+    raise_invalid("plan_many: settings of trajectories have no effect without dt: give a dt in s");
   }
   settings.solve = read_solve_settings(
       "plan_many", planner, sampler.value_or(memory == nullptr ? "uniform" : "gl"), isa, arguments);
