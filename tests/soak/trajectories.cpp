@@ -40,6 +40,7 @@ struct Options {
   std::string part;               ///< of the problems, as "1/2"
   int seeds = 1;                  ///< plans of each problem
   bool is_by_length = false;
+  bool is_without_obstacles = false;  ///< but of the problems that are solved with them
   double improve = 0;
   int rounds = TrajectorySettings().time_rounds;
 
@@ -170,6 +171,11 @@ Result<void> time_problem(const Problem& problem, std::uint64_t seed, const Opti
   const auto result = solve(problem, nullptr, settings);
   if (!result) return tl::unexpected(result.error());
   if (!result->plan.is_solved()) return {};
+  if (options.is_without_obstacles && !problem.scene.obstacles.empty()) {
+    Problem alone = problem;
+    alone.scene.obstacles.clear();
+    return time_problem(alone, seed, options, tally);
+  }
   const auto checker = CollisionChecker::make(problem.robot, problem.scene);
   if (!checker) return tl::unexpected(checker.error());
   const MotionVerifier verifier(*checker);
@@ -249,6 +255,8 @@ int main(int argc, char** argv) {
   app.add_option("--part", options.part, "part of the problems, as 2/2");
   app.add_option("--seeds", options.seeds, "plans of each problem")->check(CLI::Range(1, 1000));
   app.add_flag("--by-length", options.is_by_length, "shorten paths by length instead of time");
+  app.add_flag("--without-obstacles", options.is_without_obstacles,
+               "follow the paths that are found once the obstacles are gone");
   app.add_option("--improve", options.improve, "seconds to improve the paths of problems");
   app.add_option("--rounds", options.rounds, "rounds in which trajectories leave their path");
   for (CLI::Option* option : app.get_options()) {
