@@ -14,4 +14,8 @@ foreach(kind LIBRARY INCLUDE PACKAGE)
 endforeach()
 set(ENV{PKG_CONFIG_SYSROOT_DIR} ${CMAKE_SYSROOT})
 set(ENV{PKG_CONFIG_LIBDIR} ${CMAKE_SYSROOT}/usr/lib/aarch64-linux-gnu/pkgconfig:${CMAKE_SYSROOT}/usr/share/pkgconfig)
+# The Python module is for Python of the packages; the system's, which CMake runs, must have the same version.
+file(GLOB Python_INCLUDE_DIR ${CMAKE_SYSROOT}/usr/include/python3.*)
+string(REGEX MATCH "3\\.([0-9]+)$" version "${Python_INCLUDE_DIR}")
+set(PYTHON_MODULE_EXTENSION .cpython-3${CMAKE_MATCH_1}-${CMAKE_LIBRARY_ARCHITECTURE}.so)
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L ${CMAKE_SYSROOT})
