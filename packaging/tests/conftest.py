@@ -3,11 +3,20 @@
 import os
 import pathlib
 import subprocess
+import sys
 
 import pytest
 
 SOURCE = pathlib.Path(os.environ["MNEME_SOURCE"])
 BUILD = pathlib.Path(os.environ["MNEME_BUILD"])
+sys.path.insert(0, str(SOURCE / "packaging/wheel"))
+import mneme_wheel  # noqa: E402
+
+# What the build is for. Programs of another machine run under its emulator.
+PROCESSOR = os.environ["MNEME_PROCESSOR"]
+MACHINE = mneme_wheel.MACHINES[PROCESSOR]
+EMULATOR = MACHINE.emulator
+PYTHON = [*EMULATOR, MACHINE.root / "usr/bin/python3"]
 
 
 def run(command, **settings):

@@ -7,7 +7,7 @@ import shutil
 import subprocess
 
 import pytest
-from conftest import environment, run
+from conftest import EMULATOR, PYTHON, SOURCE, environment, run
 
 pytestmark = pytest.mark.skipif(shutil.which("dpkg-deb") is None, reason="there is no dpkg-deb")
 
@@ -25,9 +25,9 @@ def test_there_is_a_package_for_each_use(packages):
 
 
 def test_the_program_runs_from_where_it_was_unpacked(unpacked):
-    info = json.loads(run([unpacked / "bin/mneme", "robot", "info", "fetch", "--json"], cwd="/"))
+    info = json.loads(run([*EMULATOR, unpacked / "bin/mneme", "robot", "info", "fetch", "--json"], cwd="/"))
     assert info["path"] == f"{unpacked}/share/mneme/robots/fetch.urdf"
-    doctor = json.loads(run([unpacked / "bin/mneme", "doctor", "--json"], cwd="/"))
+    doctor = json.loads(run([*EMULATOR, unpacked / "bin/mneme", "doctor", "--json"], cwd="/"))
     assert doctor["ok"]
 
 
@@ -40,6 +40,12 @@ def test_packages_say_what_they_need(packages):
         assert package in needs
 
 
+def test_packages_are_for_the_machine_of_the_build(packages):
+    wanted = "arm64" if EMULATOR else run(["dpkg", "--print-architecture"]).strip()
+    for package in packages.values():
+        assert run(["dpkg-deb", "--field", package, "Architecture"]).strip() == wanted
+
+
 def test_packages_describe_themselves(packages):
     for package in packages.values():
         first, *rest = run(["dpkg-deb", "--field", package, "Description"]).splitlines()
@@ -49,8 +55,9 @@ def test_packages_describe_themselves(packages):
 
 @pytest.mark.skipif(shutil.which("apt-get") is None, reason="there is no apt-get")
 def test_apt_would_install_them(packages):
+    lists = {"APT_CONFIG": str(SOURCE / "build/aarch64-apt/apt.conf")} if EMULATOR else {}
     simulated = subprocess.run(["apt-get", "install", "--simulate", *packages.values()], capture_output=True,
-                               text=True, timeout=120, env=environment(LC_ALL="C"))
+                               text=True, timeout=120, env=environment(LC_ALL="C", **lists))
     if "not installable" in simulated.stdout:
         pytest.skip("apt knows no packages: apt-get update was never run")
     assert simulated.returncode == 0, simulated.stdout + simulated.stderr
@@ -83,6 +90,6 @@ def test_the_python_package_plans(unpacked):
     program = ("import mneme; plan = mneme.plan(mneme.Problem.load(mneme.find_scene("
                "'planar/scenario1.yaml'))); print(plan.is_solved, mneme.find_scene("
                "'planar/scenario1.yaml'))")
-    printed = run(["/usr/bin/python3", "-c", program], cwd="/",
+    printed = run([*PYTHON, "-c", program], cwd="/",
                   env=environment(PYTHONPATH=str(module)))
     assert printed.startswith(f"True {unpacked}/share/mneme")
