@@ -45,6 +45,8 @@ class LineReader {
   /// The bytes after the lines read so far.
   [[nodiscard]] std::string_view rest() const { return rest_; }
   [[nodiscard]] const std::string& source() const { return source_; }
+  /// The number of the line read last, from 1.
+  [[nodiscard]] std::size_t line() const { return line_; }
 
   /// `word` as a whole number of at most `most`.
   [[nodiscard]] std::size_t read_count(std::string_view word, std::size_t most) const;

@@ -5,6 +5,10 @@
 #include "mesh/mesh_file.h"
 #include "mesh/surface_builder.h"
 
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
 namespace mneme::internal {
 namespace {
 
@@ -32,10 +36,19 @@ class ObjReader {
       joined.clear();
     }
     read_line(joined);
+    for (const EarlyPolygon& polygon : early_) {
+      add_polygon(std::span(early_corners_).subspan(polygon.begin, polygon.count), polygon.line);
+    }
   }
 
  private:
   static constexpr std::size_t kMostJoinedWords = 1 << 20;
+  /// Polygons that come before their vertices have fewer corners together.
+  static constexpr std::size_t kMostEarlyCorners = 6 * kMaxTriangles;
+  struct EarlyPolygon {
+    std::size_t begin, count;  ///< in early_corners_
+    std::size_t line;
+  };
 
   void read_line(const Words& words) {
     if (words.empty()) return;
@@ -47,29 +60,53 @@ class ObjReader {
       vertices_.emplace_back(lines_.read_number(words[1]), lines_.read_number(words[2]),
                              lines_.read_number(words[3]));
     } else if (words[0] == "f") {
-      corners_.clear();
+      polygon_.clear();
       for (std::size_t i = 1; i < words.size() && words[i][0] != '#'; ++i) {
-        corners_.push_back(corner(words[i]));
+        polygon_.push_back(read_corner(words[i]));
       }
-      surface_.add_polygon(corners_);
+      const auto is_early = [&](std::uint32_t vertex) { return vertex >= vertices_.size(); };
+      if (std::ranges::any_of(polygon_, is_early)) return put_off();
+      add_polygon(polygon_, lines_.line());
     }
   }
 
-  /// The vertex of "V", "V/T", "V/T/N" or "V//N": counted from 1, or back from the last one if V <
-  /// 0.
-  [[nodiscard]] const Vec3& corner(std::string_view word) const {
+  /// The place of the vertex of "V", "V/T", "V/T/N" or "V//N": counted from 1, or back from the
+  /// last one if V < 0. It may come later in the file.
+  [[nodiscard]] std::uint32_t read_corner(std::string_view word) const {
     const auto count = static_cast<std::ptrdiff_t>(vertices_.size());
     const auto index = parse_number<std::ptrdiff_t>(word.substr(0, word.find('/'))).value_or(0);
-    if (index == 0 || index > count || index < -count) {
+    if (index == 0 || index > static_cast<std::ptrdiff_t>(kMaxVertices) || index < -count) {
       lines_.fail(ErrorCode::parse, "a face has the vertex \"{}\", but there are {} before it",
                   excerpt(word), count);
     }
-    return vertices_[static_cast<std::size_t>(index > 0 ? index - 1 : count + index)];
+    return static_cast<std::uint32_t>(index > 0 ? index - 1 : count + index);
+  }
+
+  /// Keeps the polygon for when all vertices are read.
+  void put_off() {
+    if (polygon_.size() < 3) return;  // no surface
+    if (early_corners_.size() + polygon_.size() > kMostEarlyCorners) surface_.fail_too_many();
+    early_.push_back({early_corners_.size(), polygon_.size(), lines_.line()});
+    early_corners_.insert(early_corners_.end(), polygon_.begin(), polygon_.end());
+  }
+
+  void add_polygon(std::span<const std::uint32_t> polygon, std::size_t line) {
+    corners_.clear();
+    for (const std::uint32_t vertex : polygon) {
+      if (vertex >= vertices_.size()) {
+        throw_failure(ErrorCode::parse, "{}:{}: a face has the vertex {}, but there are {}",
+                      surface_.source(), line, vertex + 1, vertices_.size());
+      }
+      corners_.push_back(vertices_[vertex]);
+    }
+    surface_.add_polygon(corners_);
   }
 
   LineReader lines_;
   SurfaceBuilder& surface_;
   std::vector<Vec3> vertices_, corners_;
+  std::vector<std::uint32_t> polygon_, early_corners_;
+  std::vector<EarlyPolygon> early_;
 };
 
 }  // namespace

@@ -64,8 +64,10 @@ class PlyReader {
       // Such items take no space, so that any number may be announced.
       if (element.properties.empty()) continue;
       if (element.name == "vertex") check_vertices(element);
+      has_vertices_ = has_vertices_ || element.name == "vertex";
       for (std::size_t i = 0; i < element.count; ++i) read_item(element, numbers);
     }
+    add_early_lists();
   }
 
  private:
@@ -87,8 +89,13 @@ class PlyReader {
         const bool is_strips = element.name == "tristrips" && is_indices(property);
         const std::size_t most = is_face ? kMaxTriangles + 2 : is_strips ? kMostIndices : 0;
         read_list(property, most, numbers);
-        if (is_face) add_face();
-        if (is_strips) add_strips();
+        if (!has_vertices_ && most > 0) {
+          put_off(is_strips);
+        } else if (is_face) {
+          add_face();
+        } else if (is_strips) {
+          add_strips();
+        }
         continue;
       }
       const double number = numbers.next(property.type);
@@ -123,11 +130,26 @@ class PlyReader {
     }
   }
 
+  /// Keeps the list for when there are vertices.
+  void put_off(bool is_strips) {
+    if (list_.size() < 3) return;  // no surface
+    if (early_numbers_.size() + list_.size() > kMostIndices) surface_.fail_too_many();
+    early_.push_back({early_numbers_.size(), list_.size(), is_strips});
+    early_numbers_.insert(early_numbers_.end(), list_.begin(), list_.end());
+  }
+  void add_early_lists() {
+    for (const EarlyList& early : early_) {
+      const auto begin = early_numbers_.begin() + static_cast<std::ptrdiff_t>(early.begin);
+      list_.assign(begin, begin + static_cast<std::ptrdiff_t>(early.count));
+      early.is_strips ? add_strips() : add_face();
+    }
+  }
+
   [[nodiscard]] const Vec3& vertex_at(double index) const {
     if (!(index >= 0 && index < static_cast<double>(vertices_.size()) &&
           index == std::floor(index))) {
-      lines_.fail_file(ErrorCode::parse, "a face has the vertex {}, but there are {} before it",
-                       index, vertices_.size());
+      lines_.fail_file(ErrorCode::parse, "a face has the vertex {}, but there are {}", index,
+                       vertices_.size());
     }
     return vertices_[static_cast<std::size_t>(index)];
   }
@@ -150,6 +172,13 @@ class PlyReader {
   SurfaceBuilder& surface_;
   std::vector<Vec3> vertices_, corners_;
   std::vector<double> list_;
+  struct EarlyList {
+    std::size_t begin, count;  ///< in early_numbers_
+    bool is_strips;
+  };
+  std::vector<EarlyList> early_;  ///< of faces that come before the vertices
+  std::vector<double> early_numbers_;
+  bool has_vertices_ = false;
 };
 
 }  // namespace

@@ -49,7 +49,18 @@ bool is_text(std::string_view bytes) {
   return lower_case(bytes.substr(0, 5)) == "solid" && bytes.find('\0') == bytes.npos;
 }
 
-/// A binary file states its number of triangles after its title. Bytes after these are ignored.
+/// Fails if so much follows the triangles that it may be others, as where a program did not count
+/// what it wrote. Less, or zeros, is padding.
+void check_rest(std::string_view rest, std::size_t stated, const SurfaceBuilder& surface) {
+  if (rest.size() < kFacetBytes || rest.find_first_not_of('\0') == rest.npos) return;
+  throw_failure(
+      ErrorCode::parse,
+      "{}: announces {} triangles, and {} bytes follow them, enough for {} more: write the "
+      "file anew with the right count, or without these bytes",
+      surface.source(), stated, rest.size(), rest.size() / kFacetBytes);
+}
+
+/// A binary file states its number of triangles after its title.
 void read_binary_facets(std::string_view bytes, SurfaceBuilder& surface) {
   const auto stated =
       static_cast<std::size_t>(read_binary(bytes.data() + kTitleBytes, {'U', 4}, false));
@@ -57,6 +68,7 @@ void read_binary_facets(std::string_view bytes, SurfaceBuilder& surface) {
     throw_failure(ErrorCode::parse, "{}: ends before the {} triangles that it announces",
                   surface.source(), stated);
   }
+  check_rest(bytes.substr(kHeaderBytes + kFacetBytes * stated), stated, surface);
   for (std::size_t i = 0; i < stated; ++i) {
     const auto corner = [&, at = bytes.data() + kHeaderBytes + kFacetBytes * i](int k) -> Vec3 {
       const auto number = [&](int axis) {

@@ -89,8 +89,31 @@ TEST_SUITE("unit") {
         "v 0 2 0\ng part\nf -4 -2 -1 # back\nf 1 2\nl 1 2\n";
     CHECK(area_of(read(obj, "a.OBJ")) == doctest::Approx(4));
     CHECK(refusal("v 0 0 0\nv 1 0 0\nf 1 2 3\n", "a.obj") ==
-          "mesh a.obj:3: a face has the vertex \"3\", but there are 2 before it");
+          "mesh a.obj:3: a face has the vertex 3, but there are 2");
     CHECK(refusal("v 0 0\n", "a.obj") == "mesh a.obj:1: expected \"v X Y Z\"");
+  }
+
+  TEST_CASE("Faces may come before their vertices") {
+    const std::string obj = "f 1 2 3 4\nv 0 0 0\nv 2 0 0\nf 1 2\nv 2 2 0\nf -3 -2 -1\nv 0 2 0\n";
+    CHECK(area_of(read(obj, "a.obj")) == doctest::Approx(6));
+    CHECK(refusal("v 0 0 0\nf 1 2 3\nv 1 0 0\n", "a.obj") ==
+          "mesh a.obj:2: a face has the vertex 3, but there are 2");
+    const std::string lists = "property list uchar int vertex_indices\n";
+    const std::string ply =
+        "ply\nformat ascii 1.0\nelement tristrips 1\n" + lists + "element face 2\n" + lists +
+        "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+        "4 0 1 3 2\n4 0 1 2 3\n0\n0 0 0\n2 0 0\n2 2 0\n0 2 0\n";
+    CHECK(area_of(read(ply, "a.ply")) == doctest::Approx(8));
+    CHECK(refusal(std::string(ply).replace(ply.find("4 0 1 2 3"), 9, "4 0 1 2 4"), "a.ply") ==
+          "mesh a.ply: a face has the vertex 4, but there are 4");
+  }
+
+  TEST_CASE("Binary STL of more triangles than it announces is refused") {
+    const std::string facet(50, '\1');
+    const std::string head = std::string(80, ' ') + std::string("\1\0\0\0", 4) + facet;
+    CHECK(refusal(head + facet + facet, "a.stl") ==
+          "mesh a.stl: announces 1 triangles, and 100 bytes follow them, enough for 2 more: write "
+          "the file anew with the right count, or without these bytes");
   }
 
   TEST_CASE("STL is text with any letters, or binary whatever its header says") {
@@ -311,8 +334,7 @@ TEST_SUITE("unit") {
           "mesh a.stl: ends before the 4294967295 triangles that it announces");
     CHECK(
         refusal(ply_header("ascii") + "0 7 0 .5\n2 7 0 .5\n2 7 3 .5\n0 7 3 .5\n3 0 1 4294967295\n",
-                "a.ply") ==
-        "mesh a.ply: a face has the vertex 4294967295, but there are 4 before it");
+                "a.ply") == "mesh a.ply: a face has the vertex 4294967295, but there are 4");
   }
 
   TEST_CASE("A pipe is refused without waiting for it, and a mesh opens no other file") {
