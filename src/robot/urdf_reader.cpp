@@ -116,6 +116,9 @@ void add_capsule(XmlReader& xml, const XmlElement& capsule, const Transform& pos
   link.capsules.push_back({pose * Vec3(-half), pose * half, radius});
 }
 
+/// A turn, and what rounding adds. Larger angles are probably degrees.
+constexpr double kMostAngle = 2 * std::numbers::pi + 1e-3;
+
 /// Returns the pose of the child <origin> of `element`; the identity without one.
 Transform read_origin(XmlReader& xml, const XmlElement& element) {
   const XmlElement* origin = element.FirstChildElement("origin");
@@ -123,7 +126,12 @@ Transform read_origin(XmlReader& xml, const XmlElement& element) {
   xml.check_attributes(*origin, {"xyz", "rpy", "quat_xyzw"});
   const Vec3 xyz = xml.vector(*origin, "xyz", Vec3::Zero());
   if (origin->Attribute("quat_xyzw") == nullptr) {
-    return {rotation_from_rpy(xml.vector(*origin, "rpy", Vec3::Zero())), xyz};
+    const Vec3 rpy = xml.vector(*origin, "rpy", Vec3::Zero());
+    if (rpy.cwiseAbs().maxCoeff() > kMostAngle) {
+      xml.tolerate(*origin, "an angle of rpy exceeds a turn; expected radians",
+                   "an angle of rpy exceeds a turn; expected radians");
+    }
+    return {rotation_from_rpy(rpy), xyz};
   }
   if (origin->Attribute("rpy")) xml.fail(*origin, "expected either rpy or quat_xyzw, got both");
   const auto q = xml.numbers(*origin, "quat_xyzw", {4}, "four finite numbers");
@@ -208,6 +216,13 @@ class UrdfReader {
           "{}: <safety_controller> narrows the limits of {} (the limits of <limit> apply "
           "with --hard-limits, hard_limits)",
           source_, fmt::join(narrowed_, ", ")));
+    }
+    if (!standing_.empty()) {
+      // Exporters write 0 and 0 where they were given none.
+      parts_.warnings.push_back(
+          fmt::format("{}: lower and upper are the same for {}, which cannot "
+                      "move; expected the limits of the robot",
+                      source_, fmt::join(standing_, ", ")));
     }
     auto sorted = sort_tree(std::move(parts_));
     if (sorted) return *std::move(sorted);
@@ -353,6 +368,7 @@ class UrdfReader {
     const bool turns = is_endless(*limit, joint);
     joint.lower = turns ? -kEndless : read_limit(*limit, "lower", farthest);
     joint.upper = turns ? kEndless : read_limit(*limit, "upper", farthest);
+    if (joint.lower == joint.upper) standing_.push_back(fmt::format("'{}'", joint.name));
   }
 
   bool is_endless(const XmlElement& limit, const Joint& joint) const {
@@ -464,6 +480,7 @@ class UrdfReader {
   std::vector<int> link_lines_;
   std::vector<const XmlElement*> joint_elements_;
   std::map<std::string, int> link_indices_;
+  std::vector<std::string> standing_;  ///< joints with limits that leave one value
   std::vector<std::string> narrowed_;  ///< "joint [lower, upper]" of soft limits
 };
 

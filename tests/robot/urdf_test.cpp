@@ -332,6 +332,8 @@ TEST_SUITE("unit") {
         {"<geometry>", "<surface/><geometry>", "unknown element <surface> in <collision> (line 6)"},
         {"<axis", "<axis xyz=\"0 1 0\"/><axis", "a second <axis> in <joint> (line 15)"},
         {"lower=\"-1\"", "", "joint 'turn': <limit>: lower is missing and taken for 0"},
+        {"rpy=\"0 0 0\"", "rpy=\"0 0 90\"",
+         "<origin>: an angle of rpy exceeds a turn; expected radians"},
         {"velocity=\"1\"", "velocity=\"inf\"", "<limit>: velocity is inf and counts as none"},
         {"velocity=\"1\"", "velocity=\"1e400\"", "<limit>: velocity is inf and counts as none"},
         {"velocity=\"1\"", "velocity=\"nan\"", "<limit>: velocity is nan and counts as none"},
@@ -384,6 +386,15 @@ TEST_SUITE("unit") {
     std::string slide = replaced("lower=\"-1\"", "lower=\"-inf\"");
     slide.replace(slide.find("revolute"), 8, "prismatic");
     CHECK(require_parsed(slide).group_joint(0).lower == -100);
+  }
+
+  TEST_CASE("limits that leave one value are named: exporters write them where none were given") {
+    const Robot robot =
+        require_parsed(replaced("lower=\"-1\" upper=\"1.5\"", "lower=\"0\" upper=\"0\""));
+    REQUIRE(robot.warnings().size() == 1);
+    CHECK(robot.warnings()[0] ==
+          "arm.urdf: lower and upper are the same for 'turn', which cannot move; expected the "
+          "limits of the robot");
   }
 
   TEST_CASE("soft limits narrow a joint with a note, unless hard limits are wanted") {
