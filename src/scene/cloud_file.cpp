@@ -197,12 +197,12 @@ std::array<Place, 3> find_places(const CloudHeader& header, const LineReader& te
       const CloudField& field = header.fields[i];
       if (field.name == kNames[axis]) {
         places[axis] = {i, offset, field.type};
-        found += field.type.kind == 'F' ? 1 : 2;
+        ++found;
       }
       offset += field.type.size;
     }
     if (found != 1) {
-      text.fail_file(ErrorCode::parse, "expected one field {} of floating point", kNames[axis]);
+      text.fail_file(ErrorCode::parse, "expected one field {}", kNames[axis]);
     }
   }
   return places;

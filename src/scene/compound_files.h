@@ -26,7 +26,7 @@ struct CloudFile {
 };
 
 /// Reads PLY or PCD, text or binary. Errors name `source` and the line: a missing file, no
-/// floating-point fields x, y and z, too few bytes, trailing bytes of PLY, more points than
+/// fields x, y and z, too few bytes, trailing bytes of PLY, more points than
 /// kMaxCloudPoints.
 [[nodiscard]] Result<CloudFile> read_cloud(const std::string& path);
 [[nodiscard]] Result<CloudFile> parse_cloud(std::string_view bytes, const std::string& source);

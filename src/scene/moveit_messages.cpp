@@ -20,8 +20,12 @@ namespace mneme::internal {
 Eigen::Matrix3d read_moveit_rotation(const Input& input) {
   if (!input.is_map()) return read_rotation(input, false);
   input.allow_keys({"x", "y", "z", "w"});
-  return rotation_of(input, {input.at("x").finite_number(), input.at("y").finite_number(),
-                             input.at("z").finite_number(), input.at("w").finite_number()});
+  const auto component = [&](std::string_view key) {
+    const auto value = input.find(key);
+    return value ? value->finite_number() : 0;  // {w: 1} is common
+  };
+  return rotation_of(
+      input, {component("x"), component("y"), component("z"), input.at("w").finite_number()});
 }
 
 namespace {

@@ -50,14 +50,19 @@ void warn_of_unit(const Input& file, const std::vector<Part>& parts) {
   file.warn(fmt::format("is {:.0f} m long; one in millimetres needs scale: 0.001", longest));
 }
 
-/// Numbers of the list `key`, `count` for each part.
+/// Numbers of the list `key`, `count` for each part: all in one list, or a list for each part.
 std::vector<double> list_of(const Input& input, std::string_view key, std::size_t count) {
   const Input list = input.at(key);
   const auto is_row = [](const Input& item) { return item.is_list(); };
+  std::vector<double> numbers;
   if (list.is_list() && std::ranges::any_of(list.items(), is_row)) {
-    list.fail_expecting("the numbers of all parts in one list, {} for each", count);
+    for (const Input& row : list.items()) {
+      const std::vector<double> part = row.finite_numbers(count, "numbers of one part");
+      numbers.insert(numbers.end(), part.begin(), part.end());
+    }
+  } else {
+    numbers = list.numbers();
   }
-  const std::vector<double> numbers = list.numbers();
   if (numbers.empty() || numbers.size() % count != 0) {
     list.fail(ErrorCode::parse, "expected {} numbers for each of the parts, got {}", count,
               numbers.size());

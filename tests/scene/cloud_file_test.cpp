@@ -202,15 +202,16 @@ TEST_SUITE("unit") {
                    std::vector<CloudPoint>(89));
   }
 
-  TEST_CASE("a cloud needs each of x, y and z once, as floating point") {
+  TEST_CASE("a cloud needs each of x, y and z once, as numbers of any type") {
     const std::string head = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n";
     const auto with = [&](const std::string& properties) {
       return cloud_message(head + properties + "end_header\n1 2 3\n");
     };
-    CHECK(with("property float y\n") == "f.ply: expected one field z of floating point");
-    CHECK(with("property int y\nproperty float z\n") ==
-          "f.ply: expected one field y of floating point");
-    CHECK(with("property float x\n") == "f.ply: expected one field x of floating point");
+    CHECK(with("property float y\n") == "f.ply: expected one field z");
+    CHECK(with("property float x\n") == "f.ply: expected one field x");
+    require_points(head + "property short y\nproperty uchar z\nend_header\n1 -2 3\n", {{1, -2, 3}});
+    require_points("FIELDS x y z\nTYPE I I F\nSIZE 4 4 4\nWIDTH 1\nDATA ascii\n1 -2 3\n",
+                   {{1, -2, 3}});
     CHECK(with("property list uchar int y\n") == "f.ply: expected vertices without lists");
   }
 }

@@ -110,6 +110,12 @@ TEST_SUITE("unit") {
         "  - {name: b, type: mesh, position: [1, 2, 3], triangles: [0, 0, 0, 1, 0, 0, 0, 1, 0]}\n"
         "  - {name: c, type: octree, cubes: [0, 0, 0, 0.5, 1, 1, 1, 0.25]}\n";
     const auto scene = require(parse_scene(text, "f"));
+    const char* rows =
+        "name: s\nobstacles:\n"
+        "  - {name: a, type: points, radius: 0.01, points: [[0, 0, 0], [0.5, 0.25, 1]]}\n"
+        "  - {name: b, type: mesh, position: [1, 2, 3], triangles: [[0, 0, 0, 1, 0, 0, 0, 1, 0]]}\n"
+        "  - {name: c, type: octree, cubes: [[0, 0, 0, 0.5], [1, 1, 1, 0.25]]}\n";
+    CHECK(to_yaml(require(parse_scene(rows, "f"))) == to_yaml(scene));
     const auto again = require(parse_scene(to_yaml(scene), "again"));
     CHECK(to_yaml(again) == to_yaml(scene));
     CHECK(std::get<Octree>(again.obstacles[2].shapes[0]).parts->list()[1].half_extent == 0.125);
@@ -123,8 +129,12 @@ TEST_SUITE("unit") {
     CHECK(contains(files.message_of("name: a, type: mesh, triangles: []"), "got 0"));
     CHECK(
         contains(files.message_of("name: a, type: octree, cubes: [0, 0, 0, -1]"), "edges above 0"));
-    CHECK(contains(files.message_of("name: a, type: points, radius: 1, points: [[1, 2, 3]]"),
-                   "expected the numbers of all parts in one list, 3 for each, got a list"));
+    CHECK(
+        contains(files.message_of("name: a, type: points, radius: 1, points: [[1, 2, 3], [4, 5]]"),
+                 "numbers of one part"));
+    CHECK(contains(
+        files.message_of("name: a, type: mesh, triangles: [[0, 0, 0], [1, 0, 0], [0, 1, 0]]"),
+        "numbers of one part"));
     CHECK(contains(files.message_of("name: a, type: mesh, points: [1, 2, 3]"), "unknown key"));
     CHECK(contains(files.message_of("name: a, type: points, radius: 1, points: [1, 2, .inf]"),
                    "finite"));

@@ -31,6 +31,14 @@ TEST_SUITE("unit") {
                .rotation == list.rotation));
   }
 
+  TEST_CASE("components of an orientation but w may be left out") {
+    const auto read = internal::read_moveit_pose;
+    CHECK(read_yaml("{position: [0, 0, 0], orientation: {w: 1}}", read).value().rotation ==
+          Eigen::Matrix3d::Identity());
+    CHECK(failure_of("{position: [0, 0, 0], orientation: {x: 1}}", read) ==
+          "f:1: key orientation: expected the key w, which is missing");
+  }
+
   TEST_CASE("an orientation that a message leaves at zero is the identity, as in MoveIt") {
     CHECK(read_yaml("{position: [0, 0, 0], orientation: {x: 0, y: 0, z: 0, w: 0}}",
                     internal::read_moveit_pose)
