@@ -298,6 +298,9 @@ void read_query(std::string_view query, std::optional<TrajectorySettings>& timin
 }
 
 PlanRequest read_plan(const Input& input, std::string_view query, const RequestContext& context) {
+  if (const auto stages = input.find("stages")) {
+    stages->fail(ErrorCode::invalid, "tasks of several stages are for POST /v1/tasks");
+  }
   input.allow_keys({"name",         "index", "robot",       "joints",         "links",
                     "joint_limits", "frame", "scene",       "obstacles",      "circles",
                     "attached",     "allow", "start",       "start_velocity", "end_velocity",
