@@ -135,9 +135,15 @@ class StopSignal {
 Result<std::shared_ptr<const Problem>> load_shown(const ServeOptions& options) {
   if (options.problem.empty()) return std::shared_ptr<const Problem>();
   const auto overrides = MNEME_TRY(problem_options(options.robot, options.robot_options));
-  return read_problem(options.problem, overrides).map([](Problem problem) {
-    return std::make_shared<const Problem>(std::move(problem));
-  });
+  Problem problem = MNEME_TRY(read_problem(options.problem, overrides));
+  const auto joints = static_cast<std::size_t>(problem.robot.joint_count());
+  if (problem.start.size() != joints) {
+    return fail(ErrorCode::invalid,
+                fmt::format("--problem {}: expected a start of {} values, one for each joint of "
+                            "'{}', got {}; is it a problem of another robot?",
+                            options.problem, joints, problem.robot.name(), problem.start.size()));
+  }
+  return std::make_shared<const Problem>(std::move(problem));
 }
 
 Result<std::vector<std::shared_ptr<const Cell>>> load_cells(const ServeOptions& options) {

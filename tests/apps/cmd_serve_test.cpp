@@ -81,6 +81,16 @@ TEST_SUITE("unit") {
 }
 
 TEST_SUITE("flow") {
+  TEST_CASE("a problem of another robot is refused by its name") {
+    if (run_program({"serve", "--help"}).exit_code != 0) return;
+    const TemporaryDirectory files;
+    write_file(files / "p.yaml",
+               "robot: panda\nstart: [0, 0]\ngoal: [1, 1]\nscene: {obstacles: []}\n");
+    check_bad_inputs({{{"serve", "--robot", "planar8", "--problem", files / "p.yaml"},
+                       1,
+                       {"p.yaml", "expected a start of 8 values", "got 2", "another robot"}}});
+  }
+
   TEST_CASE("a token that no client could send is refused") {
     if (run_program({"serve", "--help"}).exit_code != 0) return;
     const TemporaryDirectory files;
