@@ -80,6 +80,15 @@ MeshFinder::MeshFinder(const std::string& urdf_path, const std::vector<std::stri
 }
 
 Result<std::string> MeshFinder::find(const std::string& name, std::string* unknown) const {
+  auto found = find_named(name, unknown);
+  if (found || name.find('\\') == std::string::npos) return found;
+  std::string with_slashes = name;
+  std::ranges::replace(with_slashes, '\\', '/');
+  auto on_windows = find_named(with_slashes, unknown);
+  return on_windows ? on_windows : found;
+}
+
+Result<std::string> MeshFinder::find_named(const std::string& name, std::string* unknown) const {
   for (const char* scheme : {"package://", "model://"}) {
     if (const auto rest = after(name, scheme)) return find_in_package(*rest, unknown);
   }

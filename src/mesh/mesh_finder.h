@@ -24,11 +24,12 @@ class MeshFinder {
 
   /// Returns the path of an existing file. The error lists the paths that were tried. With
   /// `unknown`, which receives the name, files of an unknown package may lie in three folders above
-  /// the URDF.
+  /// the URDF. Where there is no such file, backslashes count as slashes.
   [[nodiscard]] Result<std::string> find(const std::string& name,
                                          std::string* unknown = nullptr) const;
 
  private:
+  [[nodiscard]] Result<std::string> find_named(const std::string& name, std::string* unknown) const;
   [[nodiscard]] Result<std::string> find_in_package(std::string_view name_and_path,
                                                     std::string* unknown) const;
   [[nodiscard]] const std::vector<std::string>& folders_of(const std::string& package) const;

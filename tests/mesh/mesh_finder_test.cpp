@@ -58,6 +58,9 @@ TEST_SUITE("unit") {
     CHECK(MeshFinder(urdf, {w / "src"}).find(kMesh) == w.mesh());
     CHECK(MeshFinder(urdf, {w / "src/"}).find(kMesh) == w.mesh());
     CHECK(MeshFinder(urdf, {w / "src/arm_description"}).find(kMesh) == w.mesh());
+    const MeshFinder meshes(urdf, {});
+    CHECK(meshes.find("src\\arm_description\\meshes\\a.stl") == w.mesh());
+    CHECK(contains(refusal(meshes, "src\\b.stl", ErrorCode::io), "src\\b.stl"));
     CHECK(MeshFinder(urdf, {w / "empty", w / "src/arm_description/"}).find(kMesh) == w.mesh());
     fs::create_directories(w / "empty/arm_description/meshes");
     test::write_file(w / "empty/arm_description/meshes/a.stl", "solid");
