@@ -3,7 +3,7 @@
 #include "cell/branch.h"
 
 #include "base/as_index.h"
-#include "cell/bent_path.h"
+#include "bent_path/bent_path.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,21 +83,6 @@ Branch make_branch(const LinkChain& chain, const JointVector& q) {
   branch.q0 = q.unaryExpr([](double value) { return double{rounded(value, kPathStep)}; });
   branch.response = chain.response(branch.q0);
   return branch;
-}
-
-JointVector evaluate(const GoalShift& shift, const double* u) {
-  const auto joints = static_cast<Eigen::Index>(shift.constant.size());
-  using Row = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 1>>;
-  JointVector value = Row(shift.constant.data(), joints).cast<double>();
-  for (int k = 0; k < shift.parameters; ++k) {
-    JointVector slope = Row(shift.slopes.data() + k * joints, joints).cast<double>();
-    for (int l = 0; l < shift.parameters; ++l) {
-      const float* row = shift.curvatures.data() + (k * shift.parameters + l) * joints;
-      slope += 0.5 * u[l] * Row(row, joints).cast<double>();
-    }
-    value += u[k] * slope;
-  }
-  return value;
 }
 
 BranchFitter::BranchFitter(const LinkChain& chain, const TaskFrame& frame)

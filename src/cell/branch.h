@@ -26,9 +26,6 @@ inline constexpr double kShiftStep = 1.0 / 262144;
 /// Rounds `q` to kPathStep, so that kernel, query and file have the same number.
 [[nodiscard]] Branch make_branch(const LinkChain& chain, const JointVector& q);
 
-/// The value of a family's quadratic at `u`, in double precision.
-[[nodiscard]] JointVector evaluate(const GoalShift& shift, const double* u);
-
 /// Moves `q` within its branch from the task `from` to `to`. False if Newton's method fails in one
 /// of `steps` equal steps.
 [[nodiscard]] bool follow(const LinkChain& chain, const TaskFrame& frame, const CellTask& from,

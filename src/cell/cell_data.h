@@ -8,7 +8,7 @@
 #include "mneme/collision.h"
 #include "mneme/goal.h"
 
-#include "cell/bent_path.h"
+#include "bent_path/bent_path.h"
 #include "goal/link_chain.h"
 #include "cell/split_tree.h"
 #include "cell/task_frame.h"

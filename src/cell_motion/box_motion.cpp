@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cell_motion/box_motion.h"
 
-#include "cell/bent_path.h"
+#include "bent_path/bent_path.h"
 
 #include <algorithm>
 #include <array>

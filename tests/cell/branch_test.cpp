@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "bent_path/bent_path.h"
 #include "cell/branch.h"
 #include "cell/cells.h"
 #include "support/lifting_arm.h"

@@ -1,13 +1,13 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cell/bent_path.h"
+#include "bent_path/bent_path.h"
 
 #include "base/as_index.h"
-#include "cell/branch.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace mneme::internal {
 namespace {
@@ -37,6 +37,21 @@ void insert_at(double length, Waypoints& path) {
 
 }  // namespace
 
+JointVector evaluate(const GoalShift& shift, const double* u) {
+  const auto joints = static_cast<Eigen::Index>(shift.constant.size());
+  using Row = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 1>>;
+  JointVector value = Row(shift.constant.data(), joints).cast<double>();
+  for (int k = 0; k < shift.parameters; ++k) {
+    JointVector slope = Row(shift.slopes.data() + k * joints, joints).cast<double>();
+    for (int l = 0; l < shift.parameters; ++l) {
+      const float* row = shift.curvatures.data() + (k * shift.parameters + l) * joints;
+      slope += 0.5 * u[l] * Row(row, joints).cast<double>();
+    }
+    value += u[k] * slope;
+  }
+  return value;
+}
+
 std::vector<double> arc_lengths(const Waypoints& path) {
   std::vector<double> lengths = {0};
   for (std::size_t i = 1; i < path.size(); ++i) {
@@ -54,6 +69,42 @@ Waypoints without_straights(const Waypoints& path) {
   }
   kept.push_back(path.back());
   return kept;
+}
+
+bool has_unique_turns(const LinkChain& chain, const JointVector& from, const JointVector& to) {
+  constexpr double kMostTurn = std::numbers::pi - 1e-3;
+  for (int j = 0; j < chain.joint_count(); ++j) {
+    if (chain.wraps(j) && !(std::abs(to[j] - from[j]) <= kMostTurn)) return false;
+  }
+  return true;
+}
+
+bool takes_nearest_turns(const BentPath& path, const LinkChain& chain, const JointVector& goal) {
+  // Boxes on both sides of half a turn overlap, or cuts would have to find the place.
+  constexpr double kOverlap = 0.1;
+  const std::span<const float> start = path.row(0), middle = path.row(path.size() - 1);
+  for (int j = 0; j < chain.joint_count(); ++j) {
+    if (!chain.wraps(j)) continue;
+    const auto at = as_index(j);
+    const double usual = std::abs(double{middle[at]} - double{start[at]});
+    const double turn = std::abs(goal[j] - double{start[at]});
+    if (turn > std::numbers::pi + kOverlap && usual <= std::numbers::pi) return false;
+  }
+  return true;
+}
+
+Waypoints with_short_turns(const Waypoints& path, const LinkChain& chain) {
+  constexpr double kFar = 1.5;
+  Waypoints parts = {path.front()};
+  for (std::size_t i = 1; i < path.size(); ++i) {
+    double most = 0;
+    for (int j = 0; j < chain.joint_count(); ++j) {
+      if (chain.wraps(j)) most = std::max(most, std::abs(path[i][j] - path[i - 1][j]));
+    }
+    if (most > kFar) parts.emplace_back(0.5 * (path[i - 1] + path[i]));
+    parts.push_back(path[i]);
+  }
+  return parts;
 }
 
 BentPath bend(Waypoints path, int profile) {

@@ -46,11 +46,24 @@ struct BentPath {
   [[nodiscard]] JointVector goal() const { return waypoint(size() - 1); }
 };
 
+/// The value of a family's quadratic at `u`, in double precision.
+[[nodiscard]] JointVector evaluate(const GoalShift& shift, const double* u);
+
 /// Returns the length of the path up to each waypoint, radians.
 [[nodiscard]] std::vector<double> arc_lengths(const Waypoints& path);
 
 /// Drops waypoints that hardly matter, such as those that bend() adds.
 [[nodiscard]] Waypoints without_straights(const Waypoints& path);
+
+/// False if a continuous joint turns so far between two waypoints that its direction is not unique.
+[[nodiscard]] bool has_unique_turns(const LinkChain& chain, const JointVector& from,
+                                    const JointVector& to);
+/// False if the path to `goal` turns a continuous joint much more than half a turn, while that to
+/// the unchanged goal does not: another turn of the goal is nearer to the start.
+[[nodiscard]] bool takes_nearest_turns(const BentPath& path, const LinkChain& chain,
+                                       const JointVector& goal);
+/// Halves motions that turn a continuous joint far, so that bent ones have unique turns.
+[[nodiscard]] Waypoints with_short_turns(const Waypoints& path, const LinkChain& chain);
 
 /// Number of ways to spread a bend along a path.
 inline constexpr int kBendProfiles = 6;
