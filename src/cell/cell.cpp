@@ -17,7 +17,6 @@
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <numbers>
 #include <set>
 #include <utility>
 
@@ -134,16 +133,13 @@ constexpr double kLimitRoom = 0.01;
 /// turns a continuous joint so far that its direction is not unique.
 bool write_path(const internal::LinkChain& chain, const CellBox& box, const JointVector& change,
                 const Configuration& start, Path& path) {
-  constexpr double kMostTurn = std::numbers::pi - 1e-3;
+  JointVector before = box.path.waypoint(0);
   path.resize(box.path.size());
   path.front() = start;
   for (std::size_t i = 1; i < path.size(); ++i) {
     const JointVector q = box.path.waypoint(i, change);
-    if (!chain.keeps_limits(q)) return false;
-    for (Eigen::Index j = 0; j < q.size(); ++j) {
-      const double turn = q[j] - path[i - 1][static_cast<std::size_t>(j)];
-      if (chain.wraps(static_cast<int>(j)) && std::abs(turn) > kMostTurn) return false;
-    }
+    if (!chain.keeps_limits(q) || !internal::has_unique_turns(chain, before, q)) return false;
+    before = q;
     path[i].assign(q.data(), q.data() + q.size());
   }
   return true;
@@ -177,6 +173,7 @@ class LookUp {
       // The proof holds for changes this close to the model.
       if (!(std::abs(change[j] - modelled[j]) <= box.shift.rest[static_cast<std::size_t>(j)])) {
         return false;
+    if (!internal::takes_nearest_turns(box.path, chain, q)) return false;
       }
     }
     if (!write_path(chain, box, change, start_, answer_.path)) return false;

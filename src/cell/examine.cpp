@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cell/examine.h"
 
+#include "mneme/path.h"
 #include "mneme/planning.h"
 
 #include "base/as_index.h"
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace mneme::internal {
 namespace {
@@ -216,8 +218,9 @@ class Examination {
 
   /// Tries to prove one path over the box. True if all tasks are served then.
   bool prove_path(const Waypoints& path, const GoalShift& shift, int origin) {
+    const Waypoints parts = with_short_turns(path, e_.chain());
     for (const int profile : order_) {
-      const BentPath bent = bend(path, profile);
+      const BentPath bent = bend(parts, profile);
       ProofFailure failure;
       CheckCounters counters;
       if (prove(e_.levels_.back().checker, bent, shift, proof_settings(), failure, counters)) {
@@ -248,6 +251,7 @@ class Examination {
       const CellBox& box = known_[near[i].second];
       JointVector q = box.path.goal();
       if (!follow(e_.chain(), e_.frame(), box.tasks.center, box_.center, 4, q)) continue;
+      if (!is_shortest_turn(q)) continue;
       if (is_among(seen, q, kSameBranch)) continue;
       seen.push_back(q);
       ++tried;
@@ -267,6 +271,15 @@ class Examination {
     }
     path.back() = branch.q0;
     return prove_path(without_straights(path), shift, box.origin);
+  }
+
+  /// False if a whole turn of a continuous joint would bring `q` nearer to the start.
+  [[nodiscard]] bool is_shortest_turn(const JointVector& q) const {
+    for (int j = 0; j < e_.chain().joint_count(); ++j) {
+      const double turn = q[j] - e_.start_[as_index(j)];
+      if (e_.chain().wraps(j) && std::abs(turn) > std::numbers::pi) return false;
+    }
+    return true;
   }
 
   [[nodiscard]] double distance_to(const CellBox& box) const {
@@ -413,8 +426,12 @@ class Examination {
       const CollisionChecker& checker = e_.levels_[level].checker;
       const PlanResult planned = plan_with(rrt_connect, checker, query, *e_.sampler_, settings);
       if (!planned.is_solved()) continue;
+      // Planners wrap continuous joints, and boxes move them straight from row to row.
       Waypoints path;
-      for (const Configuration& q : planned.path) path.push_back(to_vector(q));
+      const Robot& robot = checker.robot();
+      for (const Configuration& q : unwrapped(robot, planned.path, e_.start_)) {
+        path.push_back(to_vector(q));
+      }
       return path;
     }
     return std::nullopt;
@@ -483,8 +500,12 @@ bool serves(const CellBox& box, const CellTask& task, const TaskFrame& frame,
   const auto u = box.tasks.place_of(frame.varying(), task);
   const JointVector change = evaluate(box.shift, u.data());
   for (std::size_t waypoint = 1; waypoint < box.path.size(); ++waypoint) {
-    if (!chain.keeps_limits(box.path.waypoint(waypoint, change))) return false;
+    const JointVector q = box.path.waypoint(waypoint, change);
+    if (!chain.keeps_limits(q) || !has_unique_turns(chain, before, q)) return false;
+    before = q;
   }
+  if (!takes_nearest_turns(box.path, chain, box.path.goal() + change)) return false;
+  JointVector before = box.path.waypoint(0);
   return true;
 }
 

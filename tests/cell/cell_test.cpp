@@ -8,6 +8,10 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 namespace mneme::test {
 namespace {
 
@@ -309,6 +313,43 @@ TEST_SUITE("flow") {
     const TemporaryDirectory directory;
     const std::string more =
         "attached: [{name: stick, link: panda_hand, touch: [panda_leftfinger, panda_rightfinger],"
+  TEST_CASE("continuous joints take the turn that is nearest to the start") {
+    const TemporaryDirectory directory;
+    std::string urdf = read_file(source_file("robots/panda.urdf"));
+    const std::string last = "panda_joint7\" type=\"revolute";
+    REQUIRE(contains(urdf, last));
+    urdf.replace(urdf.find(last), last.size(), "panda_joint7\" type=\"continuous");
+    write_file(directory / "panda.urdf", urdf);
+    write_file(directory / "panda.srdf", read_file(source_file("robots/panda.srdf")));
+    // The last joint starts near pi, where planners wrap it.
+    std::string text = region_text("{x: 0.02, y: 0.02, yaw: 3.1}", "", 5);
+    const std::string robot = "robot: panda", turn = "1.571, 0.785]";
+    text.replace(text.find(robot), robot.size(), "robot: panda.urdf");
+    text.replace(text.find(turn), turn.size(), "1.571, 3.0]");
+    const CellRegion region = require_region(directory, text);
+    const Cell cell = require_cell(region, 100);
+    Rng rng(1);
+    int certified = 0;
+    double most = 0;
+    for (int i = 0; i < 100; ++i) {
+      INFO("seed 1, task " << i);
+      const CellTask task = random_task_of(region, rng, i % 2 == 1);
+      CellAnswer answer;
+      cell.look_up(task, answer);
+      if (answer.tier == CellTier::none) continue;
+      ++certified;
+      check_answer(region, task, answer);
+      for (std::size_t k = 1; k < answer.path.size(); ++k) {
+        CHECK(std::abs(answer.path[k].back() - answer.path[k - 1].back()) < std::numbers::pi);
+      }
+      most = std::max(most, std::abs(answer.path.back().back() - 3.0));
+    }
+    CHECK(certified > 90);
+    CHECK(most > 2.5);
+    CHECK(most < std::numbers::pi + 0.11);
+    CHECK(cell.coverage().gaps[static_cast<std::size_t>(CellGap::limits)] < 0.02);
+  }
+
         " shapes: [{type: cylinder, position: [0, 0, 0.15], radius: 0.01, length: 0.12}]}]\n"
         "allow: [[stick, table]]\n";
     const CellRegion region = require_region(
