@@ -104,10 +104,11 @@ enum class CellTier {
 
 struct CellAnswer {
   CellTier tier = CellTier::none;
-  int box = -1;           ///< the box that `path` comes from; -1: none
-  std::size_t start = 0;  ///< index of the task's start
-  Path path = {};         ///< begins at the start as given, unwrapped; empty without an answer
-  std::string note = {};  ///< why there is no path
+  int box = -1;            ///< the box that `path` comes from; -1: none
+  std::size_t start = 0;   ///< index of the task's start
+  Path path = {};          ///< begins at the start as given, unwrapped; empty without an answer
+  std::string note = {};   ///< why there is no path
+  std::uint64_t cell = 0;  ///< hash of the cell that answered; 0: none
 };
 
 /// Why a part of the region is not proven. For boxes that were not examined before the build ended:

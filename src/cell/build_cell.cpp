@@ -327,8 +327,10 @@ Result<void> Cell::extend(const CellSettings& settings,
   CellSettings same = settings;
   same.margin = data->margin;
   MNEME_TRY(internal::grow(*data, same, on_progress));
+  data->hash = internal::hash_cell(*data);
   data_ = std::move(data);
   return {};
 }
 
 }  // namespace mneme
+  data->hash = internal::hash_cell(*data);

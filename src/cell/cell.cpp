@@ -229,6 +229,7 @@ std::size_t Cell::path_count() const {
 
 void Cell::look_up(const CellTask& task, CellAnswer& answer, std::size_t start) const {
   answer.tier = CellTier::none;
+  answer.cell = data_->hash;
   answer.box = -1;
   answer.start = start;
   LookUp look_up(*data_, task, start, answer);
@@ -397,6 +398,7 @@ void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t
 }  // namespace
 
 CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s) const {
+  answer.cell = data_->hash;
   CellAnswer answer;
   answer.start = start;
   if (!data_->frame.whole().contains(task)) {

@@ -120,6 +120,7 @@ struct CellData {
   std::optional<Scene> changed = {};
   std::vector<StartCell> starts = {};
   std::vector<CellProgress> progress = {};
+  std::uint64_t hash = 0;  ///< hash_cell(), once the boxes are there
 
   /// Made by the first call, which takes milliseconds: certified answers do without. Thread-safe.
   [[nodiscard]] const Result<CellTools>& make_tools() const;
@@ -132,6 +133,9 @@ struct CellData {
   };
   std::shared_ptr<MadeTools> made = std::make_shared<MadeTools>();  ///< copies share them
 };
+
+/// Hashes the world, the tasks and the boxes of a cell, whatever is proven of them. Not 0.
+[[nodiscard]] std::uint64_t hash_cell(const CellData& data);
 
 /// Returns a cell without boxes.
 [[nodiscard]] Result<std::shared_ptr<CellData>> make_cell_data(const CellRegion& region,

@@ -13,8 +13,11 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace mneme {
 namespace internal {
@@ -246,6 +249,32 @@ Result<void> Cell::save(const std::string& path) const {
                           data_->margin};
   if (!data_->is_of_this_world) head.world = {};
   internal::visit_head(writer, head);
+
+std::uint64_t hash_cell(const CellData& data) {
+  std::uint64_t hash = 0;
+  const auto add = [&](const auto& values) {
+    hash = XXH3_64bits_withSeed(values.data(), values.size() * sizeof(values[0]), hash);
+  };
+  add(hash_tasks(data.region));
+  add(data.world.robot);
+  for (const std::string& obstacle : data.world.obstacles) add(obstacle);
+  add(std::array{data.margin});
+  std::vector<float> numbers;
+  for (const StartCell& start : data.starts) {
+    add(std::array{start.boxes.size()});
+    for (const CellBox& box : start.boxes) {
+      numbers.clear();
+      for (const auto* values : {&box.path.rows, &box.path.shares, &box.shift.constant,
+                                 &box.shift.slopes, &box.shift.curvatures, &box.shift.rest}) {
+        // Files have no negative zero.
+        for (const float value : *values) numbers.push_back(value + 0.0f);
+      }
+      add(numbers);
+    }
+  }
+  return std::max<std::uint64_t>(hash, 1);
+}
+
   internal::visit_body(writer, data_->starts, data_->progress, internal::shape_of(*data_));
   const std::uint64_t checksum = XXH3_64bits(writer.bytes().data(), writer.bytes().size());
   auto file = MNEME_TRY(internal::NewFile::create(path));
@@ -282,3 +311,4 @@ Result<Cell> load_cell(const std::string& path, const std::string& region_path,
 }
 
 }  // namespace mneme
+  data->hash = internal::hash_cell(*data);

@@ -492,3 +492,40 @@ TEST_SUITE("unit") {
 }
 
 }  // namespace mneme::test
+  TEST_CASE("a start that is near one of a cell, but another, is described") {
+    const TemporaryDirectory directory;
+    const Cell cell = require_cell(require_region(directory, region_text()), 1);
+    Problem problem = cell.region().problem;
+    CHECK_FALSE(describe_near_start(cell, problem).has_value());
+    problem.start[2] += 1e-7;
+    CHECK(contains(describe_near_start(cell, problem).value(), "1e-07 from start 'start'"));
+    problem.start[2] += 1e-5;
+    CHECK_FALSE(describe_near_start(cell, problem).has_value());
+  }
+
+  TEST_CASE("answers name their cell: the same of its file, another after the build went on") {
+    const TemporaryDirectory directory;
+    Cell cell = require_cell(
+        require_region(directory, region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", 0.17)), 8);
+    const std::string file = directory / "a.cell";
+    require(cell.save(file));
+    const auto hash_of = [](const Cell& each) {
+      CellAnswer answer;
+      each.look_up({}, answer);
+      return answer.cell;
+    };
+    const std::uint64_t hash = hash_of(cell);
+    CHECK(hash != 0);
+    auto loaded = require(load_cell(file));
+    CHECK(hash_of(loaded) == hash);
+    loaded.verify(0);
+    CHECK(hash_of(loaded) == hash);
+    const std::size_t count = cell.box_count();
+    require(cell.extend({.seconds = 1000, .boxes = 30}));
+    REQUIRE(cell.box_count() > count);
+    CHECK(hash_of(cell) != hash);
+    // The same boxes in another scene.
+    write_file(directory / "region.yaml", region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", 0.4));
+    CHECK(hash_of(require(load_cell(file))) != hash);
+  }
+
