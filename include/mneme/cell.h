@@ -122,7 +122,8 @@ enum class CellGap {
   no_path,      ///< planning found no path
   budget,       ///< the proof, or the build, ended before anything was decided
 };
-inline constexpr int kCellGaps = 7;
+inline constexpr int kCellGaps = 8;
+  changed,      ///< robot, scene or allowed contacts have changed since it was proven
 /// Returns a short sentence.
 [[nodiscard]] std::string_view to_string(CellGap gap);
 

@@ -6,8 +6,6 @@
 #include "mneme/sampling.h"
 
 #include "base/as_index.h"
-#include "base/threads.h"
-#include "cell/blocked_link.h"
 #include "cell/branch.h"
 #include "cell/cell_data.h"
 
@@ -15,7 +13,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -65,7 +62,7 @@ void internal::StartCell::drop_hints() {
     for (int side = 0; side < 2 && !node.is_leaf(); ++side) {
       is_lost[as_index(node.below + side)] = is_lost[i];
     }
-    if (!node.is_leaf() || !is_lost[i] || node.has_gap) continue;
+    if (!node.is_leaf() || !is_lost[i] || (node.has_gap && !node.gap.is_lost)) continue;
     node.has_gap = true;
     node.gap = {};
     node.gap.is_examined = node.count > 0;
@@ -117,7 +114,8 @@ std::string_view to_string(CellGap gap) {
       "inverse kinematics bends too much",
       "too close to contact",
       "no path found",
-      "the build ended before anything was decided"};
+      "the build ended before anything was decided",
+      "robot, scene or allowed contacts have changed since it was proven"};
   return kSentences.at(static_cast<std::size_t>(gap));
 }
 
@@ -452,7 +450,8 @@ CellCoverage Cell::coverage(std::size_t start, int samples) const {
       continue;
     }
     const internal::SplitNode& leaf = data_->starts[start].tree.leaf_of(task);
-    const CellGap reason = leaf.has_gap ? leaf.gap.reason : CellGap::limits;
+    const CellGap unsaid = data_->is_of_this_world ? CellGap::limits : CellGap::changed;
+    const CellGap reason = leaf.has_gap ? leaf.gap.reason : unsaid;
     ++gap_counts[static_cast<std::size_t>(reason)];
   }
   const auto share = [samples](int count) { return samples > 0 ? double(count) / samples : 0; };
@@ -463,94 +462,6 @@ CellCoverage Cell::coverage(std::size_t start, int samples) const {
 
 std::vector<UnprovenBox> Cell::unproven(std::size_t start) const {
   return data_->starts[start].tree.unproven(data_->frame);
-}
-
-namespace {
-
-/// Proves boxes again: against changed obstacles only where the rest is proven.
-class Reprover {
- public:
-  explicit Reprover(const internal::CellData& data) : data_(data) {
-    if (!data.changed) return;
-    auto checker = CollisionChecker::make(data.region.problem.robot, *data.changed);
-    if (checker) changes_ = std::move(*checker);
-  }
-
-  void run(StartCell& start, int threads, CellVerification& result) const {
-    std::atomic<int> proven = 0, kept = 0;
-    internal::run_parallel(start.boxes.size(), as_index(std::max(1, threads)), [&](std::size_t i) {
-      CellBox& box = start.boxes[i];
-      const bool is_known = changes_.has_value() && box.was_proven;
-      kept += is_known ? 1 : 0;
-      box.is_proven = box.was_proven = prove(box, is_known);
-      proven += box.is_proven ? 1 : 0;
-    });
-    result.proven += proven;
-    result.kept += kept;
-    result.checked += static_cast<int>(start.boxes.size());
-  }
-
- private:
-  [[nodiscard]] bool prove(const CellBox& box, bool is_known) const {
-    if (is_known && data_.changed->obstacles.empty()) return true;
-    internal::ProofSettings settings;
-    settings.margin = static_cast<float>(data_.margin);
-    settings.most_states = ~std::uint64_t{0} >> 1;
-    settings.has_trials = false;
-    settings.has_links = !is_known;
-    internal::ProofFailure failure;
-    CheckCounters counters;
-    const CollisionChecker& checker = is_known ? *changes_ : data_.tools().checker;
-    return internal::prove(checker, box.path, box.shift, settings, failure, counters);
-  }
-
-  const internal::CellData& data_;
-  std::optional<CollisionChecker> changes_;  ///< with changed obstacles only
-};
-
-/// Leaves whose link is no longer blocked are open.
-void check_blocked(const internal::CellData& data, internal::SplitTree& tree) {
-  const internal::BlockedLink blocked(data.region, data.frame);
-  const std::vector<internal::TaskBox> places = tree.place(data.frame.whole());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    internal::SplitNode& node = tree.nodes[i];
-    if (!node.has_gap || node.gap.reason != CellGap::blocked) continue;
-    if (blocked.look_around(places[i], 0).blocked) continue;
-    node.gap = {};
-    node.gap.is_examined = node.count > 0;
-  }
-}
-
-}  // namespace
-
-CellVerification Cell::verify(int samples, std::uint64_t seed, int threads) {
-  const Stopwatch stopwatch;
-  CellVerification result;
-  auto data = std::make_shared<internal::CellData>(*data_);
-  const Reprover reprover(*data);
-  for (StartCell& start : data->starts) {
-    reprover.run(start, threads, result);
-    if (!data->is_of_this_world) check_blocked(*data, start.tree);
-  }
-  data->is_of_this_world = true;
-  data->changed.reset();
-  data_ = data;
-  result.time_s = stopwatch.elapsed_s();
-  constexpr double kResolution = 1.0 / 320;
-  Rng rng(seed);
-  CellAnswer answer;
-  const Problem& problem = data->region.problem;
-  for (int i = 0; i < samples; ++i) {
-    const std::size_t start = rng.index(static_cast<std::uint32_t>(data->starts.size()));
-    const auto& boxes = data->starts[start].boxes;
-    if (boxes.empty()) continue;
-    const CellBox& box = boxes[rng.index(static_cast<std::uint32_t>(boxes.size()))];
-    look_up(box.tasks.sample(data->frame.varying(), rng, i % 2 == 1), answer, start);
-    if (answer.tier != CellTier::certified) continue;
-    ++result.paths;
-    if (!is_path_free(problem.robot, problem.scene, answer.path, kResolution)) ++result.in_contact;
-  }
-  return result;
 }
 
 }  // namespace mneme

@@ -106,10 +106,20 @@ void visit_box(File& f, BoxOf& box, const BoxShape& shape) {
   f.number(box.is_proven);
 }
 
+void visit_state(ByteWriter& f, const LeafGap& gap) {
+  f.number((gap.is_examined ? 1 : 0) + (gap.is_lost ? 2 : 0));
+}
+void visit_state(ByteReader& f, LeafGap& gap) {
+  std::uint8_t state = 0;
+  f.number(state);
+  gap.is_examined = (state & 1) != 0;
+  gap.is_lost = (state & 2) != 0;
+}
+
 template <class File, class Gap>
 void visit_gap(File& f, Gap& gap) {
   f.number(gap.reason);
-  f.number(gap.is_examined);
+  visit_state(f, gap);
   f.number(gap.first);
   f.number(gap.other);
   f.number(gap.along);

@@ -17,7 +17,7 @@ namespace mneme::internal {
 namespace {
 
 /// Distances that plans try to keep, metres: paths in the open serve larger boxes.
-constexpr std::array kClearances = {0.03, 0.01, 0.0033, 0.0};
+constexpr std::array kClearances = {kWidestClearance, 0.01, 0.0033, 0.0};
 constexpr int kOwnPath = -1;    ///< origin of a box whose path was planned for it
 constexpr int kNeighbours = 6;  ///< paths of other boxes to bend
 constexpr int kFresh = 6;       ///< paths to plan
@@ -484,8 +484,11 @@ Examined Examiner::examine(const OpenBox& box, const std::vector<CellBox>& known
 }
 
 void Examiner::describe(const ProofFailure& failure, UnprovenBox& box) const {
+  internal::describe(levels_.front().checker, failure, box);
+}
+
+void describe(const CollisionChecker& wide, const ProofFailure& failure, UnprovenBox& box) {
   box.along = failure.along;
-  const CollisionChecker& wide = levels_.front().checker;
   const Configuration q = to_configuration(failure.q);
   const std::vector<Contact> contacts = wide.contacts(q);
   if (contacts.empty()) return;
@@ -499,13 +502,13 @@ bool serves(const CellBox& box, const CellTask& task, const TaskFrame& frame,
   if (!box.tasks.contains(task)) return false;
   const auto u = box.tasks.place_of(frame.varying(), task);
   const JointVector change = evaluate(box.shift, u.data());
+  if (!takes_nearest_turns(box.path, chain, box.path.goal() + change)) return false;
+  JointVector before = box.path.waypoint(0);
   for (std::size_t waypoint = 1; waypoint < box.path.size(); ++waypoint) {
     const JointVector q = box.path.waypoint(waypoint, change);
     if (!chain.keeps_limits(q) || !has_unique_turns(chain, before, q)) return false;
     before = q;
   }
-  if (!takes_nearest_turns(box.path, chain, box.path.goal() + change)) return false;
-  JointVector before = box.path.waypoint(0);
   return true;
 }
 

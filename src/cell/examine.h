@@ -49,6 +49,11 @@ struct Examined {
   std::array<double, kMostParameters> contrast = {};
 };
 
+/// Distance that checkers for describe() keep, metres.
+inline constexpr double kWidestClearance = 0.03;
+/// Describes a place that is too close to contact, with what is closer than kWidestClearance.
+void describe(const CollisionChecker& wide, const ProofFailure& failure, UnprovenBox& box);
+
 /// Examines boxes of one region and start. Const functions are parallel-safe.
 class Examiner {
  public:

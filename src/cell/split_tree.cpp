@@ -67,7 +67,11 @@ void SplitTree::set_gap(int node, const UnprovenBox& reason, bool is_examined) {
   const double along = std::clamp(reason.along, 0.0, 1.0) * LeafGap::kWholePath;
   SplitNode& leaf = nodes[as_index(node)];
   leaf.has_gap = true;
-  leaf.gap = {reason.gap, is_examined, name_index(reason.first), name_index(reason.other),
+  leaf.gap = {reason.gap,
+              is_examined,
+              false,
+              name_index(reason.first),
+              name_index(reason.other),
               static_cast<std::uint8_t>(std::lround(along))};
 }
 

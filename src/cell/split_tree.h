@@ -19,6 +19,7 @@ namespace mneme::internal {
 struct LeafGap {
   CellGap reason = CellGap::budget;
   bool is_examined = false;            ///< false: the reason is that of the box around it
+  bool is_lost = false;                ///< boxes served the leaf until their proof failed
   std::uint16_t first = 0, other = 0;  ///< SplitTree::names
   std::uint8_t along = 0;              ///< where on the path, of kWholePath
   static constexpr int kWholePath = 255;

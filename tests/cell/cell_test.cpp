@@ -180,6 +180,10 @@ TEST_SUITE("flow") {
     CellVerification verification = changed.verify(200);
     CHECK(verification.checked == static_cast<int>(cell.box_count()));
     CHECK(verification.kept == verification.checked);
+    const auto share_of = [](const Cell& each, CellGap gap) {
+      return each.coverage().gaps[static_cast<std::size_t>(gap)];
+    };
+    CHECK(share_of(changed, CellGap::changed) > 0.9);
     CHECK(verification.proven < verification.checked);
     CHECK(verification.in_contact == 0);
     CHECK(changed.is_of_this_world());
@@ -188,11 +192,25 @@ TEST_SUITE("flow") {
     // A second call proves all: nothing has changed since.
     verification = changed.verify(0);
     CHECK(verification.kept == 0);
+    // What blocks the boxes that failed is listed, also of the file.
+    CHECK(share_of(changed, CellGap::changed) == 0);
+    CHECK(share_of(changed, CellGap::contact) > 0.2);
+    CHECK(share_of(changed, CellGap::limits) <= share_of(cell, CellGap::limits) + 0.01);
+    CHECK(changed.progress().back().proven == doctest::Approx(changed.coverage().proven));
+    require(changed.save(directory / "b.cell"));
+    const std::vector<UnprovenBox> gaps = require(load_cell(directory / "b.cell")).unproven();
+    REQUIRE(gaps.size() == changed.unproven().size());
+    CHECK(gaps.size() > cell.unproven().size());
+    CHECK(gaps.front().gap == CellGap::contact);
+    CHECK(gaps.front().other == "post");
+    CHECK(gaps.front().first.starts_with("panda_"));
     CHECK(verification.proven == proven);
     // And back: all is proven again.
     write_file(directory / "region.yaml", region_text());
     require(changed.save(file));
-    verification = require(load_cell(file)).verify(200);
+    auto restored = require(load_cell(file));
+    verification = restored.verify(200);
+    CHECK(restored.unproven().size() == cell.unproven().size());
     CHECK(verification.proven == verification.checked);
     CHECK(verification.kept == proven);
     CHECK(verification.paths > 150);
