@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numbers>
@@ -21,6 +22,8 @@ namespace {
 
 using internal::as_index;
 using internal::Input;
+
+constexpr const char* kFirstStart = "start";
 
 void read_extents(const Input& input, CellRegion& region) {
   double largest = 0;
@@ -42,6 +45,12 @@ void read_starts(const Input& input, CellRegion& region) {
   const auto starts = input.find_value("starts");
   if (!starts) return;
   for (const auto& [name, value] : starts->entries()) {
+    if (name.empty()) value.fail(ErrorCode::invalid, "expected a name for this start, got \"\"");
+    if (std::ranges::find(region.starts, name, &CellStart::name) != region.starts.end()) {
+      value.fail(ErrorCode::invalid,
+                 "expected another name: \"{}\" is a start of this region already{}", name,
+                 name == kFirstStart ? ", the problem's" : "");
+    }
     region.starts.push_back({name, internal::read_configuration(value, region.problem.robot)});
   }
 }
@@ -54,7 +63,7 @@ void read_region(const Input& file, CellRegion& region) {
   region.axes = internal::read_frame(file, region.problem.robot).rotation *
                 rotation_about(Vec3::UnitZ(), heading ? heading->finite_number() : 0);
   if (const auto pivot = input.find_value("pivot")) region.pivot = internal::read_point(*pivot);
-  region.starts.push_back({"start", region.problem.start});
+  region.starts.push_back({kFirstStart, region.problem.start});
   read_starts(input, region);
 }
 
@@ -176,6 +185,23 @@ std::string hash_tasks(const CellRegion& region) {
 
 namespace {
 
+/// Refuses what motions of a cell cannot have at their ends.
+Result<void> check_ends(const Problem& problem) {
+  if (problem.is_moving()) {
+    return fail(ErrorCode::unsupported,
+                "{}: motions of a cell begin and end at rest; remove the key, or plan these tasks",
+                problem.start_velocity.empty() ? "end_velocity" : "start_velocity");
+  }
+  if (!problem.scene.end_contacts.empty()) {
+    const EndContact& contact = problem.scene.end_contacts.front();
+    return fail(ErrorCode::unsupported,
+                "allow: {} and {} may touch at the ends only (at_ends), which a cell cannot prove; "
+                "allow the pair throughout, [{}, {}], or plan these tasks",
+                contact.first, contact.second, contact.first, contact.second);
+  }
+  return {};
+}
+
 Result<void> check_exact(const CellRegion& region) {
   const Robot& robot = region.problem.robot;
   if (!robot.exact_pairs().empty()) {
@@ -204,6 +230,7 @@ Result<void> check_region(const CellRegion& region) {
                 "constraint, or plan these tasks",
                 problem.constraints.front().link);
   }
+  MNEME_TRY(check_ends(problem));
   MNEME_TRY(check_exact(region));
   if (problem.pose_goals.size() != 1 || !problem.goals.empty()) {
     return fail(ErrorCode::invalid, "expected one pose of a link as goal, the region's middle");

@@ -81,6 +81,27 @@ TEST_SUITE("unit") {
     CHECK(contains(refusal_of(text), "quat_xyzw"));
   }
 
+  TEST_CASE("what motions of a cell cannot have at their ends is refused by name") {
+    const std::string velocity = "velocity: [0.1, 0, 0, 0, 0, 0, 0]\n";
+    for (const std::string end : {"start_", "end_"}) {
+      const std::string refusal = refusal_of(region_text("{x: 0.1}", end + velocity));
+      CHECK_MESSAGE(contains(refusal, end + "velocity: motions of a cell begin and end at rest"),
+                    refusal);
+    }
+    const std::string refusal = refusal_of(
+        region_text("{x: 0.1}", "allow: [{pair: [panda_hand, table], at_ends: 0.01}]\n"));
+    CHECK_MESSAGE(contains(refusal, "at_ends"), refusal);
+    CHECK_MESSAGE(contains(refusal, "[panda_hand, table]"), refusal);
+  }
+
+  TEST_CASE("names of starts are not empty, and differ") {
+    const std::string q = "[0.5, -0.785, 0, -2.356, 0, 1.571, 0.785]";
+    CHECK(contains(refusal_of(region_text("{x: 0.1, starts: {start: " + q + "}}")),
+                   "\"start\" is a start of this region already, the problem's"));
+    CHECK(contains(refusal_of(region_text("{x: 0.1, starts: {\"\": " + q + "}}")),
+                   "expected a name"));
+  }
+
   TEST_CASE("a start in contact is refused before anything is built") {
     const TemporaryDirectory directory;
     CellRegion region = require_region(directory, region_text());
