@@ -244,12 +244,16 @@ class Cell {
     const std::function<void(const CellProgress&)>& on_progress = {});
 
 /// Answers a problem from a cell without planning. Returns nothing if the problem is no task of the
-/// cell. In a task, the start is one of the region's starts, the one goal is a pose of the region,
-/// and robot, scene and allowed contacts are those of the cell. Cost: that of look_up(), and of
-/// reading the scene.
+/// cell. In a task, the start is one of the region's starts, bit by bit, the one goal is a pose of
+/// the region, and robot, scene and allowed contacts are those of the cell. Cost: that of
+/// look_up(), and of reading the scene.
 [[nodiscard]] std::optional<CellAnswer> answer_from(const Cell& cell, const Problem& problem);
 
 /// Reads a cell. The region's file is read, too: `region_path`, or the one that the cell was built
+/// Returns a sentence if the problem's start is within 1e-6 (radians, metres) of one of the cell's
+/// starts, but another, so that answer_from() has no answer. Otherwise nothing.
+[[nodiscard]] std::optional<std::string> describe_near_start(const Cell& cell,
+                                                             const Problem& problem);
 /// from. Errors: io; corrupt for a damaged file; wrong_robot.
 [[nodiscard]] Result<Cell> load_cell(const std::string& path, const std::string& region_path = {},
                                      const ProblemOptions& options = {});

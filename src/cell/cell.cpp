@@ -441,6 +441,24 @@ CellCoverage Cell::coverage(std::size_t start, int samples) const {
   Rng rng(99);
   CellAnswer answer;
   std::array<int, kCellGaps> gap_counts = {};
+std::optional<std::string> describe_near_start(const Cell& cell, const Problem& problem) {
+  constexpr double kNearStart = 1e-6;
+  for (const CellStart& start : cell.region().starts) {
+    if (start.q == problem.start || start.q.size() != problem.start.size()) continue;
+    double most = 0;
+    for (std::size_t j = 0; j < start.q.size(); ++j) {
+      most = std::max(most, std::abs(start.q[j] - problem.start[j]));
+    }
+    if (!(most <= kNearStart) || !cell.is_of(problem)) continue;
+    return fmt::format(
+        "the start is {:.2g} from start '{}' of the cell of {}: a cell answers its own starts "
+        "only; "
+        "send that start",
+        most, start.name, cell.region().path);
+  }
+  return std::nullopt;
+}
+
   int proven = 0;
   for (int i = 0; i < samples; ++i) {
     const CellTask task = data_->frame.whole().sample(data_->frame.varying(), rng);
