@@ -87,9 +87,11 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Largest number of boxes to examine. With a seed it makes a build repeatable, whatever "
         "the time and the number of threads.");
   visit("threads", s.threads, 1, 64, "Threads that examine boxes. The cell does not depend on it.");
-  visit("margin", s.margin, 5e-5, 0.1,
-        "Distance that proven motions keep from obstacles and between links, metres. Larger leaves "
-        "more of the region unproven.");
+  visit(
+      "margin", s.margin, 5e-5, 0.1,
+      "Distance that proven motions keep from obstacles and between links, metres. Parts of links "
+      "that cannot come within 1 mm of each other within the joint limits may be closer. Larger "
+      "leaves more of the region unproven.");
   visit("seed", s.seed, std::uint64_t{0}, ~std::uint64_t{0}, "Seed of all random numbers.");
 }
 
@@ -121,9 +123,9 @@ enum class CellGap {
   contact,      ///< the motions that were tried come too close to contact
   no_path,      ///< planning found no path
   budget,       ///< the proof, or the build, ended before anything was decided
+  changed,      ///< robot, scene or allowed contacts have changed since it was proven
 };
 inline constexpr int kCellGaps = 8;
-  changed,      ///< robot, scene or allowed contacts have changed since it was proven
 /// Returns a short sentence.
 [[nodiscard]] std::string_view to_string(CellGap gap);
 
@@ -143,7 +145,7 @@ struct CellCoverage {
   std::array<double, kCellGaps> gaps = {};  ///< shares of the rest, by CellGap
 };
 
-/// A step of building.
+/// A step of building, over all starts. Those that are not built yet count as 0.
 struct CellProgress {
   double time_s = 0;
   int boxes = 0;       ///< proven
@@ -248,12 +250,12 @@ class Cell {
 /// the region, and robot, scene and allowed contacts are those of the cell. Cost: that of
 /// look_up(), and of reading the scene.
 [[nodiscard]] std::optional<CellAnswer> answer_from(const Cell& cell, const Problem& problem);
-
-/// Reads a cell. The region's file is read, too: `region_path`, or the one that the cell was built
 /// Returns a sentence if the problem's start is within 1e-6 (radians, metres) of one of the cell's
 /// starts, but another, so that answer_from() has no answer. Otherwise nothing.
 [[nodiscard]] std::optional<std::string> describe_near_start(const Cell& cell,
                                                              const Problem& problem);
+
+/// Reads a cell. The region's file is read, too: `region_path`, or the one that the cell was built
 /// from. Errors: io; corrupt for a damaged file; wrong_robot.
 [[nodiscard]] Result<Cell> load_cell(const std::string& path, const std::string& region_path = {},
                                      const ProblemOptions& options = {});

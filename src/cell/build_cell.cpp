@@ -13,6 +13,7 @@
 #include <optional>
 #include <queue>
 #include <string>
+#include <vector>
 
 namespace mneme {
 namespace internal {
@@ -255,11 +256,29 @@ class CellBuilder {
   std::array<Tally, kCellGaps> tallies_ = {};
 };
 
+/// Adds up the progress of starts: boxes, and mean shares.
+CellProgress total_of(const std::vector<CellProgress>& starts, double time_s) {
+  CellProgress total;
+  total.time_s = time_s;
+  const auto count = static_cast<double>(starts.size());
+  for (const CellProgress& each : starts) {
+    total.boxes += each.boxes;
+    total.proven += each.proven / count;
+    total.decided += each.decided / count;
+  }
+  return total;
+}
+
 /// Builds on what the starts of a cell have.
 Result<void> grow(CellData& data, const CellSettings& settings,
                   const std::function<void(const CellProgress&)>& on_progress) {
   const Stopwatch stopwatch;
   const double before = data.progress.empty() ? 0 : data.progress.back().time_s;
+  std::vector<CellProgress> of_starts(data.starts.size());
+  for (std::size_t i = 0; i < data.starts.size(); ++i) {
+    of_starts[i].boxes = static_cast<int>(data.starts[i].boxes.size());
+  }
+  const auto total = [&] { return total_of(of_starts, before + stopwatch.elapsed_s()); };
   for (std::size_t i = 0; i < data.starts.size(); ++i) {
     const auto examiner = MNEME_TRY(Examiner::make(data.region, data.region.starts[i], settings));
     const double left = settings.seconds - stopwatch.elapsed_s();
@@ -268,19 +287,17 @@ Result<void> grow(CellData& data, const CellSettings& settings,
                         kMostBytes / static_cast<double>(data.starts.size()),
                         std::move(data.starts[i]));
     double kept = -1;
-    CellProgress last = builder.progress();
-    last.time_s += before;
+    of_starts[i] = builder.progress();
     data.starts[i] = builder.run([&](const CellProgress& progress) {
       constexpr double kStep = 0.002;
-      last = progress;
-      last.time_s += before;
+      of_starts[i] = progress;
       if (progress.proven >= kept + kStep) {
-        data.progress.push_back(last);
+        data.progress.push_back(total());
         kept = progress.proven;
       }
-      if (on_progress) on_progress(last);
+      if (on_progress) on_progress(total());
     });
-    data.progress.push_back(last);
+    data.progress.push_back(total());
   }
   return {};
 }
@@ -310,6 +327,7 @@ Result<Cell> build_cell(const CellRegion& region, const CellSettings& settings,
   auto data = MNEME_TRY(internal::make_cell_data(region, settings.margin));
   data->starts.resize(region.starts.size());
   MNEME_TRY(internal::grow(*data, settings, on_progress));
+  data->hash = internal::hash_cell(*data);
   return Cell(std::move(data));
 }
 
@@ -333,4 +351,3 @@ Result<void> Cell::extend(const CellSettings& settings,
 }
 
 }  // namespace mneme
-  data->hash = internal::hash_cell(*data);

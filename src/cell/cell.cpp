@@ -131,9 +131,9 @@ constexpr double kLimitRoom = 0.01;
 /// turns a continuous joint so far that its direction is not unique.
 bool write_path(const internal::LinkChain& chain, const CellBox& box, const JointVector& change,
                 const Configuration& start, Path& path) {
-  JointVector before = box.path.waypoint(0);
   path.resize(box.path.size());
   path.front() = start;
+  JointVector before = box.path.waypoint(0);
   for (std::size_t i = 1; i < path.size(); ++i) {
     const JointVector q = box.path.waypoint(i, change);
     if (!chain.keeps_limits(q) || !internal::has_unique_turns(chain, before, q)) return false;
@@ -171,9 +171,9 @@ class LookUp {
       // The proof holds for changes this close to the model.
       if (!(std::abs(change[j] - modelled[j]) <= box.shift.rest[static_cast<std::size_t>(j)])) {
         return false;
-    if (!internal::takes_nearest_turns(box.path, chain, q)) return false;
       }
     }
+    if (!internal::takes_nearest_turns(box.path, chain, q)) return false;
     if (!write_path(chain, box, change, start_, answer_.path)) return false;
     answer_.tier = CellTier::certified;
     answer_.box = index;
@@ -227,9 +227,9 @@ std::size_t Cell::path_count() const {
 
 void Cell::look_up(const CellTask& task, CellAnswer& answer, std::size_t start) const {
   answer.tier = CellTier::none;
-  answer.cell = data_->hash;
   answer.box = -1;
   answer.start = start;
+  answer.cell = data_->hash;
   LookUp look_up(*data_, task, start, answer);
   data_->starts[start].visit_boxes(task, [&](int box) { return look_up.try_box(box); });
   if (answer.tier == CellTier::none) answer.path.clear();
@@ -396,9 +396,9 @@ void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t
 }  // namespace
 
 CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s) const {
-  answer.cell = data_->hash;
   CellAnswer answer;
   answer.start = start;
+  answer.cell = data_->hash;
   if (!data_->frame.whole().contains(task)) {
     answer.note = "the task is beyond the region";
     const CellTask& half = data_->frame.half_extents();
@@ -413,7 +413,13 @@ CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s) 
   look_up(task, answer, start);
   if (answer.tier != CellTier::none) return answer;
   if (PathBender(*data_, task, start, answer).run()) return answer;
-  if (timeout_s > 0) plan_anew(*data_, task, start, timeout_s, answer);
+  if (timeout_s > 0) {
+    plan_anew(*data_, task, start, timeout_s, answer);
+  } else {
+    answer.note =
+        "no proven box and no path of a near box leads to the task, and without time it is not "
+        "planned";
+  }
   if (answer.tier == CellTier::none) answer.path.clear();
   return answer;
 }
@@ -435,12 +441,6 @@ std::optional<CellAnswer> answer_from(const Cell& cell, const Problem& problem) 
   return answer;
 }
 
-CellCoverage Cell::coverage(std::size_t start, int samples) const {
-  CellCoverage coverage;
-  coverage.samples = samples;
-  Rng rng(99);
-  CellAnswer answer;
-  std::array<int, kCellGaps> gap_counts = {};
 std::optional<std::string> describe_near_start(const Cell& cell, const Problem& problem) {
   constexpr double kNearStart = 1e-6;
   for (const CellStart& start : cell.region().starts) {
@@ -459,6 +459,12 @@ std::optional<std::string> describe_near_start(const Cell& cell, const Problem& 
   return std::nullopt;
 }
 
+CellCoverage Cell::coverage(std::size_t start, int samples) const {
+  CellCoverage coverage;
+  coverage.samples = samples;
+  Rng rng(99);
+  CellAnswer answer;
+  std::array<int, kCellGaps> gap_counts = {};
   int proven = 0;
   for (int i = 0; i < samples; ++i) {
     const CellTask task = data_->frame.whole().sample(data_->frame.varying(), rng);

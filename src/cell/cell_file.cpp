@@ -249,16 +249,6 @@ Result<void> check_head(const CellHead& head, const CellRegion& region, const st
 }
 
 }  // namespace
-}  // namespace internal
-
-Result<void> Cell::save(const std::string& path) const {
-  internal::ByteWriter writer(internal::kMagic);
-  internal::CellHead head{std::filesystem::absolute(data_->region.path).lexically_normal().string(),
-                          internal::hash_tasks(data_->region),
-                          data_->region.problem.robot.kinematics_hash(), data_->world,
-                          data_->margin};
-  if (!data_->is_of_this_world) head.world = {};
-  internal::visit_head(writer, head);
 
 std::uint64_t hash_cell(const CellData& data) {
   std::uint64_t hash = 0;
@@ -285,6 +275,16 @@ std::uint64_t hash_cell(const CellData& data) {
   return std::max<std::uint64_t>(hash, 1);
 }
 
+}  // namespace internal
+
+Result<void> Cell::save(const std::string& path) const {
+  internal::ByteWriter writer(internal::kMagic);
+  internal::CellHead head{std::filesystem::absolute(data_->region.path).lexically_normal().string(),
+                          internal::hash_tasks(data_->region),
+                          data_->region.problem.robot.kinematics_hash(), data_->world,
+                          data_->margin};
+  if (!data_->is_of_this_world) head.world = {};
+  internal::visit_head(writer, head);
   internal::visit_body(writer, data_->starts, data_->progress, internal::shape_of(*data_));
   const std::uint64_t checksum = XXH3_64bits(writer.bytes().data(), writer.bytes().size());
   auto file = MNEME_TRY(internal::NewFile::create(path));
@@ -317,8 +317,8 @@ Result<Cell> load_cell(const std::string& path, const std::string& region_path,
   if (!is_sound) {
     return fail(ErrorCode::corrupt, "{}: the cell does not fit together; build it anew", path);
   }
+  data->hash = internal::hash_cell(*data);
   return Cell(std::move(data));
 }
 
 }  // namespace mneme
-  data->hash = internal::hash_cell(*data);
