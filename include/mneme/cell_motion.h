@@ -13,7 +13,8 @@ namespace mneme {
 
 struct CellMotion {
   Trajectory motion;
-  bool is_of_box = false;  ///< true: the box's motion, bent; false: the answer's path was timed
+  /// True: the box's motion, bent. False: the answer's own path was timed.
+  bool is_of_box = false;
 };
 
 /// Times answers of a cell, as it is when this is made. Copies share what they have timed. Const
@@ -27,10 +28,13 @@ class CellMotions {
   /// - The first certified answer of a box times the box: some milliseconds. Later ones bend this
   ///   motion to their task: some tens of microseconds. All take equally long and keep the cell's
   ///   margin. Keeps boxes for the last four limits.
-  /// - Answers of other tiers, boxes whose motions are not proven, and tasks whose motion may leave
-  ///   the joint limits: as parameterize() times the path.
+  /// - Boxes whose motions are not proven, and tasks whose motion may leave the joint limits: as
+  ///   parameterize() times the answer's path. Corners are cut only where the motion keeps the
+  ///   cell's margin from obstacles; between links cut corners are free of contact.
+  /// - Answers of other tiers: as parameterize() times the path, free of contact.
   ///
-  /// Errors: an answer without a path or of another cell; those of parameterize().
+  /// Errors: an answer without a path; one of another cell, also of this one before extend() or in
+  /// another world; those of parameterize().
   [[nodiscard]] Result<CellMotion> time(const CellAnswer& answer, const RateLimits& limits,
                                         const TrajectorySettings& settings = {}) const;
 

@@ -171,8 +171,9 @@ std::pair<double, double> times_at(const Trajectory& motion, double from, double
   return {time_of(from), to >= 1 ? duration_s : time_of(to)};
 }
 
-/// Lets the share rise smoothly while the motion goes where the path's shares rise.
-BoxMotion spread_smoothly(const Trajectory& motion, const BentPath& path) {
+/// Lets the share rise smoothly: at `spread` 0 while the motion goes where the path's shares rise,
+/// at 1 all the time. In between the bend begins earlier and ends later than at 0.
+BoxMotion spread_smoothly(const Trajectory& motion, const BentPath& path, double spread) {
   double length = 0, from = 0, to = 0;
   for (std::size_t i = 1; i < path.size(); ++i) {
     length += (path.waypoint(i) - path.waypoint(i - 1)).norm();
@@ -181,6 +182,8 @@ BoxMotion spread_smoothly(const Trajectory& motion, const BentPath& path) {
   }
   auto [from_s, to_s] = times_at(motion, from / length, to / length);
   // A bend within one step of times would have no finite rates: the whole motion bends instead.
+  from_s *= 1 - spread;
+  to_s += spread * (motion.duration_s() - to_s);
   if (!(from_s < to_s)) std::tie(from_s, to_s) = std::pair(0.0, motion.duration_s());
   TimedShare rise = {0, 0, 0, 10, -15, 6};
   for (std::size_t i = 3; i < kTerms; ++i) rise[i] /= std::pow(to_s - from_s, i);
@@ -199,6 +202,32 @@ BoxMotion spread_smoothly(const Trajectory& motion, const BentPath& path) {
   const double duration_s = motion.duration_s();
   return {Trajectory(std::move(stretches), motion.at(duration_s).position, duration_s),
           std::move(shares)};
+}
+
+/// The limits less what the bend of a motion needs of them, for the motion to the middle.
+RateLimits room_beside(const BoxMotion& motion, const JointVector& widest,
+                       const RateLimits& limits) {
+  std::array<double, 3> most = {};
+  for (std::size_t i = 0; i < motion.shares.size(); ++i) {
+    TimedShare rate = motion.shares[i];
+    for (double& greatest : most) {
+      rate = derivative(rate);
+      const auto [least, largest] = bounds_of(rate, length_of(motion.middle, i));
+      greatest = std::max({greatest, -least, largest});
+    }
+  }
+  constexpr double kLeastRoom = 0.2;
+  RateLimits room = limits;
+  for (std::size_t j = 0; j < limits.velocity.size(); ++j) {
+    const double change = widest[static_cast<Eigen::Index>(j)];
+    const auto narrow = [&](double& limit, double rate) {
+      limit = std::max(kLeastRoom * limit, limit - rate * change);
+    };
+    narrow(room.velocity[j], most[0]);
+    narrow(room.acceleration[j], most[1]);
+    if (!room.jerk.empty()) narrow(room.jerk[j], most[2]);
+  }
+  return room;
 }
 
 /// States of the motion `step_s` apart, as a path of many waypoints.
@@ -257,6 +286,62 @@ bool prove_motion(const CellData& data, const CellBox& box, const JointVector& w
   return prove(data.tools().checker, chain, box.shift, settings, failure, counters);
 }
 
+/// Looks for the fastest motion of a box that is proven.
+class BoxTimer {
+ public:
+  BoxTimer(const CellData& data, const CellBox& box, const RateLimits& limits,
+           const MotionVerifier& verifier)
+      : data_(data),
+        box_(box),
+        limits_(limits),
+        verifier_(verifier),
+        widest_(widest_change(box.shift)) {}
+
+  /// `path` leads to the middle of the box. Returns nothing if no motion is proven.
+  std::optional<BoxMotion> run(const Path& path, const TrajectorySettings& settings) {
+    constexpr int kHalvings = 3, kRounds = 3;
+    const Robot& robot = data_.region.problem.robot;
+    const auto first = parameterize(robot, path, limits_, settings, &verifier_);
+    if (!first || !consider(*first, 0)) return std::nullopt;
+    // A bend takes less of the limits the longer it lasts.
+    double spread = 0, beyond = 1;
+    if (consider(*first, 1)) spread = 1;
+    for (int i = 0; i < kHalvings && spread < 1; ++i) {
+      const double between = 0.5 * (spread + beyond);
+      (consider(*first, between) ? spread : beyond) = between;
+    }
+    // What the bend takes slows down the joints and times that need it, not the whole motion.
+    for (int i = 0; i < kRounds; ++i) {
+      const RateLimits room = room_beside(*best_, widest_, limits_);
+      const auto motion = parameterize(robot, path, room, settings, &verifier_);
+      if (!motion || !consider(*motion, spread)) break;
+    }
+    return std::move(best_);
+  }
+
+ private:
+  /// Keeps the motion, with this spread of its bend, if it is the fastest that is proven.
+  bool consider(const Trajectory& motion, double spread) {
+    if (motion.stretches().empty()) return false;
+    BoxMotion timed = spread_smoothly(motion, box_.path, spread);
+    timed = slowed(timed, find_slowing(timed, widest_, limits_));
+    const bool is_faster =
+        !best_ || timed.middle.duration_s() < best_->middle.duration_s() * (1 - kLeastGain);
+    if (!is_faster || !prove_motion(data_, box_, widest_, timed)) return false;
+    best_ = std::move(timed);
+    return true;
+  }
+
+  static constexpr double kLeastGain = 0.002;
+
+  const CellData& data_;
+  const CellBox& box_;
+  const RateLimits& limits_;
+  const MotionVerifier& verifier_;
+  JointVector widest_;
+  std::optional<BoxMotion> best_;
+};
+
 }  // namespace
 
 std::optional<Trajectory> BoxMotion::bent(const LinkChain& chain, const JointVector& change) const {
@@ -282,9 +367,9 @@ std::optional<Trajectory> BoxMotion::bent(const LinkChain& chain, const JointVec
 
 std::optional<BoxMotion> time_box(const CellData& data, const CellBox& box,
                                   const Configuration& start, const RateLimits& limits,
-                                  const TrajectorySettings& settings) {
+                                  const TrajectorySettings& settings,
+                                  const MotionVerifier& verifier) {
   const Robot& robot = data.region.problem.robot;
-  const JointVector widest = widest_change(box.shift);
   Path path = {start};
   for (std::size_t i = 1; i < box.path.size(); ++i) {
     path.push_back(to_configuration(box.path.waypoint(i)));
@@ -293,17 +378,13 @@ std::optional<BoxMotion> time_box(const CellData& data, const CellBox& box,
   constexpr double kSameTurn = 1;
   const JointVector shortest = to_vector(unwrapped(robot, path, start).back());
   if ((shortest - to_vector(path.back())).norm() > kSameTurn) return std::nullopt;
-  const MotionVerifier verifier(data.tools().checker);
-  TrajectorySettings near = settings;
   constexpr double kNear = 0.1;
+  TrajectorySettings near = settings;
   near.time_rounds = 0;
   near.path_tolerance = std::min(settings.path_tolerance, kNear);
+  BoxTimer timer(data, box, limits, verifier);
   for (const TrajectorySettings& each : {settings, near}) {
-    const auto motion = parameterize(robot, path, limits, each, &verifier);
-    if (!motion || motion->stretches().empty()) return std::nullopt;
-    BoxMotion timed = spread_smoothly(*motion, box.path);
-    timed = slowed(timed, find_slowing(timed, widest, limits));
-    if (prove_motion(data, box, widest, timed)) return timed;
+    if (auto timed = timer.run(path, each)) return timed;
   }
   return std::nullopt;
 }

@@ -27,11 +27,13 @@ struct BoxMotion {
                                                const JointVector& change) const;
 };
 
-/// Times the path of a proven box. All motions of the result, for all changes that the box has,
-/// keep `limits` and are proven free with the cell's margin. Returns nothing if that fails.
+/// Times the path of a proven box, to its middle as `verifier` allows. All motions of the result,
+/// for all changes that the box has, keep `limits` and are proven free with the cell's margin.
+/// Returns nothing if that fails.
 [[nodiscard]] std::optional<BoxMotion> time_box(const CellData& data, const CellBox& box,
                                                 const Configuration& start,
                                                 const RateLimits& limits,
-                                                const TrajectorySettings& settings);
+                                                const TrajectorySettings& settings,
+                                                const MotionVerifier& verifier);
 
 }  // namespace mneme::internal

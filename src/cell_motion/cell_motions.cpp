@@ -3,6 +3,7 @@
 #include "mneme/cell_motion.h"
 
 #include "base/as_index.h"
+#include "base/fail.h"
 #include "cell/cell_data.h"
 #include "cell_motion/box_motion.h"
 
@@ -64,15 +65,28 @@ struct CellMotions::Kept {
     return kept.back();
   }
 
+  /// Keeps the cell's margin from obstacles. Made by the first call, which takes milliseconds.
+  const Result<CollisionChecker>& make_careful_checker() {
+    std::call_once(is_careful, [&] {
+      CheckerSettings wanted;
+      wanted.margin = cell->margin;
+      const Problem& problem = cell->region.problem;
+      careful = CollisionChecker::make(problem.robot, problem.scene, wanted);
+    });
+    return *careful;
+  }
+
   /// The motion of the answer's box, bent to its task. Returns nothing without one.
   std::optional<Trajectory> bend(const CellAnswer& answer, const RateLimits& limits,
-                                 const TrajectorySettings& settings) {
+                                 const TrajectorySettings& settings,
+                                 const MotionVerifier& verifier) {
     const auto boxes = find(limits, settings);
     const std::size_t index = internal::as_index(answer.box);
     const internal::CellBox& box = boxes_of(*cell, answer)[index];
     Box& timed = boxes->starts[answer.start][index];
     std::call_once(timed.is_timed, [&] {
-      timed.motion = internal::time_box(*cell, box, start_of(*cell, answer), limits, settings);
+      timed.motion =
+          internal::time_box(*cell, box, start_of(*cell, answer), limits, settings, verifier);
     });
     if (!timed.motion) return std::nullopt;
     const internal::JointVector goal = internal::to_vector(answer.path.back());
@@ -80,6 +94,8 @@ struct CellMotions::Kept {
   }
 
   std::shared_ptr<const internal::CellData> cell;
+  std::once_flag is_careful;
+  std::optional<Result<CollisionChecker>> careful;
   std::mutex mutex;
   std::vector<std::shared_ptr<Boxes>> kept;  ///< the ones that were used last, last
 };
@@ -90,17 +106,27 @@ Result<CellMotion> CellMotions::time(const CellAnswer& answer, const RateLimits&
                                      const TrajectorySettings& settings) const {
   const internal::CellData& cell = *kept_->cell;
   if (answer.path.empty()) return fail(ErrorCode::invalid, "the answer has no path");
-  if (answer.tier == CellTier::certified) {
-    if (answer.start >= cell.starts.size() || answer.path.front() != start_of(cell, answer) ||
-        internal::as_index(answer.box) >= boxes_of(cell, answer).size()) {
-      return fail(ErrorCode::invalid, "expected an answer of this cell");
-    }
-    auto motion = kept_->bend(answer, limits, settings);
-    if (motion) return CellMotion{*std::move(motion), true};
+  if (answer.cell != cell.hash || answer.start >= cell.starts.size()) {
+    return fail(ErrorCode::invalid,
+                "the answer is of another cell, or of this one before a build went on; make "
+                "CellMotions of the cell that answered");
   }
-  const MotionVerifier verifier(cell.tools().checker);
-  return parameterize(cell.region.problem.robot, answer.path, limits, settings, &verifier)
-      .map([](Trajectory motion) { return CellMotion{std::move(motion)}; });
+  const Robot& robot = cell.region.problem.robot;
+  const auto to_motion = [](Trajectory motion) { return CellMotion{std::move(motion)}; };
+  if (answer.tier != CellTier::certified) {
+    const MotionVerifier verifier(cell.tools().checker);
+    return parameterize(robot, answer.path, limits, settings, &verifier).map(to_motion);
+  }
+  if (answer.path.front() != start_of(cell, answer) ||
+      internal::as_index(answer.box) >= boxes_of(cell, answer).size()) {
+    return fail(ErrorCode::invalid, "expected an answer of this cell as it was given");
+  }
+  const auto& careful = kept_->make_careful_checker();
+  if (!careful) return tl::unexpected(careful.error());
+  const MotionVerifier verifier(*careful);
+  auto motion = kept_->bend(answer, limits, settings, verifier);
+  if (motion) return CellMotion{*std::move(motion), true};
+  return parameterize(robot, answer.path, limits, settings, &verifier).map(to_motion);
 }
 
 }  // namespace mneme

@@ -108,6 +108,28 @@ CellAnswer extreme_answer(const Cell& cell, const CellTask& task, const CellTask
   return extreme;
 }
 
+/// A region that paths reach around a high post. `start` are the first joints.
+CellRegion around_post(const TemporaryDirectory& directory, double post, const std::string& start) {
+  std::string text = region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", post);
+  const std::string usual = "[0, -0.785, 0, -2.356", size = "size: [0.04, 0.04, 0.4]";
+  text.replace(text.find(usual), usual.size(), start);
+  text.replace(text.find(size), size.size(), "size: [0.04, 0.04, 1]");
+  return require_region(directory, text);
+}
+
+/// Answers to `count` tasks, half of them at corners, as far as they are certified.
+std::vector<CellAnswer> certified_answers(const Cell& cell, int count) {
+  Rng rng(3);
+  std::vector<CellAnswer> answers;
+  for (int i = 0; i < count; ++i) {
+    CellAnswer answer;
+    cell.look_up(random_task_of(cell.region(), rng, i % 2 == 1), answer);
+    if (answer.tier == CellTier::certified) answers.push_back(answer);
+  }
+  REQUIRE(2 * answers.size() > static_cast<std::size_t>(count));
+  return answers;
+}
+
 }  // namespace
 
 TEST_SUITE("flow") {
@@ -148,6 +170,48 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("motions of certified answers keep the margin from obstacles, bent or not") {
+    const TemporaryDirectory directory;
+    const CellRegion region = around_post(directory, 0.26, "[0.9, 0.2, 0, -1.8");
+    constexpr double kMargin = 0.03;
+    const Cell cell =
+        require(build_cell(region, {.seconds = 1000, .boxes = 60, .margin = kMargin}));
+    CheckerSettings settings;
+    settings.margin = kMargin - 2e-5;
+    const auto checker =
+        require(CollisionChecker::make(region.problem.robot, region.problem.scene, settings));
+    const CellMotions motions(cell);
+    const RateLimits limits = limits_of(region.problem.robot, 3, 40);
+    int of_box = 0, own = 0;
+    for (const CellAnswer& answer : certified_answers(cell, 40)) {
+      const CellMotion timed = require(motions.time(answer, limits));
+      ++(timed.is_of_box ? of_box : own);
+      for (const Trajectory::Point& point : require(timed.motion.sample(0.004))) {
+        REQUIRE(checker.is_valid(point.position));
+      }
+    }
+    CHECK(of_box > 0);
+    CHECK(own > 0);
+  }
+
+  TEST_CASE("motions of boxes are not much slower than those of their paths") {
+    const TemporaryDirectory directory;
+    const CellRegion region = around_post(directory, 0.24, "[0.8, -0.3, 0, -1.8");
+    const Cell cell = require(build_cell(region, {.seconds = 1000, .boxes = 60, .margin = 0.02}));
+    const CellMotions motions(cell);
+    const RateLimits limits = limits_of(region.problem.robot, 3, 40);
+    double of_boxes = 0, of_paths = 0;
+    for (CellAnswer answer : certified_answers(cell, 40)) {
+      const CellMotion timed = require(motions.time(answer, limits));
+      CHECK(timed.is_of_box);
+      of_boxes += timed.motion.duration_s();
+      answer.tier = CellTier::verified;
+      of_paths += require(motions.time(answer, limits)).motion.duration_s();
+    }
+    REQUIRE(of_paths > 0);
+    CHECK(of_boxes < 1.6 * of_paths);
+  }
+
   TEST_CASE("answers without a proven box have the motion of their path") {
     const TemporaryDirectory directory;
     const CellRegion region = require_region(directory, region_text());
@@ -168,6 +232,13 @@ TEST_SUITE("flow") {
     other.box = static_cast<int>(cell.box_count());
     CHECK(require_error(motions.time(other, limits)).code == ErrorCode::invalid);
     CHECK(require_error(motions.time({}, limits)).code == ErrorCode::invalid);
+    const Cell another = require_cell(
+        require_region(directory, region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", 0.4)), 20);
+    another.look_up({}, other);
+    REQUIRE(other.tier == CellTier::certified);
+    CHECK(contains(require_error(motions.time(other, limits)).message, "of another cell"));
+    other.tier = CellTier::verified;
+    CHECK(require_error(motions.time(other, limits)).code == ErrorCode::invalid);
     limits.velocity.front() = -1;
     CHECK(require_error(motions.time(answer, limits)).code == ErrorCode::invalid);
   }
