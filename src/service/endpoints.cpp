@@ -182,10 +182,17 @@ std::optional<Endpoints::Outcome> Endpoints::ask_cells(const PlanRequest& reques
   return std::nullopt;
 }
 
+void Endpoints::note_near_starts(const Problem& problem, SolveResult& result) const {
+  for (const auto& cell : settings_.cells) {
+    if (auto note = describe_near_start(*cell, problem)) result.notes.push_back(*std::move(note));
+  }
+}
+
 Result<Endpoints::Outcome> Endpoints::solve_remembering(const PlanRequest& request) {
   if (auto answered = ask_cells(request)) return *std::move(answered);
   const Stopwatch stopwatch;
   Result<SolveResult> result = solve(request.problem, database_.get(), request.settings);
+  if (result) note_near_starts(request.problem, *result);
   if (result) return Outcome{*std::move(result), ""};
   const Error error = result.error();
   if (database_ == nullptr || is_of_client(error.code)) return tl::unexpected(error);

@@ -102,6 +102,8 @@ class Endpoints {
   [[nodiscard]] RequestContext context() const;
   /// Returns the answer of a cell, if the request is a task of one.
   [[nodiscard]] std::optional<Outcome> ask_cells(const PlanRequest& request);
+  /// Adds a note for each cell one of whose starts the problem's start is near, but not the same.
+  void note_near_starts(const Problem& problem, SolveResult& result) const;
   [[nodiscard]] Result<Outcome> solve_remembering(const PlanRequest& request);
   /// Plans without memory, and says why, if the database does not answer.
   [[nodiscard]] Result<TaskResult> solve_remembering(const TaskRequest& request);

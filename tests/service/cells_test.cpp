@@ -45,6 +45,11 @@ TEST_SUITE("flow") {
     Json other = body;
     other["start"][0] = 0.1;
     CHECK_FALSE(post(client, "/v1/plan", other).body.contains("cell"));
+    // A start that is hardly another is planned, too, and a note says so.
+    other["start"][0] = 1e-9;
+    const Reply hardly = post(client, "/v1/plan", other);
+    CHECK_FALSE(hardly.body.contains("cell"));
+    CHECK(contains(hardly.body["notes"].dump(), "from start 'start' of the cell"));
     other = body;
     other["obstacles"] = {{{"name", "box"},
                            {"type", "box"},
