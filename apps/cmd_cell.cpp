@@ -8,6 +8,7 @@
 #include "mneme/instances.h"
 #include "mneme/report.h"
 
+#include "cell_build.h"
 #include "cell_page.h"
 #include "commands.h"
 #include "console.h"
@@ -27,6 +28,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace mneme::app {
@@ -56,114 +58,6 @@ void add_cell_argument(CLI::App& command, CellFile& file) {
   command.add_option("CELL", file.path, "file of 'mneme cell build'")->required();
   command.add_option("--region", file.region,
                      "region file (default: the one that the cell was built from)");
-}
-
-Json coverage_json(const CellCoverage& coverage) {
-  Json gaps = Json::object();
-  for (int i = 0; i < kCellGaps; ++i) {
-    gaps[std::string(to_string(static_cast<CellGap>(i)))] =
-        coverage.gaps[static_cast<std::size_t>(i)];
-  }
-  return {{"proven", coverage.proven}, {"unproven", gaps}, {"samples", coverage.samples}};
-}
-
-void print_coverage(const CellCoverage& coverage) {
-  fmt::print("{:>8.2f} %  proven for the modelled scene\n", 100 * coverage.proven);
-  for (int i = 0; i < kCellGaps; ++i) {
-    const double share = coverage.gaps[static_cast<std::size_t>(i)];
-    if (share == 0) continue;
-    fmt::print("{:>8.2f} %  not proven: {}\n", 100 * share, to_string(static_cast<CellGap>(i)));
-  }
-}
-
-struct CellBuildOptions {
-  std::string region;
-  std::string output;
-  CellSettings settings;
-  bool is_resumed = false;
-  bool is_json = false;
-};
-
-void print_built(const Cell& cell, const std::string& output) {
-  fmt::print("{}: {}, {} planned for them\n", output, counted(cell.box_count(), "box", "boxes"),
-             counted(cell.path_count(), "path", "paths"));
-  for (std::size_t i = 0; i < cell.region().starts.size(); ++i) {
-    const CellCoverage coverage = cell.coverage(i);
-    fmt::print("from {}, by {} samples of the region:\n", cell.region().starts[i].name,
-               coverage.samples);
-    print_coverage(coverage);
-  }
-}
-
-Json describe_cell(const Cell& cell) {
-  Json starts = Json::array();
-  for (std::size_t i = 0; i < cell.region().starts.size(); ++i) {
-    Json start = coverage_json(cell.coverage(i));
-    start["start"] = cell.region().starts[i].name;
-    starts.push_back(std::move(start));
-  }
-  Json steps = Json::array();
-  for (const CellProgress& step : cell.progress()) {
-    steps.push_back({{"time_s", step.time_s}, {"boxes", step.boxes}, {"proven", step.proven}});
-  }
-  return {{"boxes", cell.box_count()},  {"proven_boxes", cell.proven_count()},
-          {"paths", cell.path_count()}, {"margin", cell.margin()},
-          {"starts", starts},           {"progress", steps}};
-}
-
-/// Builds a cell, or continues the one in the output file.
-Result<Cell> build_or_resume(const CellRegion& region, const CellBuildOptions& options,
-                             const std::function<void(const CellProgress&)>& on_progress) {
-  CellSettings settings = options.settings;
-  settings.cancel = interrupt_flag();
-  if (!options.is_resumed || !std::filesystem::exists(options.output)) {
-    return build_cell(region, settings, on_progress);
-  }
-  Cell cell = MNEME_TRY(load_cell(options.output, options.region));
-  MNEME_TRY(cell.extend(settings, on_progress));
-  return cell;
-}
-
-Result<ExitCode> run_cell_build(const CellBuildOptions& options) {
-  ProblemOptions reading;
-  reading.on_approximated = show_sphere_progress();
-  const CellRegion region = MNEME_TRY(load_region(options.region, reading));
-  std::vector<ReadFile> inputs = {{"the region", options.region}};
-  add_files("a file of the problem", region.problem.files, inputs);
-  MNEME_TRY(check_outputs(std::array{options.output}, inputs));
-  for (const std::string& warning : region.problem.warnings) print_warning(warning);
-  if (!options.is_resumed) {
-    if (const auto fault = MNEME_TRY(find_invalid_start(region, options.settings.margin))) {
-      print_error(*fault);
-      return ExitCode::invalid_ends;
-    }
-  }
-  Progress bar("proving");
-  const Cell cell = MNEME_TRY(build_or_resume(region, options, [&](const CellProgress& progress) {
-    bar.update(static_cast<std::int64_t>(1000 * progress.decided), 1000,
-               fmt::format("{} boxes", progress.boxes));
-  }));
-  MNEME_TRY(cell.save(options.output));
-  if (options.is_json) {
-    print_json(describe_cell(cell));
-  } else {
-    print_built(cell, options.output);
-  }
-  return ExitCode::done;
-}
-
-void add_cell_build(CLI::App& group, Action& action) {
-  const auto options = std::make_shared<CellBuildOptions>();
-  CLI::App& command = add_command(
-      group, action, "build", "Prove the motions of a region beforehand",
-      "cell build region.yaml -o shelf.cell --seconds 60 --threads 2", options, run_cell_build);
-  command.add_option("REGION", options->region, "problem file with the key 'region'")->required();
-  command.add_option("-o,--output", options->output, "file to write")->required();
-  add_settings(command, options->settings);
-  command.add_flag("--resume", options->is_resumed,
-                   "continue the cell in the output file, if there is one, with its margin");
-  add_isa(command);
-  add_json(command, options->is_json);
 }
 
 struct CellQueryOptions {
@@ -219,6 +113,13 @@ Result<std::optional<CellMotion>> time_answer(const CellQueryOptions& options, c
   return timed;
 }
 
+std::string_view describe_motion(const CellAnswer& answer, const CellMotion& timed) {
+  if (timed.is_of_box) return "as of all tasks of the box";
+  return answer.tier == CellTier::certified
+             ? "of this path; cut corners keep the margin from obstacles, not between links"
+             : "of this path, free of contact without the margin";
+}
+
 void print_answer(const CellAnswer& answer, const std::optional<CellMotion>& timed, bool is_json) {
   if (is_json) {
     Json json = {{"tier", to_string(answer.tier)},
@@ -236,8 +137,7 @@ void print_answer(const CellAnswer& answer, const std::optional<CellMotion>& tim
              answer.box < 0 ? "" : fmt::format(": box {}", answer.box));
   for (const Configuration& q : answer.path) fmt::print("{:.6f}\n", fmt::join(q, ","));
   if (!timed) return;
-  fmt::print("motion: {:.3f} s, {}\n", timed->motion.duration_s(),
-             timed->is_of_box ? "as of all tasks of the box" : "of this path");
+  fmt::print("motion: {:.3f} s, {}\n", timed->motion.duration_s(), describe_motion(answer, *timed));
 }
 
 Result<ExitCode> run_cell_query(const CellQueryOptions& options) {
@@ -297,8 +197,8 @@ Result<ExitCode> run_cell_verify(const CellVerifyOptions& options) {
   } else {
     fmt::print("{} of {} proven in {:.2f} s\n", result.proven,
                counted(result.checked, "box", "boxes"), result.time_s);
-    fmt::print("{} in contact of {} checked by exact distances\n", result.in_contact,
-               counted(result.paths, "path", "paths"));
+    fmt::print("{} in contact of {} of proven boxes, checked by exact distances\n",
+               result.in_contact, counted(result.paths, "path", "paths"));
   }
   if (result.in_contact > 0) {
     print_error("a path of a proven box is in contact: please report this");

@@ -102,9 +102,31 @@ TEST_SUITE("flow") {
     const ProgramRun damaged = run_program({"cell", "show", cell});
     CHECK(damaged.exit_code == 5);
     CHECK(contains(damaged.err, "mneme cell, version 2"));
+    const ProgramRun replaced = run_program({"cell", "build", region, "-o", cell, "--boxes", "1"});
+    CHECK(replaced.exit_code == 1);
+    CHECK(contains(replaced.err, "the output exists and is no cell"));
+    CHECK(read_file(cell) == "no cell");
     const ProgramRun itself = run_program({"cell", "build", region, "-o", region});
     CHECK(itself.exit_code != 0);
     CHECK(contains(itself.err, "region"));
+  }
+
+  TEST_CASE("a region out of reach is said to be, and a task without an answer") {
+    const TemporaryDirectory directory;
+    std::string text = kRegion;
+    const std::string near = "position: [0.5, 0, 0.35], quat";
+    text.replace(text.find(near), near.size(), "position: [2.5, 0, 0.35], quat");
+    write_file(directory / "region.yaml", text);
+    const std::string cell = directory / "a.cell";
+    const ProgramRun built =
+        run_program({"cell", "build", directory / "region.yaml", "-o", cell, "--boxes", "20"});
+    CHECK(built.exit_code == 3);
+    CHECK(
+        contains(built.err, "configuration of link panda_hand in the region; it is out of reach"));
+    const ProgramRun asked =
+        run_program({"cell", "query", cell, "--at", "0,0,0,0", "--timeout", "0"});
+    CHECK(asked.exit_code == 3);
+    CHECK(contains(asked.err, "no proven box and no path of a near box leads to the task"));
   }
 
   TEST_CASE("regions are made around goals, and can be built") {
