@@ -71,7 +71,14 @@ py::dict to_dict(const CellCoverage& coverage) {
   return result;
 }
 
+py::dict coverage_of(const Cell& cell, const std::string& start, int samples) {
+  if (samples < 1) raise_invalid(fmt::format("samples: expected at least 1, got {}", samples));
+  return to_dict(cell.coverage(start_of(cell.region(), start), samples));
+}
+
 py::dict verify(Cell& cell, int samples, std::uint64_t seed, int threads) {
+  if (samples < 0) raise_invalid(fmt::format("samples: expected 0 or more, got {}", samples));
+  if (threads < 1) raise_invalid(fmt::format("threads: expected at least 1, got {}", threads));
   const CellVerification done =
       run_interruptible([&] { return cell.verify(samples, seed, threads); });
   py::dict result;
@@ -96,12 +103,14 @@ TimedPlan time_answer(const BoundMotions& self, const CellAnswer& answer, const 
   const TrajectorySettings timing =
       read_trajectory_settings("CellMotions.trajectory", dt, arguments);
   const RateLimits rates = find_limits(self.robot, timing, limits);
+  bool is_of_box = false;
   auto points = run_interruptible([&] {
     return self.motions.time(answer, rates, timing).and_then([&](const CellMotion& timed) {
+      is_of_box = timed.is_of_box;
       return timed.motion.sample(timing.dt);
     });
   });
-  return {self.robot, unwrap(std::move(points))};
+  return {self.robot, unwrap(std::move(points)), {}, is_of_box};
 }
 
 void bind_motions(py::module_& module) {
@@ -113,7 +122,8 @@ void bind_motions(py::module_& module) {
           py::arg("limits") = py::none(),
           ("Returns the motion of an answer, sampled every dt seconds, as Plan.trajectory() does.\n"
            "A box is timed with its first certified answer; later ones bend its motion, and all\n"
-           "take equally long. Keeps boxes for the last four limits.\n\n" +
+           "take equally long. is_of_box is False where the answer's own path was timed. Keeps\n"
+           "boxes for the last four limits.\n\n" +
            describe_keywords<TrajectorySettings>())
               .c_str());
 }
@@ -169,13 +179,8 @@ void bind_cell(py::module_& module) {
           py::arg("task"), py::arg("start") = "start", py::arg("timeout") = 1.0,
           "Returns the path of a task: offsets x, y, z, yaw from the region's middle. Bends near\n"
           "paths where nothing is proven, then plans for at most `timeout` seconds.")
-      .def(
-          "coverage",
-          [](const Cell& self, const std::string& start, int samples) {
-            return to_dict(self.coverage(start_of(self.region(), start), samples));
-          },
-          py::arg("start") = "start", py::arg("samples") = 10000,
-          "Returns shares of the region, by samples: what is proven, and why the rest is not.")
+      .def("coverage", &coverage_of, py::arg("start") = "start", py::arg("samples") = 10000,
+           "Returns shares of the region, by samples: what is proven, and why the rest is not.")
       .def("verify", &verify, py::arg("samples") = 1000, py::arg("seed") = 1,
            py::arg("threads") = 1,
            "Proves all boxes again, and checks `samples` paths by exact distances.")

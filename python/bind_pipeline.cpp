@@ -309,6 +309,10 @@ void bind_trajectory(py::module_& module) {
           "Shape (n, joint_count), per second squared; from each time on.")
       .def_property_readonly("stages", &begins_of,
                              "Of a task: a dict per stage, name and begin_s. Otherwise empty.")
+      .def_property_readonly(
+          "is_of_box", [](const TimedPlan& self) { return self.is_of_box; },
+          "From CellMotions: True for the box's motion, bent; False where the answer's own path\n"
+          "was timed. None for other motions.")
       .def(
           "to_csv",
           [](const TimedPlan& self) { return to_csv(self.robot, self.points, self.stages); },

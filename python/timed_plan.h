@@ -9,6 +9,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,8 @@ namespace mneme::python {
 struct TimedPlan {
   Robot robot;
   std::vector<Trajectory::Point> points;
-  std::vector<StageBegin> stages = {};  ///< of a task
+  std::vector<StageBegin> stages = {};           ///< of a task
+  std::optional<bool> is_of_box = std::nullopt;  ///< of a cell's answer: CellMotion::is_of_box
 };
 
 /// Reads `dt`, unless it is None, and the other arguments of a method that times a motion into

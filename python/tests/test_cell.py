@@ -44,12 +44,21 @@ def test_certified_answers_of_a_box_take_equally_long(region):
     assert answers[0].tier == "certified" and answers[0].box == answers[1].box
     timed = [motions.trajectory(answer, 0.01, jerk_limit=500) for answer in answers]
     assert timed[0].duration == timed[1].duration
+    assert timed[0].is_of_box is True
     for answer, motion in zip(answers, timed):
         assert np.allclose(motion.positions[[0, -1]], answer.path[[0, -1]], atol=1e-6)
     with pytest.raises(mneme.Error, match="the answer has no path"):
         motions.trajectory(cell.ask([1, 0, 0, 0]))
     with pytest.raises(TypeError):
         motions.trajectory(answers[0], colour="red")
+
+
+def test_answers_of_another_cell_have_no_motion(region, tmp_path):
+    (tmp_path / "other.yaml").write_text(REGION.replace("y: 0.04", "y: 0.05"))
+    paths = region, str(tmp_path / "other.yaml")
+    cell, other = (mneme.Cell.build(path, boxes=20, seconds=1000) for path in paths)
+    with pytest.raises(mneme.Error, match="of another cell"):
+        mneme.CellMotions(cell).trajectory(other.ask([0.01, -0.02, 0, 0]))
 
 
 def test_wrong_words_of_a_cell_raise(region, tmp_path):
@@ -61,6 +70,10 @@ def test_wrong_words_of_a_cell_raise(region, tmp_path):
         cell.ask([0, 0, float("nan"), 0])
     with pytest.raises(mneme.Error, match="timeout: expected seconds, 0 or more, got nan"):
         cell.ask([0, 0, 0, 0], timeout=float("nan"))
+    with pytest.raises(mneme.Error, match="samples: expected at least 1, got -1"):
+        cell.coverage(samples=-1)
+    with pytest.raises(mneme.Error, match="samples: expected 0 or more, got -1"):
+        cell.verify(samples=-1)
     with pytest.raises(TypeError):
         mneme.Cell.build(region, colour="red")
     (tmp_path / "b.cell").write_text("no cell")
