@@ -108,12 +108,16 @@ CellAnswer extreme_answer(const Cell& cell, const CellTask& task, const CellTask
   return extreme;
 }
 
-/// A region that paths reach around a high post. `start` are the first joints.
-CellRegion around_post(const TemporaryDirectory& directory, double post, const std::string& start) {
-  std::string text = region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", post);
-  const std::string usual = "[0, -0.785, 0, -2.356", size = "size: [0.04, 0.04, 0.4]";
-  text.replace(text.find(usual), usual.size(), start);
-  text.replace(text.find(size), size.size(), "size: [0.04, 0.04, 1]");
+/// A region that paths reach around a post at x and y. `start` are the first joints.
+CellRegion around_post(const TemporaryDirectory& directory, double x, double y, double height,
+                       const std::string& start) {
+  std::string text = region_text("{x: 0.1, y: 0.08, yaw: 0.3}", "", y);
+  const auto replace = [&](const std::string& usual, const std::string& other) {
+    text.replace(text.find(usual), usual.size(), other);
+  };
+  replace("[0, -0.785, 0, -2.356", start);
+  replace("size: [0.04, 0.04, 0.4]", fmt::format("size: [0.04, 0.04, {}]", height));
+  replace(fmt::format("position: [0.5, {}", y), fmt::format("position: [{}, {}", x, y));
   return require_region(directory, text);
 }
 
@@ -172,7 +176,7 @@ TEST_SUITE("flow") {
 
   TEST_CASE("motions of certified answers keep the margin from obstacles, bent or not") {
     const TemporaryDirectory directory;
-    const CellRegion region = around_post(directory, 0.26, "[0.9, 0.2, 0, -1.8");
+    const CellRegion region = around_post(directory, 0.46, 0.29, 0.6, "[1.4, 0.1, 0, -1.8");
     constexpr double kMargin = 0.03;
     const Cell cell =
         require(build_cell(region, {.seconds = 1000, .boxes = 60, .margin = kMargin}));
@@ -196,7 +200,7 @@ TEST_SUITE("flow") {
 
   TEST_CASE("motions of boxes are not much slower than those of their paths") {
     const TemporaryDirectory directory;
-    const CellRegion region = around_post(directory, 0.24, "[0.8, -0.3, 0, -1.8");
+    const CellRegion region = around_post(directory, 0.5, 0.24, 1, "[0.8, -0.3, 0, -1.8");
     const Cell cell = require(build_cell(region, {.seconds = 1000, .boxes = 60, .margin = 0.02}));
     const CellMotions motions(cell);
     const RateLimits limits = limits_of(region.problem.robot, 3, 40);
