@@ -26,9 +26,8 @@ class CellMotions {
   /// Returns a motion to the goal of an answer of this cell, proven free, within `limits`, which
   /// are scaled already. Uses the path tolerance and time rounds of `settings`.
   /// - The first certified answer of a box times the box: tens of milliseconds. Later ones bend
-  /// this
-  ///   motion to their task: some tens of microseconds. All take equally long and keep the cell's
-  ///   margin. Keeps boxes for the last four limits.
+  ///   this motion to their task: some tens of microseconds. All take equally long and keep the
+  ///   cell's margin. Keeps boxes for the last four limits.
   /// - Boxes whose motions are not proven, and tasks whose motion may leave the joint limits: as
   ///   parameterize() times the answer's path. Corners are cut only where the motion keeps the
   ///   cell's margin from obstacles; between links cut corners are free of contact.

@@ -452,8 +452,7 @@ std::optional<std::string> describe_near_start(const Cell& cell, const Problem& 
     if (!(most <= kNearStart) || !cell.is_of(problem)) continue;
     return fmt::format(
         "the start is {:.2g} from start '{}' of the cell of {}: a cell answers its own starts "
-        "only; "
-        "send that start",
+        "only; send that start",
         most, start.name, cell.region().path);
   }
   return std::nullopt;
