@@ -35,8 +35,6 @@ TEST_SUITE("flow") {
             "expected no frame beside scene");
     refused({{"start", {0}}, {"goal", {0}}, {"scene", "../x"}}, "there is no scene");
     refused(with("gaol", 1), "did you mean 'goal'?");
-    refused(with("stages", nlohmann::json::array()),
-            "tasks of several stages are for POST /v1/tasks");
     refused(with("goal", {0}), "expected either goal or goals");
     refused(with("frame", "moon"), "expected a link of robot planar8");
     refused(with("settings", {{"lamda", 1}}), "did you mean 'lambda'?");

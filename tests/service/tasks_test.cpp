@@ -85,6 +85,9 @@ TEST_SUITE("flow") {
       const std::string message = reply.body["error"]["message"];
       CHECK_MESSAGE(contains(message, expected), message);
     };
+    const Reply elsewhere = post(client, "/v1/plan", task_question());
+    const std::string told = elsewhere.body["error"]["message"];
+    CHECK_MESSAGE(contains(told, "stages are for POST /v1/tasks"), told);
     Json wrong = task_question();
     wrong["stages"][2] = {{"attach", "cop"}};
     refused(wrong, "expected an obstacle of the scene to attach, got 'cop'; did you mean 'cup'");
