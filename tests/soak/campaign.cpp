@@ -21,9 +21,34 @@ namespace {
 constexpr std::array<std::string_view, 4> kSamplers = {"gl", "uniform", "halton", "pooled"};
 constexpr double kRefusalClearance = 1e-4;
 constexpr double kLimitTolerance = 1e-9;
+/// Planners with each sampler.
+constexpr int kWays = 12;
+
+/// Lets the last link keep a direction in a cone that start and goal are in. Without effect where
+/// they are nearly opposite, or no joint turns the link.
+void add_cone(Problem& problem) {
+  constexpr double kRoom = 0.2, kOpposite = 0.1;
+  const Robot& robot = problem.robot;
+  const auto last = static_cast<std::size_t>(robot.group_joint(robot.joint_count() - 1).child_link);
+  const auto up_at = [&](const Configuration& q) -> Vec3 {
+    return robot.link_poses(q)[last].rotation.col(2);
+  };
+  const Vec3 sum = up_at(problem.start) + up_at(problem.goals[0]);
+  if (sum.norm() < kOpposite) return;
+  OrientationConstraint cone{.link = robot.links()[last].name, .up = sum.normalized()};
+  cone.angle = tilt(robot, cone, problem.start) + kRoom;
+  if (!describe_fault(robot, cone)) problem.constraints.push_back(cone);
+}
 
 /// Returns a flaw of the path other than contact.
 std::optional<std::string> flaw_of(const Problem& problem, const Path& path) {
+  constexpr double kResolution = 0.002, kTiltTolerance = 1e-6;
+  for (const OrientationConstraint& cone : problem.constraints) {
+    const double most = largest_tilt(problem.robot, cone, path, kResolution);
+    if (most > cone.angle + kTiltTolerance) {
+      return fmt::format("{} tilts by {:.6f} rad, allowed are {:.6f}", cone.link, most, cone.angle);
+    }
+  }
   if (path.size() < 2) return "fewer than two waypoints";
   if (path.front() != problem.start) return "another start";
   // Continuous joints are unwrapped.
@@ -78,6 +103,8 @@ class Campaign {
     Problem problem = random_problem(robot_, settings_.margin, rng);
     if (settings_.near > 0) bring_ends_close(problem, settings_.near, rng);
     const SolveSettings settings = settings_of(plan, settings_, robot_);
+    const bool has_cone = !robot_.is_planar() && settings.planner != "prm" && plan / kWays % 3 == 0;
+    if (has_cone) add_cone(problem);
     auto solved = solve(problem, &memory_.database(plan), settings);
     if (!solved) return tl::unexpected(solved.error());
     Tally& tally = result_.tallies[fmt::format("{:8} {:12} {}", robot_.name(), settings.planner,
