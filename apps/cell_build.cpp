@@ -52,8 +52,8 @@ void print_coverage(const CellCoverage& coverage) {
 
 }  // namespace
 
-void print_built(const Cell& cell, const std::string& output) {
-  fmt::print("{}: {}, {} planned for them\n", output, counted(cell.box_count(), "box", "boxes"),
+void print_built(const Cell& cell, const std::string& path) {
+  fmt::print("{}: {}, {} planned for them\n", path, counted(cell.box_count(), "box", "boxes"),
              counted(cell.path_count(), "path", "paths"));
   for (std::size_t i = 0; i < cell.region().starts.size(); ++i) {
     const CellCoverage coverage = cell.coverage(i);
