@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bent_path/bent_path.h"
-#include "support/support.h"
+#include "support/turning_panda.h"
 
 #include <doctest/doctest.h>
 
@@ -13,12 +13,7 @@ namespace {
 
 /// The Panda's chain, whose last joint turns without limits.
 internal::LinkChain make_chain(const TemporaryDirectory& directory) {
-  std::string urdf = read_file(source_file("robots/panda.urdf"));
-  const std::string last = "panda_joint7\" type=\"revolute";
-  REQUIRE(contains(urdf, last));
-  urdf.replace(urdf.find(last), last.size(), "panda_joint7\" type=\"continuous");
-  write_file(directory / "panda.urdf", urdf);
-  write_file(directory / "panda.srdf", read_file(source_file("robots/panda.srdf")));
+  write_turning_panda(directory);
   const Robot robot = require(load_robot(directory / "panda.urdf"));
   return require(internal::LinkChain::make(robot, "panda_hand"));
 }

@@ -5,6 +5,7 @@
 #include "cell/cell_data.h"
 #include "cell/cells.h"
 #include "cell/split_tree.h"
+#include "support/turning_panda.h"
 
 #include <doctest/doctest.h>
 
@@ -315,12 +316,7 @@ TEST_SUITE("flow") {
 
   TEST_CASE("continuous joints take the turn that is nearest to the start") {
     const TemporaryDirectory directory;
-    std::string urdf = read_file(source_file("robots/panda.urdf"));
-    const std::string last = "panda_joint7\" type=\"revolute";
-    REQUIRE(contains(urdf, last));
-    urdf.replace(urdf.find(last), last.size(), "panda_joint7\" type=\"continuous");
-    write_file(directory / "panda.urdf", urdf);
-    write_file(directory / "panda.srdf", read_file(source_file("robots/panda.srdf")));
+    write_turning_panda(directory);
     // The last joint starts near pi, where planners wrap it.
     std::string text = region_text("{x: 0.02, y: 0.02, yaw: 3.1}", "", 5);
     const std::string robot = "robot: panda", turn = "1.571, 0.785]";
