@@ -115,7 +115,7 @@ struct BenchPlan {
   /// (warm): all runs of a problem follow each other, and their paths are checked afterwards.
   bool is_cold = false;
   /// Reverse the order of cases with every second seed, because the first case of a problem has
-  /// cold caches.
+  /// cold caches; if runs are warm, every second problem begins with the reversed order.
   bool alternates = true;
   /// Skip a case on a problem once this many runs were all unsolved; 0: never. Deterministic with
   /// one job.

@@ -50,11 +50,11 @@ struct PretendedBench {
 PlanStatus solve_all(const BenchCase&) { return PlanStatus::solved; }
 
 TEST_SUITE("unit") {
-  TEST_CASE("Runs of a problem follow each other, every other seed in reverse") {
+  TEST_CASE("Runs of a problem follow each other, every other seed and problem in reverse") {
     PretendedBench bench(solve_all);
     bench.plan.seed_count = 2;
     CHECK(bench.run().value());
-    CHECK(bench.order() == "Ao1 At1 At2 Ao2 Bo1 Bt1 Bt2 Bo2 ");
+    CHECK(bench.order() == "Ao1 At1 At2 Ao2 Bt1 Bo1 Bo2 Bt2 ");
     CHECK(describe_timing(bench.rows) == "warm");
   }
 
