@@ -159,11 +159,16 @@ def factor(value):
     return f"{value:.0f}" if value >= 1000 else f"{value:.3g}"
 
 
-def ratio_cell(ratio):
-    if ratio["is_at_least"] and ratio["is_at_most"]:
+def bounded(text, is_at_least, is_at_most):
+    """A ratio, marked where failures, which stand at their limit, make it a bound."""
+    if is_at_least and is_at_most:
         return "open"
-    mark = "≥ " if ratio["is_at_least"] else "≤ " if ratio["is_at_most"] else ""
-    return f"{mark}{factor(ratio['value'])} ({factor(ratio['low'])} to {factor(ratio['high'])})"
+    return ("≥ " if is_at_least else "≤ " if is_at_most else "") + text
+
+
+def ratio_cell(ratio):
+    text = f"{factor(ratio['value'])} ({factor(ratio['low'])} to {factor(ratio['high'])})"
+    return bounded(text, ratio["is_at_least"], ratio["is_at_most"])
 
 
 def parse(words):
@@ -258,8 +263,12 @@ def times_of(rows, time):
     return times
 
 
+def rank(count, column):
+    return max(0, math.ceil(PERCENT[column] * count / 100) - 1)
+
+
 def percentile(values, column):
-    return sorted(values)[max(0, math.ceil(PERCENT[column] * len(values) / 100) - 1)]
+    return sorted(values)[rank(len(values), column)]
 
 
 def resampled(ratio, units):
@@ -275,6 +284,15 @@ def gain_cell(column, runs, base):
         pairs = [(this[0], that[0]) for task, these in runs.items() for this, that in zip(these, base[task])]
         return f"{sum(this > that for this, that in pairs)} of {len(pairs)}"
 
+    sides = [[run for task in runs for run in of[task]] for of in (base, runs)]
+    if column == "p50_gain":
+        failed = [not sorted(side)[rank(len(side), "p50")][1] for side in sides]
+    else:
+        failed = [not all(is_solved for _, is_solved in side) for side in sides]
+    return bounded(gain(column, runs, base), *failed)
+
+
+def gain(column, runs, base):
     if column == "p50_gain":
         tasks = [([time for time, _ in base[task]], [time for time, _ in these]) for task, these in runs.items()]
         return resampled(lambda drawn: percentile(sum((that for that, _ in drawn), []), "p50") /
@@ -322,13 +340,13 @@ def difficulty_lines(results, names, options, where):
 
 
 def paired(runs, base):
-    """Times of the runs that both have, by task; by problem, or by run, where there are fewer than five tasks."""
+    """Times, and whether there is a path, of the runs that both have, by task; by problem, or by run, where there are fewer than five tasks."""
     both = sorted(runs.keys() & base.keys())
     for unit in (lambda run: (*run[:2], task_of(run[2])), lambda run: run[:3], lambda run: run):
         by_unit = [{}, {}]
         for run in both:
             for side, times in zip(by_unit, (runs, base)):
-                side.setdefault(unit(run), []).append((times[run], True))
+                side.setdefault(unit(run), []).append(times[run])
         if len(by_unit[0]) >= LEAST_UNITS:
             break
     return by_unit
@@ -344,11 +362,12 @@ def used_lines(results, names, options, where):
         run = (name, row["set"], row["problem"], row["seed"], row["planner"], row["sampler"], row["setting"])
         seen[run] = seen.get(run, 0) + 1  # problems of several files of a set may have one name
         run = (*run[:2], f"{run[2]} {seen[run]}" if seen[run] > 1 else run[2], run[3])
+        timed = (float(row[f"{time}_time_s"]), row["is_valid"] == "1")
         if baseline in (setting, row["sampler"]):
-            base[run] = float(row[f"{time}_time_s"])
+            base[run] = timed
         else:
             group = row["set"] if "by" in options else "queried" if USED["retrieved"](row) else "not queried"
-            others.setdefault((setting, group), {})[run] = float(row[f"{time}_time_s"])
+            others.setdefault((setting, group), {})[run] = timed
     if not base:
         raise Mistake(f"baseline={baseline}: expected a setting or a sampler of the rows")
     lines = []

@@ -92,6 +92,18 @@ def test_gains_have_intervals_over_tasks_and_count_slower_pairs(source):
     assert line == "| 1 to 10 ms | asked | 3 | 3 (0.5 to 4) | 1.12 (0.5 to 4) | 1 of 3 |"
 
 
+def test_gains_that_contain_failures_are_bounds(source):
+    rows = ["set,problem,setting,planning_time_s,is_valid"]
+    for task in range(5):
+        rows += [f"a,t{task}_1,planned,0.004,{int(task != 0)}", f"a,t{task}_1,asked,0.002,1",
+                 f"a,t{task}_1,replayed,0.002,{int(task < 2)}"]
+    with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
+        packed.write("\n".join(rows) + "\n")
+    lines = written(source, "difficulty mbm show=p50_gain,mean_gain,geometric_gain baseline=planned")
+    assert lines[3] == "| 1 to 10 ms | asked | 2 (2 to 2) | ≥ 2 (2 to 2) | ≥ 2 (2 to 2) |"
+    assert lines[4].startswith("| 1 to 10 ms | replayed | ≤ 2 (2 to 2) | open | open |")
+
+
 def test_rows_count_the_runs_that_used_memory(source):
     rows = ["set,planner,sampler,setting,status,retrieval_time_s,replayed,total_time_s",
             'cage,rrt_connect,gl,"a b",solved,0.001,0,0.003', 'cage,rrt_connect,gl,"a b",solved,0,7,0.001',
@@ -105,10 +117,10 @@ def test_rows_count_the_runs_that_used_memory(source):
 
 
 def test_gains_of_used_memory_stand_beside_runs_that_did_not_query_it(source):
-    rows = ["set,problem,seed,planner,sampler,setting,status,planning_time_s,retrieval_time_s,replayed"]
+    rows = ["set,problem,seed,planner,sampler,setting,status,planning_time_s,retrieval_time_s,replayed,is_valid"]
     for seed in range(1, 13):
-        rows += [f"a,p,{seed},rrt_connect,uniform,planned,solved,0.004,0,0",
-                 f'a,p,{seed},rrt_connect,gl,"asked, arm",solved,{0.002 if seed > 2 else 0.005},{0.001 if seed > 2 else 0},0']
+        rows += [f"a,p,{seed},rrt_connect,uniform,planned,solved,0.004,0,0,1",
+                 f'a,p,{seed},rrt_connect,gl,"asked, arm",solved,{0.002 if seed > 2 else 0.005},{0.001 if seed > 2 else 0},0,1']
     with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
         packed.write("\n".join(rows) + "\n")
     lines = written(source, "used mbm show=pairs,p50_gain,geometric_gain,slower baseline=planned")
