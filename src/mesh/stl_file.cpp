@@ -64,7 +64,7 @@ void check_rest(std::string_view rest, std::size_t stated, const SurfaceBuilder&
 void read_binary_facets(std::string_view bytes, SurfaceBuilder& surface) {
   const auto stated =
       static_cast<std::size_t>(read_binary(bytes.data() + kTitleBytes, {'U', 4}, false));
-  if (bytes.size() < kHeaderBytes + kFacetBytes * stated) {
+  if ((bytes.size() - kHeaderBytes) / kFacetBytes < stated) {
     throw_failure(ErrorCode::parse, "{}: ends before the {} triangles that it announces",
                   surface.source(), stated);
   }

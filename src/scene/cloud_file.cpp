@@ -171,11 +171,12 @@ CloudHeader read_pcd_header(LineReader& text) {
   };
   const bool has_width = entries.contains("WIDTH");
   header.count = count_of(has_width ? "WIDTH" : "POINTS");
-  if (has_width && entries.contains("HEIGHT")) header.count *= count_of("HEIGHT");
-  if (header.count > kMaxCloudPoints) {
+  const std::uint64_t rows = has_width && entries.contains("HEIGHT") ? count_of("HEIGHT") : 1;
+  if (header.count * rows > kMaxCloudPoints) {
     text.fail(ErrorCode::unsupported, "expected at most {} points, got {}", kMaxCloudPoints,
-              header.count);
+              header.count * rows);
   }
+  header.count *= rows;
   if (entries.contains("POINTS") && count_of("POINTS") != header.count) {
     text.fail(ErrorCode::parse, "expected WIDTH times HEIGHT POINTS");
   }

@@ -47,9 +47,9 @@ struct OctreeFormat {
   double resolution = 0;    ///< metres, the edge of the smallest leaves
 };
 
-/// Returns the leaves with an occupancy of at least 0.5 from OctoMap's bytes after the header.
-/// Errors name `source`: too few or trailing bytes, a tree that is too deep, no occupied leaf, too
-/// many leaves.
+/// Returns the leaves with an occupancy of at least 0.5, if any, from OctoMap's bytes after the
+/// header. Errors name `source`: too few or trailing bytes, a tree that is too deep, too many
+/// leaves.
 [[nodiscard]] Result<std::vector<Cube>> parse_octree_data(std::string_view bytes,
                                                           const OctreeFormat& format,
                                                           const OctreeUse& use,

@@ -62,15 +62,18 @@ Obstacle* Scene::find(std::string_view obstacle) { return find_in(obstacles, obs
 
 std::optional<std::size_t> internal::ObstacleNames::find(const std::vector<Obstacle>& obstacles,
                                                          const std::string& name) {
-  if (data_ != obstacles.data() || size_ != obstacles.size()) {
+  const bool is_known = data_ == obstacles.data() && size_ == obstacles.size();
+  auto found = is_known ? positions_.find(name) : positions_.end();
+  // Obstacles may have been replaced, or renamed, at the same place.
+  if (!is_known || (found != positions_.end() && obstacles[found->second].name != name)) {
     positions_.clear();
     for (const Obstacle& obstacle : obstacles) {
       positions_.emplace(obstacle.name, positions_.size());
     }
     data_ = obstacles.data();
     size_ = obstacles.size();
+    found = positions_.find(name);
   }
-  const auto found = positions_.find(name);
   return found == positions_.end() ? std::nullopt : std::optional(found->second);
 }
 

@@ -302,16 +302,6 @@ MoveitAttached read_attached(const Input& attached) {
   return result;
 }
 
-/// Refuses a last object with the name of another.
-void refuse_twice(const std::vector<MoveitAttached>& attached) {
-  const MoveitObject& last = attached.back().object;
-  for (const MoveitAttached& other : std::span(attached).first(attached.size() - 1)) {
-    if (other.object.obstacle.name != last.obstacle.name) continue;
-    last.place.fail(ErrorCode::parse, "expected a unique name, got \"{}\" again",
-                    last.obstacle.name);
-  }
-}
-
 }  // namespace
 
 MoveitState read_moveit_state(const Input& input) {
@@ -330,9 +320,12 @@ MoveitState read_moveit_state(const Input& input) {
     read_by_joint(*joints, "joint_names", "transforms", read_moveit_transform, state.poses);
     state.pose_frame = read_frame_id(*joints);
   }
+  std::set<std::string> names;
   for (const Input& attached : input.items("attached_collision_objects")) {
-    state.attached.push_back(read_attached(attached));
-    refuse_twice(state.attached);
+    const MoveitObject& object = state.attached.emplace_back(read_attached(attached)).object;
+    if (names.insert(object.obstacle.name).second) continue;
+    object.place.fail(ErrorCode::parse, "expected a unique name, got \"{}\" again",
+                      object.obstacle.name);
   }
   return state;
 }
@@ -341,12 +334,15 @@ MoveitState overlaid(MoveitState state, const MoveitState& difference) {
   for (const auto& [joint, position] : difference.positions) state.positions[joint] = position;
   for (const auto& [joint, pose] : difference.poses) state.poses[joint] = pose;
   if (!difference.poses.empty()) state.pose_frame = difference.pose_frame;
+  std::set<std::string> replaced;
   for (const MoveitAttached& attached : difference.attached) {
-    std::erase_if(state.attached, [&](const MoveitAttached& other) {
-      return other.object.obstacle.name == attached.object.obstacle.name;
-    });
-    state.attached.push_back(attached);
+    replaced.insert(attached.object.obstacle.name);
   }
+  std::erase_if(state.attached, [&](const MoveitAttached& attached) {
+    return replaced.contains(attached.object.obstacle.name);
+  });
+  state.attached.insert(state.attached.end(), difference.attached.begin(),
+                        difference.attached.end());
   return state;
 }
 

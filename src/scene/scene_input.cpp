@@ -168,16 +168,15 @@ void read_allowed_contacts(const Input& list, Scene& scene) {
   ObstacleContacts contacts(scene);
   for (const Input& pair : list.items()) {
     const AllowedPair allowed = read_allowed_pair(pair);
-    Obstacle* obstacle = contacts.find(allowed.second);
-    if (obstacle == nullptr) {
+    if (allowed.at_ends) {
+      // Either name may be of a link or of an attached object, which are not known here.
+      contacts.allow_at_ends(allowed);
+    } else if (Obstacle* obstacle = contacts.find(allowed.second)) {
+      contacts.allow(*obstacle, allowed.first);
+    } else {
       pair.fail(ErrorCode::invalid,
                 "expected a link and an obstacle; the scene has no obstacle \"{}\"",
                 allowed.second);
-    }
-    if (allowed.at_ends) {
-      contacts.allow_at_ends(allowed);
-    } else {
-      contacts.allow(*obstacle, allowed.first);
     }
   }
 }

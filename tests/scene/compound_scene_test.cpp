@@ -186,6 +186,19 @@ TEST_SUITE("unit") {
     CHECK(edit_message(scene.add_shape("a", Sphere{Vec3::Zero(), -1})).starts_with("obstacle 'a'"));
   }
 
+  TEST_CASE("a shape goes to its obstacle where another one took the place of one before it") {
+    Scene scene{"s", {}};
+    for (const char* name : {"a", "b"}) require(scene.add(ball(name)));
+    require(scene.remove("a"));
+    scene.obstacles.push_back(ball("c"));
+    require(scene.add_shape("b", Sphere{Vec3::UnitX(), 1}));
+    CHECK(scene.find("b")->shapes.size() == 2);
+    scene.obstacles[0].name = "d";
+    require(scene.add_shape("b", Sphere{Vec3::UnitX(), 1}));
+    CHECK(scene.find("d")->shapes.size() == 2);
+    CHECK(scene.obstacles.size() == 3);
+  }
+
   TEST_CASE("adding an obstacle does not read those that are there") {
     constexpr int kCount = 100'000;
     Scene scene{"s", {}};

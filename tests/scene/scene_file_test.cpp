@@ -225,9 +225,11 @@ TEST_SUITE("unit") {
           "f:2: key allow[0].at_ends: expected a number above 0, got 0");
     CHECK(read_scene_text(circle + "allow: [{pair: [cup, a], at_ends: 2}]").error().message ==
           "f:2: key allow[0].at_ends: expected metres, at most 1, got 2");
-    CHECK(contains(
-        read_scene_text(circle + "allow: [{pair: [cup, b], at_ends: 0.1}]").error().message,
-        "the scene has no obstacle \"b\""));
+    const auto of_links = read_scene_text(circle + "allow: [{pair: [cup, finger], at_ends: 0.1}]");
+    REQUIRE(of_links.has_value());
+    CHECK(parse_scene(to_yaml(*of_links), "f").value().end_contacts == of_links->end_contacts);
+    CHECK(contains(read_scene_text(circle + "allow: [[cup, b]]").error().message,
+                   "the scene has no obstacle \"b\""));
     CHECK_FALSE(read_scene_text(circle + "allow: [{pair: [cup, a]}]").has_value());
   }
 
