@@ -165,8 +165,9 @@ struct ProblemOptions {
 /// Writes a compact file with this scene, without start and goal. extract_scene() reads it back to
 /// the same scene.
 [[nodiscard]] std::string to_compact_json(const FramedScene& scene);
-/// Writes a compact file with this problem. load_problem() reads it back to the same problem.
-/// `robot` is written as given.
+/// Writes a compact file with this problem. load_problem() reads it back to the same problem, but
+/// for `allowed_pairs`, which ProblemOptions may give; relative paths of attached meshes stay
+/// relative. `robot` is written as given.
 [[nodiscard]] std::string to_compact_json(const Problem& problem, const std::string& robot);
 /// Writes the goal as in JSON files and requests.
 [[nodiscard]] std::string to_json(const PoseGoal& goal);

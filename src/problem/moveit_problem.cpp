@@ -93,6 +93,8 @@ class MoveitReader {
     if (!take_goals(overrides_, {}, problem)) read_goals(frames, problem);
     read_path_constraints(frames, problem);
     take_constraints(overrides_, {}, problem);
+    problem.start_velocity = overrides_.start_velocity.value_or(std::vector<double>());
+    problem.end_velocity = overrides_.end_velocity.value_or(std::vector<double>());
     problem.warnings = std::move(robot.warnings);
     problem.allowed_pairs = options_.allowed_pairs;
     return problem;

@@ -198,8 +198,11 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("start, goal, fixed joints and obstacles come from both files") {
-    const MoveitFiles files;
+    MoveitFiles files;
+    files.options.start_velocity = {0.1, 0.2};
     const auto problem = require(files.load());
+    CHECK(problem.start_velocity == Configuration{0.1, 0.2});
+    CHECK(problem.end_velocity.empty());
     CHECK(problem.name == "request0001");
     CHECK(problem.start == Configuration{0.1, 0.5});
     REQUIRE(problem.goals.size() == 1);
