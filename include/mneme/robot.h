@@ -244,8 +244,8 @@ class Robot {
   [[nodiscard]] std::span<const ApproximatedObject> attached() const { return model_->attached; }
   /// Returns this robot with further attached objects. The objects are checked against obstacles,
   /// moving links and each other. Errors: an unknown link, a name that is taken, an unknown name in
-  /// `may_touch`, an object without spheres and capsules, more than 1000 objects. Cost: tens of
-  /// microseconds for a few objects; the tables of the bare robot are shared.
+  /// `may_touch`, an object without spheres and capsules, more than 500,000 pairs of links to
+  /// check. Cost: tens of microseconds for a few objects; the tables of the bare robot are shared.
   [[nodiscard]] Result<Robot> with_attached(std::vector<ApproximatedObject> objects) const;
   /// Returns this robot without the attached object `name`. Error: there is none.
   [[nodiscard]] Result<Robot> without_attached(const std::string& name) const;

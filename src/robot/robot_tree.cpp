@@ -35,6 +35,21 @@ std::optional<std::string> describe_fault(const std::vector<Joint>& joints, cons
   return std::nullopt;
 }
 
+/// Refuses values at which kernels cannot place a link.
+std::optional<std::string> describe_reach(const Joint& leader, const Mimic& mimic) {
+  constexpr double kMost = 1e4;
+  double farthest = std::numbers::pi;
+  if (leader.type != JointType::continuous) {
+    farthest = std::max(std::abs(leader.lower), std::abs(leader.upper));
+  }
+  const double reach = std::abs(mimic.multiplier) * farthest + std::abs(mimic.offset);
+  if (reach <= kMost || !std::isfinite(farthest)) return std::nullopt;
+  return fmt::format(
+      "with multiplier {}, offset {} and the limits of joint '{}' it would move to {:.4g}, beyond "
+      "{:.4g}",
+      mimic.multiplier, mimic.offset, leader.name, reach, kMost);
+}
+
 /// Follows the chain from `first` to a free joint. Nothing for a loop.
 std::optional<Mimic> folded(const std::vector<Joint>& joints, const Mimic& first) {
   Mimic result = first;
@@ -67,6 +82,7 @@ std::optional<std::pair<int, std::string>> fold_mimics(std::vector<Joint>& joint
     if (mimic) {
       joint.mimic = mimic;
       fault = describe_fault(joints, *mimic);
+      if (!fault) fault = describe_reach(joints[as_index(mimic->joint)], *mimic);
     }
     if (fault) return std::pair(static_cast<int>(i), *std::move(fault));
   }

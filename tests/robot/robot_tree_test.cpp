@@ -209,6 +209,9 @@ TEST_SUITE("unit") {
     CHECK(
         contains(refusal_of_changed([](auto& j) { j[1].mimic = follow(0, 1, -1e7); }),
                  "joint 'j2': its multiplier 1 and offset -10000000 are not both within 1000000"));
+    CHECK(contains(refusal_of_changed([](auto& j) { j[1].mimic = follow(0, 1, 2e4); }),
+                   "joint 'j2': with multiplier 1, offset 20000 and the limits of joint 'j1' it "
+                   "would move to 2"));
   }
 
   TEST_CASE("a follower of the group must not jump where its continuous leader wraps around") {
