@@ -64,6 +64,10 @@ std::vector<double> unit(const std::vector<double>& v) {
 Result<Configuration> far_end(const Robot& robot, const Configuration& q,
                               const std::vector<double>& velocity, const RateLimits& limits,
                               const End& end) {
+  if (q.size() != as_index(robot.joint_count())) {
+    return fail(ErrorCode::invalid, "{}: expected {} joint values for robot {}, got {}", end.name,
+                robot.joint_count(), robot.name(), q.size());
+  }
   MNEME_TRY(check_rate_limits(robot, limits));
   MNEME_TRY(check_velocity(robot, velocity, limits, end));
   const double speed = norm(velocity);

@@ -99,7 +99,7 @@ class TimeShortener {
         rounds_(settings.time_rounds),
         fast_enough_s_((1 + kNearLeast) * least_time(legs, limits)),
         verifier_(verifier),
-        barrier_(limits) {
+        barrier_(limits, verifier.checker().isa()) {
     constexpr double kNone = std::numeric_limits<double>::infinity();
     lowest_.assign(PointRows(1, joints_).stride(), -kNone);
     highest_.assign(lowest_.size(), kNone);

@@ -33,7 +33,7 @@ std::array<double, 4> TimeSpline::piece(std::size_t joint, std::size_t i) const 
           (points[i + 3][joint] - 3 * c + 3 * b - a) / (6 * h * h * h)};
 }
 
-TimeBarrier::TimeBarrier(const RateLimits& limits) : kernels_(barrier_kernels(Isa::automatic)) {
+TimeBarrier::TimeBarrier(const RateLimits& limits, Isa isa) : kernels_(barrier_kernels(isa)) {
   const std::array orders = {&limits.velocity, &limits.acceleration, &limits.jerk};
   const std::size_t stride = PointRows(1, limits.velocity.size()).stride();
   for (std::size_t o = 0; o < orders.size(); ++o) {

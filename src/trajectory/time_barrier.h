@@ -62,7 +62,7 @@ struct Boxes {
 /// points at once. The matrix of a joint has a band of four diagonals; the step is its border.
 class TimeBarrier {
  public:
-  explicit TimeBarrier(const RateLimits& limits);
+  TimeBarrier(const RateLimits& limits, Isa isa);
 
   /// Returns true if the spline is strictly within the limits, by more than rounding errors.
   [[nodiscard]] bool admits(const TimeSpline& spline) const;

@@ -114,7 +114,8 @@ std::string to_yaml(const Robot& robot, Points points, Begins stages) {
   std::string text;
   for (const StageBegin& stage : stages) {
     std::string name = stage.name;
-    std::ranges::replace(name, '\n', ' ');
+    std::ranges::replace_if(
+        name, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); }, ' ');
     text += fmt::format("# stage from {:.6f} s: {}\n", stage.begin_s, name);
   }
   return text + to_yaml(robot, points);

@@ -143,6 +143,8 @@ TEST_SUITE("law") {
 TEST_SUITE("unit") {
   TEST_CASE("the stopping point is the closed form of a stop with limited jerk") {
     // From 2 m/s at 4 m/s^2 and 40 m/s^3: 2 / 4 + 4 / 40 seconds at half of the speed.
+    CHECK(contains(require_error(stopping_point(gantry(), {0, 0, 0, 0}, {2, 0, 0}, kTwos)).message,
+                   "expected 3 joint values"));
     const auto stop = require(stopping_point(gantry(), {-1, 0, 1}, {2, 0, 0}, kTwos));
     CHECK(stop[0] == doctest::Approx(-1 + 0.6).epsilon(1e-6));
     CHECK(stop[1] == 0);

@@ -37,6 +37,11 @@ TEST_SUITE("unit") {
           "time,\"a,\"\"b.position\",\"a,\"\"b.velocity\",\"a,\"\"b.acceleration\"\n");
   }
 
+  TEST_CASE("the name of a stage ends no comment") {
+    const std::string text = to_yaml(arm("j"), kPoints, {{{"a\rpoints: []\nb", 0.5}}});
+    CHECK(text.starts_with("# stage from 0.500000 s: a points: [] b\n"));
+  }
+
   TEST_CASE("YAML has the fields of trajectory_msgs/JointTrajectory") {
     for (const std::string name : {"j", "1", "a: b", "null"}) {
       CAPTURE(name);
