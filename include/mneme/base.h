@@ -80,8 +80,8 @@ T take_value(Result<T>&& result) {
 }  // namespace internal
 
 /// Evaluates to the value of a Result, or returns its error from the enclosing function:
-/// `const Scene scene = MNEME_TRY(load_scene(path));`. Use it as a whole initializer or statement,
-/// not inside a larger expression.
+/// `const Scene scene = MNEME_TRY(load_scene(path));`. Use it as a whole initializer, statement or
+/// condition, not beside other values in an expression.
 #define MNEME_TRY(...)                                                       \
   __extension__({                                                            \
     auto try_result = (__VA_ARGS__);                                         \

@@ -59,6 +59,9 @@ TEST_SUITE("unit") {
     CHECK(internal::parse_number_or_infinity("-1e400") == -kInfinity);
     CHECK(internal::parse_number_or_infinity("1e-400") == 0.0);
     CHECK(internal::parse_number_or_infinity("1.5") == 1.5);
+    const std::string zeros(400, '0');
+    CHECK(internal::parse_number_or_infinity("0." + zeros + "1") == 0.0);
+    CHECK(internal::parse_number_or_infinity("-1" + zeros + "e-1") == -kInfinity);
     for (const char* text : {"", "x", "1e400x", "1 2"}) {
       CHECK_FALSE(internal::parse_number_or_infinity(text).has_value());
     }
