@@ -35,7 +35,8 @@ struct ExactContact {
 };
 
 /// Measures the pair of `contact` at `q` by exact geometry. Returns nothing if no link of the pair
-/// is approximated by spheres. Cost: milliseconds for large meshes.
+/// is approximated by spheres, or if robot and scene lack one of its names. Cost: milliseconds for
+/// large meshes.
 [[nodiscard]] std::optional<ExactContact> find_exact_contact(const Robot& robot, const Scene& scene,
                                                              std::span<const double> q,
                                                              const Contact& contact);

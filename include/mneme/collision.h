@@ -265,8 +265,9 @@ class CollisionChecker {
   /// quick filter: no other state, no exact geometry and no constraint is checked.
   void rate_shortcuts(const PathView& path, float least_gain,
                       std::span<Shortcut, kShortcuts> shortcuts) const;
-  /// Writes by how much each candidate reduces the path's cost; 0 if the candidate is in contact,
-  /// gains nothing, or gains less than another that is free. A quick filter, as rate_shortcuts().
+  /// Writes by how much each candidate reduces the path's cost; 0 if the candidate is in contact or
+  /// gains nothing, and perhaps if it gains less than another that is free. A quick filter, as
+  /// rate_shortcuts().
   void rate_relaxations(const PathView& path, const Relaxation& relaxation,
                         std::span<float, kShortcuts> gains) const;
 

@@ -68,8 +68,12 @@ std::optional<ExactContact> find_exact_contact(const Robot& robot, const Scene& 
   using internal::as_index, internal::ExactLink;
   const std::vector<Transform> poses = robot.link_poses(q);
   ExactContact result;
+  const Obstacle* obstacle = scene.find(contact.other);
+  const bool is_other_known =
+      contact.is_self ? robot.find_link(contact.other).has_value() : obstacle != nullptr;
+  if (!robot.find_link(contact.link) || !is_other_known) return std::nullopt;
   const auto look_at = [&](const std::string& name) {
-    const std::size_t link = as_index(robot.find_link(name).value());
+    const std::size_t link = as_index(*robot.find_link(name));
     const std::optional<SphereApproximation>& approximation = robot.links()[link].approximation;
     result.approximated_links += approximation ? 1 : 0;
     result.excess += approximation ? approximation->excess : 0;
@@ -86,7 +90,7 @@ std::optional<ExactContact> find_exact_contact(const Robot& robot, const Scene& 
     return result;
   }
   result.distance = std::numeric_limits<double>::infinity();
-  for (const Shape& shape : scene.find(contact.other)->shapes) {
+  for (const Shape& shape : obstacle->shapes) {
     result.distance = std::min(result.distance, exact.distance_to(transformed(X_LW, shape)));
   }
   return result;

@@ -168,10 +168,6 @@ struct MomentsOf {
   }
 };
 
-bool is_rotation(const Eigen::Matrix3d& matrix) {
-  return (matrix * matrix.transpose()).isIdentity(1e-6) && matrix.determinant() > 0;
-}
-
 /// Comparisons are false for NaN, which is a flaw.
 struct FindFlaw {
   static constexpr std::string_view kSize = "has a size that is not positive";
@@ -181,11 +177,11 @@ struct FindFlaw {
   std::string_view operator()(const Capsule& s) const { return s.radius > 0 ? "" : kSize; }
   std::string_view operator()(const Box& s) const {
     if (!(s.half_extents.array() > 0).all()) return kSize;
-    return is_rotation(s.pose.rotation) ? "" : kPose;
+    return internal::is_rotation(s.pose.rotation) ? "" : kPose;
   }
   std::string_view operator()(const Cylinder& s) const {
     if (!(s.radius > 0 && s.length > 0)) return kSize;
-    return is_rotation(s.pose.rotation) ? "" : kPose;
+    return internal::is_rotation(s.pose.rotation) ? "" : kPose;
   }
   template <class Part>
   std::string_view operator()(const CompoundShape<Part>& s) const {
@@ -195,7 +191,7 @@ struct FindFlaw {
     if (internal::PartsAccess::bounds(*s.parts).is_empty()) {
       return "has a part that is not finite or has a negative size";
     }
-    return is_rotation(s.pose.rotation) ? "" : kPose;
+    return internal::is_rotation(s.pose.rotation) ? "" : kPose;
   }
 };
 
@@ -216,6 +212,9 @@ Sphere bounding_sphere(const Shape& shape) { return std::visit(Bound{}, shape); 
 double Triangle::area() const { return 0.5 * (b - a).cross(c - a).norm(); }
 
 namespace internal {
+bool is_rotation(const Eigen::Matrix3d& matrix) {
+  return (matrix * matrix.transpose()).isIdentity(1e-6) && matrix.determinant() > 0;
+}
 
 bool is_compound(const Shape& shape) {
   return std::visit(

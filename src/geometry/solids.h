@@ -13,6 +13,9 @@
 
 namespace mneme::internal {
 
+/// True if the columns are orthonormal to within 1e-6, and right-handed.
+[[nodiscard]] bool is_rotation(const Eigen::Matrix3d& matrix);
+
 /// True for points, meshes and octrees.
 [[nodiscard]] bool is_compound(const Shape& shape);
 /// Number of points, triangles or cubes of a compound shape; 0 for others.

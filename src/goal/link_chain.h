@@ -56,7 +56,7 @@ class LinkChain {
                                   std::uint32_t locked, double damping) const;
   /// Columns of the same span: enough for reach(), and cheaper.
   [[nodiscard]] Response directions(const JointVector& q) const;
-  /// Moves `q` within q + span(response) until the link is at `pose`, to within 1e-7 m or `near`.
+  /// Moves `q` within q + span(response) until the link is at `pose`, to within `near`, metres.
   /// False if that fails within `steps`.
   [[nodiscard]] bool reach(const Transform& pose, const Response& response, int steps, double near,
                            JointVector& q) const;

@@ -9,6 +9,7 @@
 #include "base/fail.h"
 #include "check/end_motions.h"
 #include "check/link_distances.h"
+#include "geometry/solids.h"
 #include "line/line_search.h"
 #include "planning/end_contacts.h"
 #include "robot/kinematics.h"
@@ -123,9 +124,7 @@ class LinePlan {
   }
 
   static bool is_pose(const Transform& pose) {
-    return pose.translation.allFinite() && pose.rotation.allFinite() &&
-           (pose.rotation.transpose() * pose.rotation).isIdentity(1e-6) &&
-           pose.rotation.determinant() > 0;
+    return pose.translation.allFinite() && internal::is_rotation(pose.rotation);
   }
 
   /// The frame of the line, in the root link's frame.

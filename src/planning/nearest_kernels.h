@@ -6,6 +6,8 @@
 
 #include "mneme/base.h"
 
+#include "tables/tables.h"
+
 #include <utility>
 
 namespace mneme::internal {
@@ -14,7 +16,7 @@ namespace mneme::internal {
 /// half of the squared norms. Empty lanes have an infinite norm, so that they are never the
 /// nearest.
 inline constexpr int kBlockSize = 16;
-inline constexpr int kMaxJoints = 64;
+inline constexpr int kMaxJoints = kMaxFrames;
 
 /// Half the width of a box that is never near.
 inline constexpr float kNoBox = -1e18f;

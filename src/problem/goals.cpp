@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/as_index.h"
 #include "base/fail.h"
+#include "geometry/solids.h"
 #include "geometry/tolerated.h"
 #include "problem/problem_input.h"
 #include "robot/kinematics.h"
@@ -295,7 +296,7 @@ std::optional<std::string> describe_fault(const Robot& robot, const PoseGoal& go
     return fmt::format("expected a pose of link \"{}\" within {} m of the root link's origin",
                        goal.link, kFarthestShape);
   }
-  if (!(rotation.transpose() * rotation).isIdentity(1e-6) || rotation.determinant() < 0) {
+  if (!internal::is_rotation(rotation)) {
     return fmt::format("the rotation for link \"{}\" is invalid: expected orthonormal columns",
                        goal.link);
   }
