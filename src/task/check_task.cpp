@@ -3,6 +3,7 @@
 #include "mneme/task.h"
 
 #include "base/fail.h"
+#include "geometry/solids.h"
 #include "input/elided.h"
 #include "task/groups.h"
 #include "task/world.h"
@@ -45,6 +46,7 @@ class TaskCheck {
                   "the first stage, got {}",
                   stage_name(task_, 0), to_string(task_.stages.front().kind));
     }
+    MNEME_TRY(check_constraints(task_.constraints));
     for (std::size_t i = 0; i < task_.stages.size(); ++i) {
       const Result<void> checked = check_stage(task_.stages[i]);
       if (checked) continue;
@@ -136,12 +138,17 @@ class TaskCheck {
 
   Result<void> check_move(const Stage& stage) const {
     MNEME_TRY(check_goals(stage));
-    for (const OrientationConstraint& constraint : stage.constraints) {
+    MNEME_TRY(check_constraints(stage.constraints));
+    return check_poses(stage.poses);
+  }
+
+  Result<void> check_constraints(const std::vector<OrientationConstraint>& constraints) const {
+    for (const OrientationConstraint& constraint : constraints) {
       if (const auto fault = describe_fault(task_.robot, constraint)) {
         return fail(ErrorCode::invalid, *fault);
       }
     }
-    return check_poses(stage.poses);
+    return {};
   }
 
   Result<void> check_poses(const PoseChoice& choice) const {
@@ -158,10 +165,7 @@ class TaskCheck {
                   did_you_mean(frame, known));
     }
     for (const Transform& pose : choice.poses) {
-      const Eigen::Matrix3d& R = pose.rotation;
-      const bool is_rotation = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm() < 1e-6 &&
-                               R.col(0).cross(R.col(1)).dot(R.col(2)) > 0;
-      if (pose.translation.allFinite() && is_rotation) continue;
+      if (pose.translation.allFinite() && is_rotation(pose.rotation)) continue;
       return fail(ErrorCode::invalid, "one of its poses is no rotation and position");
     }
     if (choice.object.empty()) return {};

@@ -77,6 +77,13 @@ TEST_SUITE("unit") {
     fails("{gripper: 0.02}", "expected values by joint, or the name of a state");
   }
 
+  TEST_CASE("constraints of the whole task are checked, too") {
+    Task task = require(try_task(kCell + stages("{line: {direction: [0, 0, 1], distance: 0.1}}")));
+    REQUIRE(check_task(task).has_value());
+    task.constraints.push_back({.link = "nope", .angle = 0.2});
+    CHECK(contains(require_error(check_task(task)).message, "nope"));
+  }
+
   TEST_CASE("an obstacle with the name of a link cannot be attached") {
     const Error error = require_error(try_task(replaced(kCell, "name: cup", "name: panda_link3") +
                                                stages("{attach: panda_link3}")));
