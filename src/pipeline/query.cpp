@@ -16,16 +16,6 @@
 namespace mneme::internal {
 namespace {
 
-Result<void> check_robot(const Robot& robot, const Database& database) {
-  // Comparing models is faster than hashing joints, which would dominate an easy query.
-  if (database.signature().model_hash == robot.hash()) return {};
-  const RobotSignature wanted = make_signature(robot);
-  // A database without rows fits every robot.
-  const bool is_empty = database.signature().model_hash.empty();
-  if (is_empty || is_same_robot(database.signature(), wanted)) return {};
-  return refuse_robot(database.info().url, database.signature(), wanted);
-}
-
 /// Distance of replay for tasks that repeat, radians.
 constexpr double kRepeated = 0.5;
 
@@ -236,6 +226,8 @@ Result<Query> make_query(const Problem& problem, Database* database,
   query.kinds = MNEME_TRY(complete_kinds(problem.robot, database, query.settings));
   query.database = database;
   query.ask_after = ask_after(query, settings.replay.has_value());
+  query.knows_vain_searches =
+      settings.memory_mode == MemoryMode::automatic && settings.replay != 0.0;
   return query;
 }
 

@@ -50,6 +50,8 @@ struct Query {
   /// to begin. 0: after the straight motion. Otherwise kAlone: most tasks are planned by then, and
   /// neither ask nor fill the memory.
   std::optional<std::uint64_t> ask_after = {};
+  /// Searches in vain are remembered, and answer; false if the settings forbid known answers.
+  bool knows_vain_searches = false;
 
   /// The kind whose paths are replayed; null without one.
   [[nodiscard]] const KindSettings* replayed_kind() const;

@@ -105,9 +105,7 @@ PlanResult describe_unsolved(std::int64_t row, const VainSearch& search) {
 }  // namespace
 
 std::optional<PlanResult> find_unsolved(const Query& query) {
-  if (query.database == nullptr || query.settings.memory_mode != MemoryMode::automatic) {
-    return std::nullopt;
-  }
+  if (query.database == nullptr || !query.knows_vain_searches) return std::nullopt;
   const std::vector<KindInfo> held = query.database->kinds();
   if (std::ranges::find(held, kUnsolvedRows, &KindInfo::kind) == held.end()) return std::nullopt;
   const std::array keys = {to_key({digest_of_ends(query)})};
@@ -126,8 +124,8 @@ void remember_unsolved(const ResolvedQuery& resolved, const PlanResult& plan) {
   const Query& query = resolved.query;
   const bool is_limit =
       plan.status == PlanStatus::timeout || plan.status == PlanStatus::iteration_limit;
-  const bool may_remember = query.database != nullptr && query.settings.remember_after &&
-                            query.settings.memory_mode == MemoryMode::automatic;
+  const bool may_remember =
+      query.database != nullptr && query.settings.remember_after && query.knows_vain_searches;
   if (!is_limit || !may_remember || plan.iterations < kLeastIterations) return;
   const bool is_timeout = plan.status == PlanStatus::timeout;
   const VainSearch search = {digest_of_ends(query), digest_of_scene(query.problem.scene),

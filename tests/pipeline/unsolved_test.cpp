@@ -77,6 +77,9 @@ TEST_SUITE("flow") {
     CHECK(hopeless.iterations(hopeless.problem) == 12'001);
     hopeless.settings.plan.max_iterations = 11'000;
     CHECK(hopeless.iterations(hopeless.problem) == 0);
+    hopeless.settings.replay = 0;
+    CHECK(hopeless.iterations(hopeless.problem) == 11'000);
+    hopeless.settings.replay.reset();
     hopeless.settings.memory_mode = MemoryMode::off;
     CHECK(hopeless.iterations(hopeless.problem) == 11'000);
   }
@@ -88,6 +91,9 @@ TEST_SUITE("flow") {
     CHECK(hopeless.iterations(hopeless.problem) == 4'000);
     hopeless.settings.plan.max_iterations = 12'000;
     hopeless.settings.remember_after.reset();
+    CHECK(hopeless.iterations(hopeless.problem) == 12'000);
+    hopeless.settings.remember_after = 0;
+    hopeless.settings.replay = 0;  // as in study(), whose problems may be solved already
     CHECK(hopeless.iterations(hopeless.problem) == 12'000);
     CHECK(hopeless.database.size() == 0);
   }
