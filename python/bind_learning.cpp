@@ -187,6 +187,7 @@ std::int64_t learn_paths(const Robot& robot, const Memory& memory, const Scene& 
   std::vector<Path> rows;
   for (const py::handle path : paths) rows.push_back(to_rows(path, robot.joint_count(), "paths"));
   const std::shared_ptr<Database> database = memory.get();
+  unwrap(check_robot(robot.without_attached(), *database));
   wanted = memory.to_learn(wanted);
   auto learned = unwrap(run_interruptible([&, copy = scene] {
     return learn_from_paths({robot, copy}, rows, wanted, reach);
@@ -194,7 +195,9 @@ std::int64_t learn_paths(const Robot& robot, const Memory& memory, const Scene& 
   for (Experience& row : learned) {
     row.provenance = {fmt::format("mneme {}", version()), "paths from Python", seed, {}};
   }
-  return static_cast<std::int64_t>(unwrap(database->insert(std::move(learned))).size());
+  std::vector<bool> is_new;
+  unwrap(database->insert(std::move(learned), &is_new));
+  return std::ranges::count(is_new, true);
 }
 
 void bind_results(py::module_& module) {

@@ -200,4 +200,8 @@ class Database {
   std::unique_ptr<State> state_;
 };
 
+/// Fails with wrong_robot if the database has experience of another robot: if compare_robots()
+/// finds more than other shapes. A database without rows fits every robot.
+[[nodiscard]] Result<void> check_robot(const Robot& robot, const Database& database);
+
 }  // namespace mneme

@@ -203,6 +203,7 @@ def test_paths_teach_an_arm_in_space(tmp_path):
     with mneme.Database.open(tmp_path / "panda.db", robot, mode="create") as database:
         rows = mneme.learn_from_paths(robot, database, scene, [path], reach=1.0, max_gap=1.0)
         assert rows == len(database) == 1
+        assert mneme.learn_from_paths(robot, database, scene, [path], reach=1.0, max_gap=1.0) == 0
         assert 0 < len(database[0]["means"]) <= 5
         assert raised(mneme.learn_from_paths, robot, database, scene, [path[:, :3]])[0] == "invalid"
         assert raised(mneme.learn_from_paths, robot, database, scene, [path], reach=0)[0] == \

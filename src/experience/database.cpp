@@ -509,6 +509,16 @@ RobotSignature make_signature(const Robot& robot) {
           robot.joint_count()};
 }
 
+Result<void> check_robot(const Robot& robot, const Database& database) {
+  // Comparing models is faster than hashing joints, which would dominate an easy query.
+  if (database.signature().model_hash == robot.hash()) return {};
+  const RobotSignature wanted = make_signature(robot);
+  // A database without rows fits every robot.
+  const bool is_empty = database.signature().model_hash.empty();
+  if (is_empty || internal::is_same_robot(database.signature(), wanted)) return {};
+  return internal::refuse_robot(database.info().url, database.signature(), wanted);
+}
+
 RobotDifference compare_robots(const RobotSignature& learned_with, const RobotSignature& robot) {
   if (internal::is_same_robot(learned_with, robot)) {
     return learned_with.model_hash == robot.model_hash ? RobotDifference::none

@@ -49,6 +49,12 @@ Result<std::vector<std::size_t>> open_problems(std::span<const Problem> problems
 
 Result<internal::Learned> learn_from_problem(const Problem& problem, const MemorySettings& memory,
                                              const ProblemLesson& lesson) {
+  if (problem.goals.empty() && !problem.pose_goals.empty()) {
+    return internal::Learned{
+        {},
+        fmt::format("{}: not solved: lessons need joint values as a goal, not a pose",
+                    problem.name)};
+  }
   const auto plan = MNEME_TRY(solve_repeatedly(problem, lesson));
   if (plan.paths.empty()) {
     return internal::Learned{{}, fmt::format("{}: not solved: {}", problem.name, plan.message)};
@@ -98,6 +104,9 @@ Result<RepeatedPlan> solve_repeatedly(const Problem& problem, const ProblemLesso
 Result<LearnSummary> learn_from_problems(std::span<const Problem> problems,
                                          const MemorySettings& memory, Database& database,
                                          const ProblemLesson& given) {
+  for (const Problem& problem : problems) {
+    MNEME_TRY(check_robot(problem.robot.without_attached(), database));
+  }
   ProblemLesson lesson = given;
   if (lesson.walk == std::nullopt && memory.kind) {
     const MemoryKind* const kind = MNEME_TRY(find_memory_kind(*memory.kind));

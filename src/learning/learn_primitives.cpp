@@ -94,6 +94,7 @@ class Lessons {
 
 Result<LearnSummary> learn_primitives(const Robot& robot, std::span<const PrimitiveKey> keys,
                                       Database& database, const LearnJob& job) {
+  MNEME_TRY(check_robot(robot, database));
   Lessons lessons(robot, job);
   for (const PrimitiveKey& key : keys) lessons.add(key);
   return lessons.run(database);

@@ -59,6 +59,23 @@ TEST_SUITE("law") {
     CHECK(exported(posts.directory / "1.db") == exported(posts.directory / "3.db"));
   }
 
+  TEST_CASE("no lesson goes into the database of another robot, or leads to a pose") {
+    const Posts posts;
+    std::vector<Problem> problems = post_problems(posts);
+    problems.erase(problems.begin() + 1, problems.end());
+    Database database = open_paths(posts.directory / "one.db", problems[0].robot);
+    CHECK(learn_well(problems, database, two_paths()).learned == 1);
+    std::vector<Problem> others = problems;
+    others[0].robot = planar8();
+    CHECK(require_error(learn_from_problems(others, {}, database, two_paths())).code ==
+          ErrorCode::wrong_robot);
+    problems[0].goals.clear();
+    problems[0].pose_goals.push_back({});
+    const LearnSummary summary = learn_well(problems, database, two_paths());
+    REQUIRE(summary.unsolved.size() == 1);
+    CHECK(contains(summary.unsolved[0], "lessons need joint values as a goal"));
+  }
+
   TEST_CASE("paths that are alike teach once, and count once") {
     const Posts posts;
     std::vector<Problem> problems = post_problems(posts);
