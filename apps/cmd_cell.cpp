@@ -26,6 +26,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -423,8 +424,9 @@ struct CellRegionsOptions {
   RegionSettings settings;
 };
 
+/// `written` are the regions of this run.
 Result<std::string> write_region(const CellRegionsOptions& options, const SuiteProblems& each,
-                                 ProblemOptions reading) {
+                                 ProblemOptions reading, std::set<std::string>& written) {
   if (!each.robot.empty()) reading.robot_path = each.robot;
   const Problem problem = MNEME_TRY(read_problem(each.where, reading));
   const CellRegion region = MNEME_TRY(make_region(problem, options.settings));
@@ -433,6 +435,12 @@ Result<std::string> write_region(const CellRegionsOptions& options, const SuiteP
   std::ranges::replace_if(
       name, [](char c) { return c == '#' || c == '.' || c == ','; }, '_');
   const std::string path = (std::filesystem::path(options.output) / (name + ".yaml")).string();
+  if (!written.insert(path).second) {
+    return fail(ErrorCode::invalid,
+                fmt::format("{}: {} has the region of another problem of this name; use another "
+                            "directory (-o)",
+                            each.where, path));
+  }
   const std::string robot = std::filesystem::absolute(problem.robot_path).string();
   std::vector<ReadFile> inputs;
   add_files("a file of the problem", problem.files, inputs);
@@ -445,9 +453,10 @@ Result<ExitCode> run_cell_regions(const CellRegionsOptions& options) {
   const auto reading = MNEME_TRY(problem_options(options.robot, options.robot_options));
   const auto problems = MNEME_TRY(find_bench_problems(options.problems, options.part));
   MNEME_TRY(make_directory(options.output));
+  std::set<std::string> written;
   for (const SuiteProblems& each : problems) {
     if (interrupt_flag()->load()) return ExitCode::interrupted;
-    const std::string path = MNEME_TRY(write_region(options, each, reading));
+    const std::string path = MNEME_TRY(write_region(options, each, reading, written));
     fmt::print("{}\n", path);
   }
   return ExitCode::done;

@@ -79,8 +79,11 @@ py::dict coverage_of(const Cell& cell, const std::string& start, int samples) {
 py::dict verify(Cell& cell, int samples, std::uint64_t seed, int threads) {
   if (samples < 0) raise_invalid(fmt::format("samples: expected 0 or more, got {}", samples));
   if (threads < 1) raise_invalid(fmt::format("threads: expected at least 1, got {}", threads));
+  // Other threads may ask the cell meanwhile.
+  Cell proven = cell;
   const CellVerification done =
-      run_interruptible([&] { return cell.verify(samples, seed, threads); });
+      run_interruptible([&] { return proven.verify(samples, seed, threads); });
+  cell = std::move(proven);
   py::dict result;
   result["boxes"] = done.checked;
   result["proven"] = done.proven;
@@ -173,8 +176,9 @@ void bind_cell(py::module_& module) {
             if (!(timeout >= 0)) {
               raise_invalid(fmt::format("timeout: expected seconds, 0 or more, got {}", timeout));
             }
+            const Cell asked = self;  // verify() may replace what it holds
             const py::gil_scoped_release released;
-            return self.ask(offsets, index, timeout);
+            return asked.ask(offsets, index, timeout);
           },
           py::arg("task"), py::arg("start") = "start", py::arg("timeout") = 1.0,
           "Returns the path of a task: offsets x, y, z, yaw from the region's middle. Bends near\n"

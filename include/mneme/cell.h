@@ -58,7 +58,8 @@ struct CellRegion {
 /// by exact geometry.
 [[nodiscard]] Result<CellRegion> load_region(const std::string& path,
                                              const ProblemOptions& options = {});
-/// Returns the region's file: the problem's with the key `region`. `robot` is written as given.
+/// Returns the region's file: the problem's with the key `region`. `robot` is written as given. The
+/// region's z axis must be that of the root link: a file in a tilted frame cannot be written back.
 [[nodiscard]] std::string to_yaml(const CellRegion& region, const std::string& robot);
 
 /// Returns the link's pose for a task, in the root link's frame.
@@ -84,7 +85,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("seconds", s.seconds, 0.0, 1e6,
         "Time to build, seconds. More proves more: what is proven stays.");
   visit("boxes", s.boxes, std::uint64_t{1}, std::uint64_t{1000000},
-        "Largest number of boxes to examine. With a seed it makes a build repeatable, whatever "
+        "Largest number of boxes to examine, for each start. With a seed it makes a build "
+        "repeatable, whatever "
         "the time and the number of threads.");
   visit("threads", s.threads, 1, 64, "Threads that examine boxes. The cell does not depend on it.");
   visit(
@@ -194,7 +196,8 @@ class Cell {
   /// Makes what answers without a proven box need, which the first of them waits for otherwise:
   /// milliseconds.
   void prepare() const;
-  /// Looks the task up among proven boxes. Writes an answer of tier `certified` or `none`. Cost:
+  /// Looks the task up among proven boxes. `start`, here and below, is an index of
+  /// region().starts. Writes an answer of tier `certified` or `none`. Cost:
   /// microseconds, without allocation if `answer` is used again.
   void look_up(const CellTask& task, CellAnswer& answer, std::size_t start = 0) const;
   /// As look_up(). Without a certified answer, deforms the nearest boxes' paths to the task and
@@ -238,9 +241,9 @@ class Cell {
                                                                     double margin);
 
 /// Builds a cell, the largest boxes first, until nothing is left or the settings' time or number
-/// of boxes is spent. Calls `on_progress` after each round, in this thread. Errors: a setting out
-/// of range; what load_region() refuses; a start outside the limits or in contact; a link that
-/// fewer than six joints move.
+/// of boxes for each start is spent. Calls `on_progress` after each round, in this thread. Errors:
+/// a setting out of range; what load_region() refuses; a start outside the limits or in contact; a
+/// link that fewer than six joints move.
 [[nodiscard]] Result<Cell> build_cell(
     const CellRegion& region, const CellSettings& settings = {},
     const std::function<void(const CellProgress&)>& on_progress = {});

@@ -36,8 +36,9 @@ const Result<internal::CellTools>& internal::CellData::make_tools() const {
   std::call_once(made->once, [&] {
     const Problem& problem = region.problem;
     made->tools = [&]() -> Result<CellTools> {
-      return CellTools{MNEME_TRY(InverseKinematics::make(problem.robot, region.middle().link)),
-                       MNEME_TRY(CollisionChecker::make(problem.robot, problem.scene))};
+      auto kinematics = MNEME_TRY(InverseKinematics::make(problem.robot, region.middle().link));
+      auto checker = MNEME_TRY(CollisionChecker::make(problem.robot, problem.scene));
+      return CellTools{std::move(kinematics), std::move(checker)};
     }();
   });
   return *made->tools;

@@ -139,6 +139,12 @@ TEST_SUITE("flow") {
                      "--extents", "0.02,0.02,0,0.1", "--tries", "3", "-o", directory / "made"});
     const std::string region = made.out.substr(0, made.out.find('\n'));
     require_run({"cell", "build", region, "-o", directory / "a.cell", "--boxes", "5"});
+    write_file(directory / "task_yaml", problem);
+    const ProgramRun twice = run_program(
+        {"cell", "regions", directory / "task.yaml", directory / "task.yaml", "--link",
+         "panda_hand", "--extents", "0.02,0.02,0,0.1", "--tries", "3", "-o", directory / "made"});
+    CHECK(twice.exit_code == 2);
+    CHECK(contains(twice.err, "has the region of another problem of this name"));
   }
 }
 
