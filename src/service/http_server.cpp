@@ -301,6 +301,7 @@ void HttpServer::run(std::size_t index) {
       continue;
     }
   }
+  if (!has_low_priority) return;
   const std::lock_guard lock(mutex_);
   slow_threads_.push_back(index);
   has_slow_threads_.notify_one();
