@@ -247,8 +247,7 @@ void print_matches(const LocalPrimitive& primitive, const std::vector<Match>& ma
                match.similarity_error, unit_of_error(primitive),
                match.experience->component_count());
     if (!primitive.is_whole_query) fmt::print(", turned by {:.4f} rad", match.to_scene.rotation);
-    const char* image = primitive.is_whole_query ? ", reversed" : ", mirrored";
-    fmt::print("{}\n", match.to_scene.is_mirrored ? image : "");
+    fmt::print("{}\n", match.to_scene.is_mirrored ? ", mirrored" : "");
   }
 }
 

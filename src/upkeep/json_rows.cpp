@@ -131,6 +131,8 @@ class Fields {
     for (const Json& number : list) {
       if constexpr (std::integral<Number>) {
         if (!number.is_number_integer()) return false;
+        constexpr auto kMost = std::uint64_t{std::numeric_limits<std::int64_t>::max()};
+        if (number.is_number_unsigned() && number.get<std::uint64_t>() > kMost) return false;
         const auto value = number.get<std::int64_t>();
         if (value < std::numeric_limits<Number>::min() ||
             value > std::numeric_limits<Number>::max()) {
@@ -209,7 +211,13 @@ RememberedPath parse_path(Fields& fields) {
   path.constraints = fields.whole_number("constraints");
   if (fields.has("planning_states")) path.planning_states = fields.whole_number("planning_states");
   if (fields.has("clearances")) path.clearances = fields.list<float>("clearances");
-  if (fields.has("near_misses")) path.near_misses = fields.table("near_misses", joints);
+  if (fields.has("near_misses")) {
+    path.near_misses = fields.table("near_misses", joints);
+    if (joints != static_cast<std::size_t>(path.joint_count) && !path.near_misses.empty()) {
+      fields.refuse(fmt::format("a row of 'near_misses' has {} numbers; expected {}", joints,
+                                path.joint_count));
+    }
+  }
   return path;
 }
 

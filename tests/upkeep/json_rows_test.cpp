@@ -58,6 +58,9 @@ TEST_SUITE("unit") {
                    "'sources'"));
     CHECK(contains(error_of(replaced(sound, "\"sources\":[0", "\"sources\":[1")), "'content'"));
     CHECK(error_of("{" + sound.substr(sound.find("\"kind\""))).empty());
+    CHECK(contains(
+        error_of(replaced(sound, "\"factor_rows\":[", "\"factor_rows\":[18446744073709551615,")),
+        "'factor_rows'"));
     const std::string alone =
         R"({"kind":"k","key":[1],"means":[],"factor_rows":[],"factors":[[0,1,2,3]],)"
         R"("sources":[],"is_complete":true,"settings":"","seed":1,"tool":"","time":""})";
