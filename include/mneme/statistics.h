@@ -60,10 +60,12 @@ struct BenchmarkRow {
 };
 
 /// The row of one call of solve() with `settings`. The path is checked again with exact distances
-/// at a tenth of the checker's resolution. A path found after the time limit counts as a timeout.
-/// The caller sets `set`, `setting`, `machine`, `version` and `started`.
+/// at a tenth of the checker's resolution, unless `is_path_valid` says what such a check of the
+/// same path has found. A path found after the time limit counts as a timeout. The caller sets
+/// `set`, `setting`, `machine`, `version` and `started`.
 [[nodiscard]] BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
-                                    const SolveResult& result, const CollisionChecker& checker);
+                                    const SolveResult& result, const CollisionChecker& checker,
+                                    std::optional<bool> is_path_valid = {});
 /// Returns processor, number of cores and system, such as "AMD EPYC, 2 cores, Linux 6.1".
 [[nodiscard]] std::string describe_machine();
 /// Returns version and compiler of this build, such as "mneme 0.2.0, g++ 12.2".

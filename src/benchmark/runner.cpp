@@ -98,12 +98,15 @@ struct TimedRun {
   std::string started;
 };
 
-/// Checkers of one problem by resolution, for the exact checks.
+/// Checkers of one problem by resolution, for the exact checks, and what these have found.
 class ProblemCheckers {
  public:
   Result<const CollisionChecker*> find(const LoadedProblem& loaded,
                                        std::optional<double> resolution) {
-    if (&loaded != loaded_) checkers_.clear();
+    if (&loaded != loaded_) {
+      checkers_.clear();
+      verdicts_.clear();
+    }
     loaded_ = &loaded;
     if (const auto found = checkers_.find(resolution); found != checkers_.end()) {
       return &found->second;
@@ -116,9 +119,29 @@ class ProblemCheckers {
     return &checkers_.emplace(resolution, std::move(made)).first->second;
   }
 
+  /// What the check of the same path has found; nothing if it was not checked.
+  [[nodiscard]] std::optional<bool> verdict_on(const TimedRun& run) const {
+    const auto found = verdicts_.find(key_of(run));
+    return found == verdicts_.end() || run.result.scene ? std::nullopt
+                                                        : std::optional(found->second);
+  }
+  void keep(const TimedRun& run, const BenchmarkRow& row) {
+    if (row.is_solved && !run.result.scene) verdicts_.emplace(key_of(run), row.is_path_valid);
+  }
+
  private:
+  /// All that the verdict on a path of the problem depends on.
+  using Key = std::tuple<std::optional<double>, double, double, Path>;
+
+  static Key key_of(const TimedRun& run) {
+    const SolveSettings& settings = run.bench_case.settings;
+    return {settings.resolution, settings.start_tolerance, settings.allow_at_ends,
+            run.result.plan.path};
+  }
+
   const LoadedProblem* loaded_ = nullptr;
   std::map<std::optional<double>, CollisionChecker> checkers_;
+  std::map<Key, bool> verdicts_;
 };
 
 /// Distributes runs to threads and passes their rows to the caller.
@@ -244,10 +267,13 @@ class RunQueue {
 
   /// Checks the paths and passes on the rows.
   void report(std::vector<TimedRun>& timed, ProblemCheckers& checkers) {
-    for (const auto& [run, bench_case, result, started] : timed) {
+    for (const TimedRun& each : timed) {
+      const auto& [run, bench_case, result, started] = each;
       const auto checker = checkers.find(*run->loaded, bench_case.settings.resolution);
       if (!checker) return stop(checker.error());
-      BenchmarkRow row = make_row(run->loaded->problem, bench_case.settings, result, **checker);
+      BenchmarkRow row = make_row(run->loaded->problem, bench_case.settings, result, **checker,
+                                  checkers.verdict_on(each));
+      checkers.keep(each, row);
       row.set = run->loaded->set;
       row.setting = bench_case.setting;
       row.settings = bench_case.description;

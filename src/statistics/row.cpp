@@ -38,8 +38,8 @@ constexpr double kSameConfiguration = 1e-4;
 /// Pose tolerances in metres and radians, those of IkSettings.
 constexpr double kSamePosition = 1e-4, kSameRotation = 1e-3;
 
-bool is_path_valid(const CollisionChecker& checker, const Problem& problem,
-                   const EndTolerances& tolerances, const SolveResult& result) {
+bool check_path(const CollisionChecker& checker, const Problem& problem,
+                const EndTolerances& tolerances, const SolveResult& result) {
   const Robot& robot = problem.robot;
   const Path& path = result.plan.path;
   const Scene& scene = result.scene ? *result.scene : checker.scene();
@@ -111,7 +111,8 @@ std::string describe_settings(const SolveSettings& settings) {
 }
 
 BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
-                      const SolveResult& result, const CollisionChecker& checker) {
+                      const SolveResult& result, const CollisionChecker& checker,
+                      std::optional<bool> is_path_valid) {
   const PlanResult& plan = result.plan;
   BenchmarkRow row;
   row.problem = problem.name;
@@ -122,8 +123,10 @@ BenchmarkRow make_row(const Problem& problem, const SolveSettings& settings,
   const bool is_late = plan.is_solved() && plan.planning_time_s > row.timeout_s;
   row.status = is_late ? PlanStatus::timeout : plan.status;
   row.is_solved = plan.is_solved() && !is_late;
-  row.is_path_valid =
-      row.is_solved && is_path_valid(checker, problem, end_tolerances(settings), result);
+  if (row.is_solved && !is_path_valid) {
+    is_path_valid = check_path(checker, problem, end_tolerances(settings), result);
+  }
+  row.is_path_valid = row.is_solved && *is_path_valid;
   row.planning_time_s = row.is_solved ? plan.planning_time_s : row.timeout_s;
   row.total_time_s = result.total_time_s;
   row.retrieval_time_s = result.gl.retrieval_time_s;
