@@ -114,8 +114,9 @@ struct BenchPlan {
   /// exactly before the next run. This evicts CPU caches, so that each phase takes longer. False
   /// (warm): all runs of a problem follow each other, and their paths are checked afterwards.
   bool is_cold = false;
-  /// Reverse the order of cases with every second seed, because the first case of a problem has
-  /// cold caches; if runs are warm, every second problem begins with the reversed order.
+  /// Change the order of cases from seed to seed, and from problem to problem if runs are warm: a
+  /// case takes longer after another one than after its like. Every second time in reverse, and
+  /// each case first in its turn.
   bool alternates = true;
   /// Skip a case on a problem once this many runs were all unsolved; 0: never. Deterministic with
   /// one job.

@@ -42,15 +42,18 @@ RunName name_without_seed(RunName name) {
   return name;
 }
 
-/// Appends the runs of a problem with the seed of that index.
-void append_runs(const BenchPlan& plan, const LoadedProblem& loaded, int seed, bool is_reversed,
+/// Appends the runs of a problem with the seed of that index, in the order of that turn.
+void append_runs(const BenchPlan& plan, const LoadedProblem& loaded, int seed, int turn,
                  std::vector<BenchRun>& runs) {
   const auto first = static_cast<std::ptrdiff_t>(runs.size());
   for (const BenchCase& bench_case : plan.cases) {
     if (!bench_case.is_of_set(loaded.set)) continue;
     runs.push_back({&loaded, &bench_case, plan.first_seed + static_cast<std::uint64_t>(seed)});
   }
-  if (plan.alternates && is_reversed) std::reverse(runs.begin() + first, runs.end());
+  if (!plan.alternates || std::ssize(runs) == first) return;
+  if (turn % 2 == 1) std::reverse(runs.begin() + first, runs.end());
+  const std::ptrdiff_t shift = turn / 2 % (std::ssize(runs) - first);
+  std::rotate(runs.begin() + first, runs.begin() + first + shift, runs.end());
 }
 
 std::vector<BenchRun> all_runs(const BenchPlan& plan) {
@@ -58,16 +61,12 @@ std::vector<BenchRun> all_runs(const BenchPlan& plan) {
   if (plan.is_warm()) {
     int turn = 0;
     for (const LoadedProblem& loaded : plan.problems) {
-      for (int i = 0; i < plan.seed_count; ++i) {
-        append_runs(plan, loaded, i, (turn + i) % 2 == 1, runs);
-      }
+      for (int i = 0; i < plan.seed_count; ++i) append_runs(plan, loaded, i, turn + i, runs);
       ++turn;
     }
   } else {
     for (int i = 0; i < plan.seed_count; ++i) {
-      for (const LoadedProblem& loaded : plan.problems) {
-        append_runs(plan, loaded, i, i % 2 == 1, runs);
-      }
+      for (const LoadedProblem& loaded : plan.problems) append_runs(plan, loaded, i, i, runs);
     }
   }
   return runs;

@@ -50,11 +50,11 @@ struct PretendedBench {
 PlanStatus solve_all(const BenchCase&) { return PlanStatus::solved; }
 
 TEST_SUITE("unit") {
-  TEST_CASE("Runs of a problem follow each other, every other seed and problem in reverse") {
+  TEST_CASE("Runs of a problem follow each other, their order changes by seed and problem") {
     PretendedBench bench(solve_all);
     bench.plan.seed_count = 2;
     CHECK(bench.run().value());
-    CHECK(bench.order() == "Ao1 At1 At2 Ao2 Bt1 Bo1 Bo2 Bt2 ");
+    CHECK(bench.order() == "Ao1 At1 At2 Ao2 Bt1 Bo1 Bt2 Bo2 ");
     CHECK(describe_timing(bench.rows) == "warm");
   }
 
@@ -155,7 +155,7 @@ TEST_SUITE("unit") {
     CHECK(is_alone);
     CHECK(bench.rows.size() == 80);
     sort_rows(bench.plan, bench.rows);
-    CHECK(bench.order().starts_with("Ao1 At1 At2 Ao2 Ao3 "));
+    CHECK(bench.order().starts_with("Ao1 At1 At2 Ao2 At3 "));
   }
 
   TEST_CASE("Each planner meets each sampler, in the order of their names; some take turns") {
