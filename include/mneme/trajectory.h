@@ -145,9 +145,9 @@ struct MotionMeasures {
 inline constexpr double kLeastStop = 2e-6;
 /// Returns where a robot comes to rest that stops from `velocity` at `start` (a value per joint)
 /// as fast as possible without leaving the straight line; `start` if that is nearer than
-/// kLeastStop. Errors: another number of values than joints; naming the joint: a velocity above its
-/// limit; a joint that would leave its range; a continuous joint that would turn by pi or more, so
-/// that the path would turn it the other way.
+/// kLeastStop. Errors: another number of values than joints. Naming the joint: a velocity above
+/// its limit; a joint that would leave its range; a continuous joint that would turn by pi or more,
+/// so that the path would turn it the other way.
 [[nodiscard]] Result<Configuration> stopping_point(const Robot& robot, const Configuration& start,
                                                    const std::vector<double>& velocity,
                                                    const RateLimits& limits);
