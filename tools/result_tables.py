@@ -20,20 +20,18 @@ has `bench report`, summarises rows. Documents have tables between markers, and 
   <!-- output NAME -->
   <!-- /rows -->
 
-Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved,
-bad, p50, mean, p95, p99, max, iterations, states, length, duration, simplification, retrieved, replayed (runs that queried the memory for
-samples, or replayed a task); of ratios: pairs, p50, p95, p99, mean, geometric.
-difficulty: tasks, which are problems that `mneme scene repeat` made of one (t01_0001, t01_0002), by the baseline's median for them, with tasks, solved,
-p50, mean and p95 of each setting, whose name up to a comma counts; p50_gain and mean_gain are the baseline's by its own, geometric_gain the
-geometric mean of the pairs', with 95 % intervals over tasks, slower the pairs in which it took longer than the baseline. used: the same gains of each setting, apart for runs that queried the memory and
-for those that ended before and computed what the baseline computed: what these differ by is noise; or by set. Its baseline may be a sampler. growth: sums of
-total times after so many queries, in the order of the rows, of the baseline and of each other setting, whose name up to a comma counts, and the query
-from which on it has taken less in all. cost: of each setting with a memory of its own that was learned, the first of them, what it took to learn, the median time of retrieval
-where there was one, its mean planning time without (the baseline's) and with it, and after how many queries that is gained. beside: rows of two programs on the same
-problems, OTHER's by NAME's, from what is the median of each problem's runs, with 95 % intervals over problems: pairs, percentiles, and length of those
-that both solved. In VALUE of where _ stands for a space, and | separates alternatives; COLUMN~VALUE
-means lines whose COLUMN contains VALUE, COLUMN!VALUE those whose does not. A table has at most 15 lines. With --check
-nothing is written: it fails if something would be.
+Of several NAMEs each has one line, named after it, over all of its sets. by: set, planner, sampler, setting. show of rows: solved, bad, p50, mean, p95, p99, max,
+iterations, states, length, duration, simplification, retrieved, replayed (runs that queried the memory for samples, or replayed a task); of ratios: pairs, p50, p95,
+p99, mean, geometric. difficulty: tasks, which are problems that `mneme scene repeat` made of one (t01_0001, t01_0002), by the baseline's median for them, with
+tasks, solved, p50, mean and p95 of each setting, whose name up to a comma counts; p50_gain and mean_gain are the baseline's by its own, geometric_gain the geometric
+mean of the pairs', with 95 % intervals over tasks, slower the pairs in which it took longer than the baseline. used: the same gains of each setting, apart for runs
+that queried the memory and for those that ended before and computed what the baseline computed: what these differ by is noise; or by set. Its baseline may be a
+sampler. growth: sums of total times after so many queries, in the order of the rows, of the baseline and of each other setting, whose name up to a comma counts, and
+the query from which on it has taken less in all. cost: of each setting with a memory of its own that was learned, the first of them, what it took to learn, the
+median time of retrieval where there was one, its mean planning time without (the baseline's) and with it, and after how many queries that is gained. beside: rows of
+two programs on the same problems, OTHER's by NAME's, from what is the median of each problem's runs, with 95 % intervals over problems: pairs, percentiles, and
+length of those that both solved. In VALUE of where _ stands for a space, and | separates alternatives; COLUMN~VALUE means lines whose COLUMN contains VALUE,
+COLUMN!VALUE those whose does not. A table has at most 15 lines. With --check nothing is written: it fails if something would be.
 """
 import argparse
 import csv
@@ -139,20 +137,18 @@ def cell(summary, column, time):
     if column in USED:
         return f"{summary[column]} of {summary['valid']}"
     if column in PERCENT:
-        rank = max(1, -(-PERCENT[column] * summary["valid"] // 100))
-        return (">" if rank > summary["solved"] else "") + milliseconds(summary[f"{time}_{column}_s"])
+        is_failure = rank(summary["valid"], column) >= summary["solved"]
+        return (">" if is_failure else "") + milliseconds(summary[f"{time}_{column}_s"])
     if column == "mean":
         return (">" if summary["solved"] < summary["valid"] else "") + milliseconds(summary[f"{time}_mean_s"])
     if column == "solved":
         return f"{summary['solved']} of {summary['valid']}"
-    if column == "length":
-        return f"{summary['path_length_mean']:.2f}"
-    if column == "duration":
-        return f"{summary['duration_mean_s']:.2f}"
+    plain = {"length": "path_length_mean", "duration": "duration_mean_s"}
+    if column in plain:
+        return f"{summary[plain[column]]:.2f}"
     if column == "simplification":
         return milliseconds(summary["simplification_p50_s"])
-    keys = {"bad": "invalid_paths", "iterations": "iterations_p50", "states": "states_p50"}
-    return str(summary[keys.get(column, column)])
+    return str(summary[{"bad": "invalid_paths", "iterations": "iterations_p50", "states": "states_p50"}.get(column, column)])
 
 
 def factor(value):
@@ -161,9 +157,8 @@ def factor(value):
 
 def bounded(text, is_at_least, is_at_most):
     """A ratio, marked where failures, which stand at their limit, make it a bound."""
-    if is_at_least and is_at_most:
-        return "open"
-    return ("≥ " if is_at_least else "≤ " if is_at_most else "") + text
+    mark = "≥ " if is_at_least else "≤ " if is_at_most else ""
+    return "open" if is_at_least and is_at_most else mark + text
 
 
 def ratio_cell(ratio):
@@ -283,13 +278,9 @@ def gain_cell(column, runs, base):
     if column == "slower":
         pairs = [(this[0], that[0]) for task, these in runs.items() for this, that in zip(these, base[task])]
         return f"{sum(this > that for this, that in pairs)} of {len(pairs)}"
-
     sides = [[run for task in runs for run in of[task]] for of in (base, runs)]
-    if column == "p50_gain":
-        failed = [not sorted(side)[rank(len(side), "p50")][1] for side in sides]
-    else:
-        failed = [not all(is_solved for _, is_solved in side) for side in sides]
-    return bounded(gain(column, runs, base), *failed)
+    decisive = [sorted(side)[rank(len(side), "p50")] if column == "p50_gain" else min(side, key=lambda run: run[1]) for side in sides]
+    return bounded(gain(column, runs, base), *(not is_solved for _, is_solved in decisive))
 
 
 def gain(column, runs, base):

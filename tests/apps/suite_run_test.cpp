@@ -80,7 +80,7 @@ TEST_SUITE("flow") {
     for (const BenchmarkRow& row : rows_of_suite(out + "/runs.csv")) {
       order += row.planner + std::to_string(row.seed) + " ";
     }
-    CHECK(order == "prm1 rrt1 rrt2 prm2 prm3 rrt3 ");
+    CHECK(order == "prm1 rrt1 rrt2 prm2 rrt3 prm3 ");
     CHECK_FALSE(std::filesystem::exists(out + "/memories/few.db"));
   }
 

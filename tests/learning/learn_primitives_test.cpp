@@ -255,7 +255,7 @@ TEST_SUITE("unit") {
     Database small = make_database(directory / "small.db", planar_arm({1, 1}));
     const Error error =
         require_error(learn_primitives(robot, random_keys(3, 48), small, cheap_job()));
-    CHECK(error.code == ErrorCode::invalid);
+    CHECK(error.code == ErrorCode::wrong_robot);
     CHECK(small.size() == 0);
 
     write_file(directory / "a.db", "");

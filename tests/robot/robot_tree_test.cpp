@@ -205,7 +205,7 @@ TEST_SUITE("unit") {
                      j[1].mimic = follow(0, 1e4);
                      j[2].mimic = follow(1, 1e4);
                    }),
-                   "joint 'j3': its multiplier 100000000"));
+                   "joint 'j2': with multiplier 10000, offset 0 and the limits of joint 'j1' it"));
     CHECK(
         contains(refusal_of_changed([](auto& j) { j[1].mimic = follow(0, 1, -1e7); }),
                  "joint 'j2': its multiplier 1 and offset -10000000 are not both within 1000000"));
