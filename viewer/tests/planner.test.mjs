@@ -87,6 +87,8 @@ describe("the page that plans by itself", { skip }, () => {
     assert.ok(statSync(file).size < 4 << 20, `${statSync(file).size} bytes`);
     const opened = await open(browser, file);
     await opened.page.waitForFunction(() => window.mneme.live.count > 0, null, { timeout: 120000 });
+    const times = await opened.page.evaluate(() => [performance.getEntriesByName("first-picture")[0].startTime, performance.now()]);
+    console.log(`${flags.join(" ")}: first picture after ${times[0].toFixed(0)} ms, first plan after ${times[1].toFixed(0)} ms`);
     return opened;
   }
   const note = (page) => page.locator("#note").textContent();
