@@ -181,7 +181,8 @@ class JointBlock {
  private:
   /// Values of a record; kUp and kDown have one for each order, and one for boxes. The border has
   /// the opposite sign.
-  enum : size_t { kUp = 0, kDown = 4, kBorder = 8, kMove, kBorderMove, kFirst, kSecond, kThird };
+  static constexpr size_t kUp = 0, kDown = 4, kBorder = 8, kMove = 9, kBorderMove = 10, kFirst = 11,
+                          kSecond = 12, kThird = 13;
   static constexpr size_t kBox = 3;  // after the orders
 
   /// The distances to both limits of a barrier.

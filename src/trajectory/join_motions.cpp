@@ -200,9 +200,11 @@ class Blender {
       if (!found) continue;
       for (int k = 0; k < kDurationBisections; ++k) {
         const double half_s = 0.5 * (least + found->duration_s);
-        auto faster = connect(from, to, half_s);
-        if (faster) found = std::move(faster);
-        if (!faster) least = half_s;
+        if (auto faster = connect(from, to, half_s)) {
+          found = std::move(faster);
+        } else {
+          least = half_s;
+        }
       }
       const double gain_s = most_s - found->duration_s;
       if (gain_s < kLeastGain_s) return std::nullopt;
