@@ -86,8 +86,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Time to build, seconds. More proves more: what is proven stays.");
   visit("boxes", s.boxes, std::uint64_t{1}, std::uint64_t{1000000},
         "Largest number of boxes to examine, for each start. With a seed it makes a build "
-        "repeatable, whatever "
-        "the time and the number of threads.");
+        "repeatable, whatever the time and the number of threads.");
   visit("threads", s.threads, 1, 64, "Threads that examine boxes. The cell does not depend on it.");
   visit(
       "margin", s.margin, 5e-5, 0.1,
@@ -197,8 +196,8 @@ class Cell {
   /// milliseconds.
   void prepare() const;
   /// Looks the task up among proven boxes. `start`, here and below, is an index of
-  /// region().starts. Writes an answer of tier `certified` or `none`. Cost:
-  /// microseconds, without allocation if `answer` is used again.
+  /// region().starts. Writes an answer of tier `certified` or `none`. Cost: microseconds, without
+  /// allocation if `answer` is used again.
   void look_up(const CellTask& task, CellAnswer& answer, std::size_t start = 0) const;
   /// As look_up(). Without a certified answer, deforms the nearest boxes' paths to the task and
   /// verifies them; then plans for at most `timeout_s` seconds. A path of any tier is proven free
