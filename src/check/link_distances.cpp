@@ -260,18 +260,6 @@ double LinkDistances::between_spheres(const PosedLinks& posed, int first, int se
   return least;
 }
 
-bool is_free(const LinkDistances& links, const PosedLinks& posed,
-             std::span<const ObstacleShape> obstacles, std::span<const LinkPair> pairs) {
-  for (int link = 0; link < links.link_count(); ++link) {
-    if (links.shapes(link).empty() || !links.is_moving(link)) continue;
-    for (const ObstacleShape& obstacle : obstacles) {
-      if (links.between(posed, link, obstacle, 0) < 0) return false;
-    }
-  }
-  return std::ranges::none_of(
-      pairs, [&](const LinkPair& pair) { return links.between(posed, pair, 0) < 0; });
-}
-
 namespace {
 
 /// True if `gap`, of a contact of the link, ends at the center or axis of one of its shapes.

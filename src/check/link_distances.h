@@ -154,11 +154,6 @@ class LinkDistances {
   std::shared_ptr<FreeCellsOfPairs> bare_cells_, cells_;  ///< between these, and of all others
 };
 
-/// True if no moving link touches an obstacle and no pair of links touches.
-[[nodiscard]] bool is_free(const LinkDistances& links, const PosedLinks& posed,
-                           std::span<const ObstacleShape> obstacles,
-                           std::span<const LinkPair> pairs);
-
 /// Returns all pairs in contact at `q`: moving links, inflated by `margin`, with obstacles, then
 /// links with links. Throws Interrupted.
 [[nodiscard]] std::vector<Contact> find_contacts(const Robot& robot, const LinkDistances& links,

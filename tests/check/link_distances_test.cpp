@@ -422,14 +422,10 @@ TEST_SUITE("law") {
     for (int i = 0; i < kScenes; ++i) {
       const Scene scene = random_scene(rng);
       const auto checker = require(CollisionChecker::make(robot, scene));
-      const internal::LinkDistances links(robot);
-      const std::vector<internal::ObstacleShape> obstacles =
-          internal::obstacle_shapes(robot, scene);
       for (int j = 0; j < kStates; ++j) {
         const Configuration q = test::random_configuration(robot, rng);
         INFO("seed " << kSeed << ", scene " << i << ", state " << j);
-        const bool is_free = internal::is_free(links, links.posed(robot.link_poses(q)), obstacles,
-                                               internal::link_pairs(robot, scene));
+        const bool is_free = is_path_free(robot, scene, {q}, 1);
         REQUIRE(is_free == checker.contacts(q).empty());
         free_count += is_free ? 1 : 0;
       }

@@ -4,7 +4,10 @@
 
 #include "report/report_support.h"
 
+#include <array>
+#include <cmath>
 #include <limits>
+#include <vector>
 
 namespace mneme {
 namespace {
@@ -58,7 +61,75 @@ TEST_SUITE("unit") {
   }
 }
 
+/// A lift, a boom that turns, and two arms at its end, of which one follows the other.
+constexpr const char* kLift = R"(<robot name="lift">
+  <link name="base"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="boom">
+    <collision><origin rpy="0 1.5708 0" xyz="0.25 0 0"/>
+      <geometry><capsule radius="0.04" length="0.4"/></geometry></collision></link>
+  <link name="arm"><collision><origin xyz="0 0 0.3"/>
+    <geometry><capsule radius="0.04" length="0.5"/></geometry></collision></link>
+  <link name="follower"><collision><origin xyz="0 0 -0.3"/>
+    <geometry><sphere radius="0.15"/></geometry></collision></link>
+  <joint name="z" type="prismatic"><parent link="base"/><child link="column"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="0.8" effort="1" velocity="1"/></joint>
+  <link name="column"/>
+  <joint name="turn" type="continuous"><parent link="column"/><child link="boom"/>
+    <axis xyz="0 0 1"/></joint>
+  <joint name="bend" type="revolute"><parent link="boom"/><child link="arm"/>
+    <origin xyz="0.5 0 0"/><axis xyz="1 0.4 0"/>
+    <limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+  <joint name="follow" type="revolute"><parent link="boom"/><child link="follower"/>
+    <origin xyz="0.5 0 0"/><axis xyz="0 1 0"/><mimic joint="bend" multiplier="-0.7" offset="0.2"/>
+    <limit lower="-3" upper="3" effort="1" velocity="1"/></joint>
+</robot>)";
+
+Scene random_boxes(Rng& rng) {
+  const auto point = [&](double most) {
+    return Vec3{rng.uniform(-most, most), rng.uniform(-most, most), rng.uniform(-most, most)};
+  };
+  Obstacle boxes{"boxes", {}};
+  for (int i = 0; i < 6; ++i) {
+    const Vec3 size = Vec3::Constant(0.05) + point(0.02);
+    boxes.shapes.push_back(Box{{rotation_from_rpy(point(3)), point(1)}, size});
+  }
+  return {"scene", {boxes}};
+}
+
+/// As is_path_free() of a motion, by the contacts of each of its states.
+bool is_free_state_by_state(const CollisionChecker& checker, const Path& motion,
+                            double resolution) {
+  const Robot& robot = checker.robot();
+  const Configuration delta = robot.difference(motion[0], motion[1]);
+  const double steps = std::ceil(robot.distance(motion[0], motion[1]) / resolution);
+  for (int step = 0; step <= static_cast<int>(steps); ++step) {
+    Configuration q = motion[0];
+    for (std::size_t j = 0; j < q.size(); ++j) q[j] += step / steps * delta[j];
+    if (!checker.contacts(q).empty()) return false;
+  }
+  return true;
+}
+
 TEST_SUITE("law") {
+  TEST_CASE("Leaving out states that are known to be free changes no answer") {
+    const Robot robot = require(parse_robot(kLift, "lift.urdf"));
+    Rng rng(7);
+    int free_count = 0;
+    constexpr int kMotions = 1000;
+    for (int round = 0; round < kMotions; ++round) {
+      const auto checker = require(CollisionChecker::make(robot, random_boxes(rng)));
+      const Path motion = {test::random_configuration(robot, rng),
+                           test::random_configuration(robot, rng)};
+      const double resolution = round % 2 == 0 ? 0.01 : 0.2;
+      CAPTURE(round);
+      const bool is_free = is_path_free(robot, checker.scene(), motion, resolution);
+      REQUIRE(is_free == is_free_state_by_state(checker, motion, resolution));
+      free_count += is_free ? 1 : 0;
+    }
+    CHECK(free_count > kMotions / 10);
+    CHECK(free_count < kMotions * 9 / 10);
+  }
+
   TEST_CASE("The direction of a path does not matter") {
     const CollisionChecker checker = checker_for({{1.5, 1, 0.3}, {-1, 1.5, 0.4}});
     Rng rng(13);
