@@ -69,6 +69,19 @@ Vec3 excess_of_cylinder(const Vec3& p, double radius, double length) {
   return {beyond_side * p.x(), beyond_side * p.y(), z};
 }
 
+}  // namespace
+
+Vec3 nearest_point(const Vec3& p, const Box& box) {
+  return p - box.pose.rotation * excess_of_box(box.pose.inverse() * p, box.half_extents);
+}
+
+Vec3 nearest_point(const Vec3& p, const Cylinder& cylinder) {
+  return p - cylinder.pose.rotation *
+                 excess_of_cylinder(cylinder.pose.inverse() * p, cylinder.radius, cylinder.length);
+}
+
+namespace {
+
 struct NearestPoint {
   const Vec3& p;
   Vec3 operator()(const Sphere& s) const {
@@ -76,12 +89,8 @@ struct NearestPoint {
     const double length = out.norm();
     return length <= s.radius ? p : Vec3(s.center + s.radius / length * out);
   }
-  Vec3 operator()(const Box& s) const {
-    return p - s.pose.rotation * excess_of_box(s.pose.inverse() * p, s.half_extents);
-  }
-  Vec3 operator()(const Cylinder& s) const {
-    return p - s.pose.rotation * excess_of_cylinder(s.pose.inverse() * p, s.radius, s.length);
-  }
+  Vec3 operator()(const Box& s) const { return nearest_point(p, s); }
+  Vec3 operator()(const Cylinder& s) const { return nearest_point(p, s); }
   Vec3 operator()(const Capsule& s) const {
     const Vec3 out = excess_of_segment(p, s.a, s.b);
     const double length = out.norm();

@@ -53,25 +53,11 @@ AxisBox bounds(const Convex& solid) {
   return box;
 }
 
-/// The point of a convex solid nearest to `point`.
-Vec3 closest_to(const Vec3& point, const Box& s) {
-  const Vec3 local = s.pose.rotation.transpose() * (point - s.pose.translation);
-  return s.pose * Vec3(local.cwiseMin(s.half_extents).cwiseMax(-s.half_extents));
-}
-
-Vec3 closest_to(const Vec3& point, const Cylinder& s) {
-  Vec3 local = s.pose.rotation.transpose() * (point - s.pose.translation);
-  const double across = local.head<2>().norm();
-  if (across > s.radius) local.head<2>() *= s.radius / across;
-  local.z() = std::clamp(local.z(), -0.5 * s.length, 0.5 * s.length);
-  return s.pose * local;
-}
-
 /// Lower bound of the distance between a triangle and a convex solid: that from the plane through
 /// the solid's point nearest to the centroid. Exact for a triangle parallel to a face below it.
 template <class Convex>
 double distance_at_least(const Triangle& t, const Convex& s) {
-  const Vec3 center = t.centroid(), nearest = closest_to(center, s);
+  const Vec3 center = t.centroid(), nearest = nearest_point(center, s);
   const Vec3 away = center - nearest;
   const double length = away.norm();
   if (length == 0) return 0;

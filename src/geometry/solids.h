@@ -23,6 +23,8 @@ namespace mneme::internal {
 
 /// The point of a shape nearest to `p`; `p` itself inside.
 [[nodiscard]] Vec3 nearest_point(const Vec3& p, const Shape& shape);
+[[nodiscard]] Vec3 nearest_point(const Vec3& p, const Box& box);
+[[nodiscard]] Vec3 nearest_point(const Vec3& p, const Cylinder& cylinder);
 
 /// Sizes in metres: full extents of a box; radius and length of a cylinder or capsule; radius of a
 /// sphere. Empty for compound shapes.
