@@ -89,7 +89,6 @@ std::vector<Configuration> PoseGoalSource::more() {
   if (regions_.empty()) return {};
   if (calls_++ > 0) return search_next();
   if (has_many_regions()) return find_first();
-  next_ = 2;
   return find_all();
 }
 
