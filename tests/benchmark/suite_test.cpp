@@ -22,7 +22,8 @@ using test::contains;
 using test::require;
 using test::require_error;
 
-// The files of problems that script/hard, script/repeats, script/enclosed and script/growth make.
+// The files of problems that script/hard, script/repeats, script/enclosed, script/blocked and
+// script/growth make.
 std::vector<std::string> made_by_scripts() {
   std::vector<std::string> names = {
       "wide.json",   "middle.json",  "narrow.json", "two.json", "three.json", "two_narrow.json",
@@ -216,8 +217,8 @@ settings:
     add_baseline_samplers();
     const test::TemporaryDirectory made;
     for (const std::string& name : made_by_scripts()) test::write_file(made / name, "");
-    for (const char* directory : {"GROWTH", "ENCLOSED", "REPEATS", "HARD", "TRANSFER", "ABLATIONS",
-                                  "PROBLEMS", "WORLDS", "COMPOSED"}) {
+    for (const char* directory : {"GROWTH", "ENCLOSED", "BLOCKED", "REPEATS", "HARD", "TRANSFER",
+                                  "ABLATIONS", "PROBLEMS", "WORLDS", "COMPOSED"}) {
       setenv(directory, (made / ".").c_str(), 1);
     }
     for (const char* memory : {"MEMORY", "SHELVES"}) setenv(memory, "memory.db", 1);
