@@ -106,6 +106,7 @@ struct Scene {
   /// Adds a shape to the obstacle of this name, or an obstacle with the shape if there is none.
   /// Cost and errors: those of add().
   [[nodiscard]] Result<void> add_shape(const std::string& obstacle, Shape shape);
+  /// Removes an obstacle and what `end_contacts` says of it.
   [[nodiscard]] Result<void> remove(std::string_view obstacle);
   /// Moves an obstacle by X in the frame of the root link: each pose becomes X * pose.
   [[nodiscard]] Result<void> move(std::string_view obstacle, const Transform& X);

@@ -82,7 +82,11 @@ Result<std::vector<std::string>> drop_own_points(Scene& scene, const Robot& robo
         "obstacle {}: {} of {} points are nearer than {} m to the robot's spheres and ignored",
         obstacle.name, dropped, total, distance));
   }
-  std::erase_if(scene.obstacles, [](const Obstacle& o) { return o.shapes.empty(); });
+  std::vector<std::string> empty;
+  for (const Obstacle& obstacle : scene.obstacles) {
+    if (obstacle.shapes.empty()) empty.push_back(obstacle.name);
+  }
+  for (const std::string& name : empty) MNEME_TRY(scene.remove(name));
   return notes;
 }
 

@@ -120,6 +120,9 @@ void Scene::prepare(std::string_view obstacle) const {
 Result<void> Scene::remove(std::string_view obstacle) {
   const Obstacle* found = find(obstacle);
   if (found == nullptr) return refuse_unknown(*this, obstacle);
+  std::erase_if(end_contacts, [&](const EndContact& contact) {
+    return contact.first == found->name || contact.second == found->name;
+  });
   obstacles.erase(obstacles.begin() + (found - obstacles.data()));
   return {};
 }

@@ -119,11 +119,11 @@ Scene read_scene_of_request(const Input& input, const std::string& name,
         "root link");
   }
   Scene kept = id ? find_scene(*id, context) : Scene(shown->scene);
+  for (const std::string& emptied : own.empty) static_cast<void>(kept.remove(emptied));
   scene.end_contacts = std::move(kept.end_contacts);
   for (Obstacle& obstacle : kept.obstacles) {
     const bool is_replaced = scene.find(obstacle.name) != nullptr;
-    const bool is_empty = std::ranges::find(own.empty, obstacle.name) != own.empty.end();
-    if (!is_replaced && !is_empty) scene.obstacles.push_back(std::move(obstacle));
+    if (!is_replaced) scene.obstacles.push_back(std::move(obstacle));
   }
   check_count(input, scene, context);
   return std::move(scene);

@@ -162,9 +162,11 @@ TEST_SUITE("unit") {
     require(scene.add(ball("b")));
     require(scene.move("b", {Eigen::Matrix3d::Identity(), Vec3(1, 2, 3)}));
     CHECK(std::get<Sphere>(scene.find("b")->shapes[0]).center == Vec3(1, 2, 3));
+    scene.end_contacts = {{"hand", "a", 0.01}, {"a", "b", 0.01}, {"hand", "b", 0.01}};
     require(scene.remove("a"));
     CHECK(scene.obstacles.size() == 1);
     CHECK(scene.find("a") == nullptr);
+    CHECK(scene.end_contacts == std::vector<EndContact>{{"hand", "b", 0.01}});
   }
 
   TEST_CASE("shapes of one name are one body, also after obstacles were changed by hand") {
