@@ -123,14 +123,16 @@ export interface Trace {
   live?: Live;
 }
 
+export type Allowed = [string, string] | { pair: [string, string]; at_ends: number };
+
 /** What the page of a service starts with. */
 export interface Live {
   start: number[];
   has_memory: boolean;
   /** The scene of the service that holds what requests cannot: points, triangles, cubes; they come last among the obstacles. */
   scene: string | null;
-  /** Links that may touch obstacles: pairs of both names. */
-  allow: [string, string][];
+  /** What may touch: a link and an obstacle, or what may at the ends of a path. */
+  allow: Allowed[];
   /** Links that goals are for, with those that move with each, in its frame. */
   tips: { link: string; pose: Pose; carries: { link: number; pose: Pose }[] }[];
   /** Links that are only seen, in the frame of the one that carries them; traces of plans lack them. */

@@ -156,6 +156,7 @@ describe("the page of a service", { skip }, () => {
     const problem = join(directory, "scan.yaml");
     writeFileSync(problem, ["name: scan", "robot: planar8", "scene:", "  obstacles:",
       "    - {name: scan, type: points, file: scan.ply, radius: 0.2}", "    - {name: ball, type: sphere, position: [-3, -3, 0], radius: 0.5}",
+      "  allow: [[link_1, ball], {pair: [link_8, ball], at_ends: 0.01}]",
       "start: [1.5, 0, 0, 0, 0, 0, 0, 0]", "goal: {link: link_8, position: [7.99, 0, 0]}", ""].join("\n"));
     const service = await serve("--robot", "planar8", "--problem", problem);
     const { page, complaints, close } = await openLive(browser, service);
