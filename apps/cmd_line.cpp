@@ -124,6 +124,9 @@ Result<void> write_timed(const LineOptions& options, const CollisionChecker& che
 Result<ExitCode> run_line(const LineOptions& options) {
   PlacedRobot placed =
       MNEME_TRY(load_placed_robot(options.robot, options.robot_options, options.scene));
+  std::vector<ReadFile> inputs = placed.files;
+  inputs.push_back({"the file of limits", options.trajectory.limits});
+  MNEME_TRY(check_files_to_write(std::array{options.trajectory.file}, inputs));
   placed.robot = MNEME_TRY(narrow_positions(placed.robot, options.trajectory.limits));
   const auto start = MNEME_TRY(find_start(options, placed));
   const auto checker = MNEME_TRY(CollisionChecker::make(placed.robot, placed.scene));

@@ -97,16 +97,24 @@ Configuration PlacedRobot::start_or_zeros() const {
 
 Result<PlacedRobot> load_placed_robot(const std::string& robot, const RobotOptions& options,
                                       const std::string& scene) {
-  const auto alone = [](const Robot& loaded) { return PlacedRobot{loaded, {}, std::nullopt}; };
-  if (scene.empty()) return load_named_robot(robot, options).map(alone);
+  const auto load_alone = [&]() -> Result<PlacedRobot> {
+    PlacedRobot placed{MNEME_TRY(load_named_robot(robot, options)), {}, {}, {}};
+    placed.files = robot_files(MNEME_TRY(robot_file(robot)), options.srdf_path);
+    return placed;
+  };
+  if (scene.empty()) return load_alone();
   const ProblemOptions overrides = MNEME_TRY(problem_options(robot, options));
   const Workspace workspace = MNEME_TRY(load_workspace(scene, overrides));
   const std::optional<Problem>& problem = workspace.problem;
   PlacedRobot placed =
-      MNEME_TRY(problem ? Result<PlacedRobot>(PlacedRobot{problem->robot, {}, problem->start})
-                        : load_named_robot(robot, options).map(alone));
-  Scene in_frame = MNEME_TRY(in_root_frame(workspace.framed, placed.robot));
-  placed.scene = std::move(in_frame);
+      MNEME_TRY(problem ? Result<PlacedRobot>(PlacedRobot{problem->robot, {}, problem->start, {}})
+                        : load_alone());
+  if (problem) {
+    add_problem_files("a file of the problem", *problem, options.srdf_path, placed.files);
+  } else {
+    add_files("a file of the scene", workspace.framed.files, placed.files);
+  }
+  placed.scene = MNEME_TRY(in_root_frame(workspace.framed, placed.robot));
   return placed;
 }
 

@@ -8,10 +8,12 @@
 #include "mneme/experience.h"
 #include "mneme/pipeline.h"
 #include "mneme/problem.h"
+#include "mneme/report.h"
 
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace mneme::app {
 
@@ -46,6 +48,7 @@ struct PlacedRobot {
   Robot robot;
   Scene scene;                         ///< in the frame of the root link; empty without a file
   std::optional<Configuration> start;  ///< of the problem, if the scene came with one
+  std::vector<ReadFile> files;         ///< what robot and scene were read from
 
   /// The start, or zeros, within the limits.
   [[nodiscard]] Configuration start_or_zeros() const;

@@ -57,6 +57,18 @@ TEST_SUITE("flow") {
     CHECK_FALSE(std::filesystem::exists(file));
   }
 
+  TEST_CASE("a trajectory replaces nothing that the line is read from") {
+    const TemporaryDirectory directory;
+    const std::string text = "name: empty\nobstacles: []\n";
+    const std::string scene = directory / "scene.yaml";
+    write_file(scene, text);
+    const ProgramRun run =
+        run_program(line_of({"--by", "0,0,-0.1", "--scene", scene, "--trajectory", scene}));
+    CHECK(run.exit_code == 1);
+    CHECK(contains(run.err, "is also an input"));
+    CHECK(read_file(scene) == text);
+  }
+
   TEST_CASE("a line that cannot start is told from one that found no path") {
     std::vector<std::string> words = line_of({"--by", "0,0,0.1"});
     words[3] = "0,-0.785,0,-2.356,0,1.571,9";
