@@ -47,21 +47,26 @@ struct GeneratorOptions {
   bool is_json = false;
 };
 
+std::string absolute_path(const std::string& path) {
+  return std::filesystem::absolute(path).lexically_normal().string();
+}
+
 /// The robot's name, or its absolute path, so that the file can be read from anywhere.
 std::string robot_reference(const std::string& robot) {
-  return robot.find('/') == std::string::npos && !robot.ends_with(".urdf")
-             ? robot
-             : std::filesystem::absolute(robot).lexically_normal().string();
+  const bool is_name = robot.find('/') == std::string::npos && !robot.ends_with(".urdf");
+  return is_name ? robot : absolute_path(robot);
 }
 
 /// From start to goal of a generated instance.
 template <class Instance>
-Problem problem_of(const std::string& name, const Robot& robot, const Instance& instance) {
+Problem problem_of(const GeneratorOptions& options, const std::string& name, const Robot& robot,
+                   const Instance& instance) {
   return {.name = name,
           .robot = robot,
           .scene = instance.scene,
           .start = instance.start,
-          .goals = {instance.goal}};
+          .goals = {instance.goal},
+          .srdf_path = options.robot_options.srdf_path};
 }
 
 /// Appends `problem` to a file of problems of one robot; returns its entry.
@@ -69,6 +74,7 @@ Json& append_problem(const Problem& problem, const std::string& robot, Json& fil
   Json one = Json::parse(to_compact_json(problem, robot_reference(robot)));
   if (file.is_null()) {
     file = std::move(one);
+    if (!problem.srdf_path.empty()) file["srdf"] = absolute_path(problem.srdf_path);
   } else {
     file["problems"].push_back(std::move(one["problems"][0]));
   }
@@ -163,7 +169,7 @@ Json to_json(const EnclosedOptions& options, const Robot& robot, const EnclosedI
   for (std::size_t i = 0; i < made.instances.size(); ++i) {
     const EnclosedInstance& instance = made.instances[i];
     const std::string name = fmt::format("e{}_{:04}", options.seed, i);
-    const Problem problem = problem_of(name, robot, instance);
+    const Problem problem = problem_of(options, name, robot, instance);
     append_problem(problem, options.robot, file)["witness"] = instance.witness;
   }
   file["generator"] = kEnclosedVersion;
@@ -200,7 +206,7 @@ Json to_json(const BlockedOptions& options, const Robot& robot, const BlockedIns
   for (std::size_t i = 0; i < made.instances.size(); ++i) {
     const BlockedInstance& instance = made.instances[i];
     const std::string name = fmt::format("b{}_{:04}", options.seed, i);
-    const Problem problem = problem_of(name, robot, instance);
+    const Problem problem = problem_of(options, name, robot, instance);
     append_problem(problem, options.robot, file)["blocked"] = {
         {"joint", instance.joint}, {"angles", instance.angles}, {"link", instance.link}};
   }
@@ -234,7 +240,7 @@ Json to_json(const ComposedOptions& options, const Robot& robot, const ComposedI
   for (std::size_t i = 0; i < made.instances.size(); ++i) {
     const ComposedInstance& instance = made.instances[i];
     const std::string name = fmt::format("c{}_{:04}_{}", options.seed, i, instance.parts.size());
-    const Problem problem = problem_of(name, robot, instance);
+    const Problem problem = problem_of(options, name, robot, instance);
     Json& entry = append_problem(problem, options.robot, file);
     entry["witness"] = instance.witness;
     entry["parts"] = to_json(instance);
@@ -254,7 +260,8 @@ Json modules_to_json(const ComposedOptions& options, const Robot& robot,
                           .robot = robot,
                           .scene = module.scene,
                           .start = module.motion.front(),
-                          .goals = {module.motion.back()}};
+                          .goals = {module.motion.back()},
+                          .srdf_path = options.robot_options.srdf_path};
     append_problem(problem, options.robot, file)["witness"] = module.motion;
   }
   file["generator"] = kComposedVersion;

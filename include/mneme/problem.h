@@ -99,6 +99,7 @@ struct Problem {
   std::vector<double> end_velocity = {};
   /// Files that were read, except meshes, clouds, octrees and an SRDF found beside the URDF.
   std::vector<std::string> files = {};
+  std::string srdf_path = {};  ///< path of the SRDF, if one was named
 
   /// Returns true if there is a velocity at the start or at the goal.
   [[nodiscard]] bool is_moving() const { return !start_velocity.empty() || !end_velocity.empty(); }
@@ -165,9 +166,9 @@ struct ProblemOptions {
 /// Writes a compact file with this scene, without start and goal. extract_scene() reads it back to
 /// the same scene.
 [[nodiscard]] std::string to_compact_json(const FramedScene& scene);
-/// Writes a compact file with this problem. load_problem() reads it back to the same problem, but
-/// for `allowed_pairs`, which ProblemOptions may give; relative paths of attached meshes stay
-/// relative. `robot` is written as given.
+/// Writes a compact file with this problem. load_problem() reads it back to the same problem;
+/// relative paths of attached meshes stay relative. `robot` is written as given; the SRDF is not.
+/// Without `robot` it is the body of a request, which has no `allowed_pairs`.
 [[nodiscard]] std::string to_compact_json(const Problem& problem, const std::string& robot);
 /// Writes the goal as in JSON files and requests.
 [[nodiscard]] std::string to_json(const PoseGoal& goal);
@@ -176,7 +177,7 @@ struct ProblemOptions {
 /// index.
 [[nodiscard]] Result<std::vector<std::string>> list_problems(const std::string& path);
 
-/// Writes a problem file with the scene inside. `robot` is written as given.
+/// Writes a problem file with the scene inside. `robot` is written as given; the SRDF is not.
 [[nodiscard]] std::string to_yaml(const Problem& problem, const std::string& robot);
 
 }  // namespace mneme

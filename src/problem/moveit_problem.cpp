@@ -79,7 +79,10 @@ class MoveitReader {
     ProblemRobot robot = load_robot();
     hold_joints(robot);
     const MoveitFrames frames(scene_input_, state_);
-    Problem problem{.name = stem(address_.request), .robot = robot.robot, .robot_path = robot.path};
+    Problem problem{.name = stem(address_.request),
+                    .robot = robot.robot,
+                    .robot_path = robot.path,
+                    .srdf_path = robot.srdf};
     problem.files = std::move(robot.files);
     problem.files.insert(problem.files.end(), {address_.scene, address_.request});
     problem.scene = place_scene(robot.robot, frames);

@@ -98,8 +98,9 @@ ProblemRobot load_problem_robot(const std::string& path, const RobotOptions& opt
   }
   ApproximatedRobot loaded =
       value_or_throw(load_approximated_robot(path, options, {}, overrides.on_approximated));
-  ProblemRobot robot{path, std::move(loaded.robot), std::move(loaded.notes), {path}};
-  if (!options.srdf_path.empty()) robot.files.push_back(options.srdf_path);
+  ProblemRobot robot{
+      path, std::move(loaded.robot), std::move(loaded.notes), options.srdf_path, {path}};
+  if (!robot.srdf.empty()) robot.files.push_back(robot.srdf);
   if (!cache) return robot;
   if (cache->robots.size() == kCachedRobots) cache->robots.erase(cache->robots.begin());
   cache->robots.push_back({options, robot});
@@ -356,7 +357,8 @@ Problem read_with(ProblemRobot robot, const ProblemInput& input, const ProblemOp
                   .robot_path = robot.path,
                   .scene = std::move(scene),
                   .start = std::move(start),
-                  .warnings = std::move(robot.warnings)};
+                  .warnings = std::move(robot.warnings),
+                  .srdf_path = robot.srdf};
   problem.allowed_pairs = std::move(allowing.allowed_pairs);
   const auto velocity = [&](const char* key, const std::optional<std::vector<double>>& given) {
     if (given) return *given;

@@ -25,7 +25,8 @@ struct ProblemRobot {
   std::string path;
   Robot robot;
   std::vector<std::string> warnings;
-  std::vector<std::string> files = {};  ///< files read; the SRDF only if it was named
+  std::string srdf = {};                ///< path of the SRDF if it was named
+  std::vector<std::string> files = {};  ///< files read
 };
 
 /// A robot and the options of its loading.

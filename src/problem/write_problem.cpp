@@ -191,6 +191,8 @@ std::string to_compact_json(const Problem& problem, const std::string& robot) {
   if (!fixed.empty()) file["fixed_joints"] = fixed;
   Json json = {{"name", problem.name}};
   json.update(json_of(problem.scene));
+  const Json links = robot.empty() ? Json::array() : allowed_links_json(problem);
+  for (const Json& pair : links) json["allow"].push_back(pair);
   const Json attached = attached_json(problem.robot, internal::kCompactSpelling);
   if (!attached.empty()) json["attached"] = attached;
   json["start"] = problem.start;

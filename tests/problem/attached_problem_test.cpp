@@ -162,6 +162,12 @@ allow: [[arm, table], [box, cup], [base, arm]]
     CHECK(again.scene.obstacles[1].may_touch == Names{"box"});
     CHECK(again.robot.self_pairs().size() == problem.robot.self_pairs().size());
     CHECK(again.allowed_pairs == problem.allowed_pairs);
+    write_file(files / "again.json", to_compact_json(problem, files / "lifter.urdf"));
+    const auto compact = require(load_problem(files / "again.json#" + problem.name));
+    CHECK(compact.allowed_pairs == problem.allowed_pairs);
+    CHECK(compact.robot.hash() == problem.robot.hash());
+    CHECK(compact.scene.obstacles[0].may_touch == Names{"arm"});
+    CHECK(!contains(to_compact_json(problem, ""), R"("base", "arm")"));
   }
 
   TEST_CASE("a problem that is written elsewhere finds the meshes that it carries") {
