@@ -224,10 +224,10 @@ void Alternatives::filter_block() {
     test(object_, kObjectDepth, [&](const Transform& target) { return target * X_LO; });
   }
   test(hand_, 0, [](const Transform& target) { return target; });
-  if (!group_.is_line_anchor) return;
-  const std::vector<Transform> link_poses = world.robot.link_poses(near_);
-  test(hand_, 0,
-       [&](const Transform& target) { return line_begin(*group_.anchor, target, link_poses); });
+  // Where other links will be, no target tells.
+  const std::string& along = stage(*group_.anchor).along;
+  if (!group_.is_line_anchor || !(along.empty() || along == link_)) return;
+  test(hand_, 0, [&](const Transform& target) { return line_begin(*group_.anchor, target, {}); });
 }
 
 /// Drops the alternatives of `block` at whose poses the body is not free.
@@ -260,7 +260,8 @@ bool Alternatives::changes_before_next() const {
     return kind == StageKind::allow || kind == StageKind::gripper || kind == StageKind::detach;
   };
   const auto& next = next_group_->local;
-  const auto end = std::ranges::find(next, *next_group_->anchor);
+  const auto end =
+      next_group_->is_line_anchor ? std::ranges::find(next, *next_group_->anchor) : next.begin();
   return std::ranges::any_of(group_.local, changes) || std::any_of(next.begin(), end, changes);
 }
 
@@ -277,6 +278,10 @@ void Alternatives::look_ahead() {
   });
   if (choice.object.empty() || pose == world.poses.end() || attach == group_.local.end()) return;
   if (stage(*attach).carrier != link_ || choice.link != link_) return;
+  const auto is_line = [&](int i) {
+    return i != *group_.anchor && stage(i).kind == StageKind::line;
+  };
+  if (std::any_of(group_.local.begin(), attach, is_line)) return;  // it moves the hand on
   World without = world;
   without.held[choice.object] = {};  // the object's own frame as the link's: poses are the object's
   if (!without.scene.remove(choice.object)) return;

@@ -68,6 +68,7 @@ class TaskSearch {
   /// How a round of the search ends.
   enum class End { plan, exhausted, no_paths, over };
 
+  Result<void> search(TaskResult& result);
   Result<End> search_in_rounds();
   Result<End> search();
   void push_level();
@@ -501,7 +502,17 @@ Result<TaskResult> TaskSearch::solve() {
   result.preparation_time_s = run_.stopwatch.elapsed_s();
   run_.stopwatch = Stopwatch();
   result.remembered_rows = memory_.rows();
-  if (MNEME_TRY(refuse_start(result))) return result;
+  if (!MNEME_TRY(refuse_start(result))) MNEME_TRY(search(result));
+  result.plans = plans_;
+  result.states_checked = run_.states + moves_.states_checked;
+  result.iterations = moves_.iterations;
+  result.nodes = moves_.nodes;
+  result.motions_checked = moves_.motions_checked;
+  result.total_time_s = result.preparation_time_s + run_.stopwatch.elapsed_s();
+  return result;
+}
+
+Result<void> TaskSearch::search(TaskResult& result) {
   const End end = MNEME_TRY(search_in_rounds());
   if (best_) {
     result.status = PlanStatus::solved;
@@ -514,13 +525,7 @@ Result<TaskResult> TaskSearch::solve() {
   } else {
     refuse(end, result);
   }
-  result.plans = plans_;
-  result.states_checked = run_.states + moves_.states_checked;
-  result.iterations = moves_.iterations;
-  result.nodes = moves_.nodes;
-  result.motions_checked = moves_.motions_checked;
-  result.total_time_s = result.preparation_time_s + run_.stopwatch.elapsed_s();
-  return result;
+  return {};
 }
 
 /// Improvement of the moves means improvement of the task, where the task's settings say nothing.
