@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/cell.h"
 #include "mneme/goal.h"
+#include "mneme/path.h"
 #include "mneme/planning.h"
 #include "mneme/sampling.h"
 
@@ -391,7 +392,7 @@ void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t
   answer.note = planned.message;
   if (!planned.is_solved()) return;
   answer.tier = CellTier::planned;
-  answer.path = planned.path;
+  answer.path = unwrapped(robot, planned.path, from);
 }
 
 }  // namespace
@@ -428,7 +429,8 @@ CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s) 
 std::optional<CellAnswer> answer_from(const Cell& cell, const Problem& problem) {
   const CellRegion& region = cell.region();
   const auto start = std::ranges::find(region.starts, problem.start, &CellStart::q);
-  const bool is_one_pose = problem.pose_goals.size() == 1 && problem.goals.empty();
+  const bool is_one_pose =
+      problem.pose_goals.size() == 1 && problem.goals.empty() && !problem.is_moving();
   if (start == region.starts.end() || !is_one_pose || !problem.constraints.empty()) return {};
   const PoseGoal& goal = problem.pose_goals.front();
   const bool is_pose = goal.position_tolerance.isZero() && goal.cone == 0 && goal.turn == 0;

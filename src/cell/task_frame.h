@@ -47,7 +47,7 @@ class TaskFrame {
   [[nodiscard]] double distance2(const TaskBox& box, const CellTask& task) const;
   /// Share of the region's volume.
   [[nodiscard]] double share_of(const TaskBox& box) const;
-  /// Task from one corner of the region to the other for values in [-1, 1].
+  /// All tasks of the region.
   [[nodiscard]] TaskBox whole() const { return {{}, half_extents_}; }
 
  private:

@@ -154,7 +154,6 @@ void Endpoints::refresh_memory() {
 std::optional<Endpoints::Outcome> Endpoints::ask_cells(const PlanRequest& request) {
   const SolveSettings& settings = request.settings;
   if (request.wants_trace || settings.plan.improve > 0) return std::nullopt;
-  if (request.problem.is_moving()) return std::nullopt;
   const Stopwatch stopwatch;
   for (std::size_t i = 0; i < settings_.cells.size(); ++i) {
     const Cell& cell = *settings_.cells[i];
