@@ -24,7 +24,7 @@ constexpr double kLeastStretch = 1e-3;
 /// Waypoints this close to the straight motion past them are dropped, radians.
 constexpr double kStraight = 0.02;
 
-void insert_at(double length, Waypoints& path) {
+void insert_at(double length, JointPath& path) {
   const std::vector<double> lengths = arc_lengths(path);
   for (std::size_t i = 1; i < lengths.size(); ++i) {
     if (length <= lengths[i - 1] + kLeastStretch || length >= lengths[i] - kLeastStretch) continue;
@@ -52,7 +52,7 @@ JointVector evaluate(const GoalShift& shift, const double* u) {
   return value;
 }
 
-std::vector<double> arc_lengths(const Waypoints& path) {
+std::vector<double> arc_lengths(const JointPath& path) {
   std::vector<double> lengths = {0};
   for (std::size_t i = 1; i < path.size(); ++i) {
     lengths.push_back(lengths.back() + (path[i] - path[i - 1]).norm());
@@ -60,8 +60,8 @@ std::vector<double> arc_lengths(const Waypoints& path) {
   return lengths;
 }
 
-Waypoints without_straights(const Waypoints& path) {
-  Waypoints kept = {path.front()};
+JointPath without_straights(const JointPath& path) {
+  JointPath kept = {path.front()};
   for (std::size_t i = 1; i + 1 < path.size(); ++i) {
     const JointVector chord = path[i + 1] - kept.back(), to = path[i] - kept.back();
     const double t = std::clamp(to.dot(chord) / std::max(chord.squaredNorm(), 1e-12), 0.0, 1.0);
@@ -93,9 +93,9 @@ bool takes_nearest_turns(const BentPath& path, const LinkChain& chain, const Joi
   return true;
 }
 
-Waypoints with_short_turns(const Waypoints& path, const LinkChain& chain) {
+JointPath with_short_turns(const JointPath& path, const LinkChain& chain) {
   constexpr double kFar = 1.5;
-  Waypoints parts = {path.front()};
+  JointPath parts = {path.front()};
   for (std::size_t i = 1; i < path.size(); ++i) {
     double most = 0;
     for (int j = 0; j < chain.joint_count(); ++j) {
@@ -107,7 +107,7 @@ Waypoints with_short_turns(const Waypoints& path, const LinkChain& chain) {
   return parts;
 }
 
-BentPath bend(Waypoints path, int profile) {
+BentPath bend(JointPath path, int profile) {
   const Profile& shape = kProfiles.at(as_index(profile));
   const double length = arc_lengths(path).back();
   const double begin = length * std::max(0.0, 1 - shape.full - shape.ramp);

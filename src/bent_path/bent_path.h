@@ -15,7 +15,7 @@
 
 namespace mneme::internal {
 
-using Waypoints = std::vector<JointVector>;
+using JointPath = std::vector<JointVector>;
 
 /// Waypoints behind the start, and shares, are multiples of it: short in files.
 inline constexpr double kPathStep = 1.0 / 8192;
@@ -50,10 +50,10 @@ struct BentPath {
 [[nodiscard]] JointVector evaluate(const GoalShift& shift, const double* u);
 
 /// Returns the length of the path up to each waypoint, radians.
-[[nodiscard]] std::vector<double> arc_lengths(const Waypoints& path);
+[[nodiscard]] std::vector<double> arc_lengths(const JointPath& path);
 
 /// Drops waypoints that hardly matter, such as those that bend() adds.
-[[nodiscard]] Waypoints without_straights(const Waypoints& path);
+[[nodiscard]] JointPath without_straights(const JointPath& path);
 
 /// False if a continuous joint turns so far between two waypoints that its direction is not unique.
 [[nodiscard]] bool has_unique_turns(const LinkChain& chain, const JointVector& from,
@@ -63,12 +63,12 @@ struct BentPath {
 [[nodiscard]] bool takes_nearest_turns(const BentPath& path, const LinkChain& chain,
                                        const JointVector& goal);
 /// Halves motions that turn a continuous joint far, so that bent ones have unique turns.
-[[nodiscard]] Waypoints with_short_turns(const Waypoints& path, const LinkChain& chain);
+[[nodiscard]] JointPath with_short_turns(const JointPath& path, const LinkChain& chain);
 
 /// Number of ways to spread a bend along a path.
 inline constexpr int kBendProfiles = 6;
 /// Spreads the bend over the path's last part, and adds waypoints where it begins and ends.
-[[nodiscard]] BentPath bend(Waypoints path, int profile);
+[[nodiscard]] BentPath bend(JointPath path, int profile);
 
 /// Where a proof failed.
 struct ProofFailure {

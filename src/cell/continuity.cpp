@@ -18,11 +18,11 @@ constexpr int kPlaces = 16;
 constexpr double kBeside = 1e-6;
 
 /// States at equal shares of the path's length.
-internal::Waypoints places_of(const Path& path) {
-  internal::Waypoints states;
+internal::JointPath places_of(const Path& path) {
+  internal::JointPath states;
   for (const Configuration& q : path) states.push_back(internal::to_vector(q));
   const std::vector<double> lengths = internal::arc_lengths(states);
-  internal::Waypoints places;
+  internal::JointPath places;
   std::size_t i = 1;
   for (int place = 0; place <= kPlaces; ++place) {
     const double at = lengths.back() * place / kPlaces;
@@ -36,7 +36,7 @@ internal::Waypoints places_of(const Path& path) {
 
 /// Largest difference of a joint between paths at equal shares of their lengths.
 double change_between(const Path& a, const Path& b) {
-  const internal::Waypoints as = places_of(a), bs = places_of(b);
+  const internal::JointPath as = places_of(a), bs = places_of(b);
   double most = 0;
   for (std::size_t i = 0; i < as.size(); ++i) {
     most = std::max(most, (as[i] - bs[i]).cwiseAbs().maxCoeff());

@@ -217,8 +217,8 @@ class Examination {
   }
 
   /// Tries to prove one path over the box. True if all tasks are served then.
-  bool prove_path(const Waypoints& path, const GoalShift& shift, int origin) {
-    const Waypoints parts = with_short_turns(path, e_.chain());
+  bool prove_path(const JointPath& path, const GoalShift& shift, int origin) {
+    const JointPath parts = with_short_turns(path, e_.chain());
     for (const int profile : order_) {
       const BentPath bent = bend(parts, profile);
       ProofFailure failure;
@@ -265,7 +265,7 @@ class Examination {
     const Branch branch = make_branch(e_.chain(), q);
     GoalShift shift;
     if (!fit(branch, shift)) return false;
-    Waypoints path;
+    JointPath path;
     for (std::size_t i = 0; i < box.path.size(); ++i) {
       path.push_back(box.path.waypoint(i, branch.q0 - box.path.goal()));
     }
@@ -327,7 +327,7 @@ class Examination {
   }
 
   bool try_candidate(const Candidate& candidate) {
-    const std::optional<Waypoints> path = plan(candidate);
+    const std::optional<JointPath> path = plan(candidate);
     if (!path) {
       if (!result_.failure) result_.gap = CellGap::no_path;
       return false;
@@ -416,7 +416,7 @@ class Examination {
     candidate.rating += kBonus[candidate.level];
   }
 
-  std::optional<Waypoints> plan(const Candidate& candidate) {
+  std::optional<JointPath> plan(const Candidate& candidate) {
     const PlanQuery query{e_.start_, {to_configuration(candidate.q)}};
     PlanSettings settings;
     settings.seed = rng_.next() & 0xffff;
@@ -427,7 +427,7 @@ class Examination {
       const PlanResult planned = plan_with(rrt_connect, checker, query, *e_.sampler_, settings);
       if (!planned.is_solved()) continue;
       // Planners wrap continuous joints, and boxes move them straight from row to row.
-      Waypoints path;
+      JointPath path;
       const Robot& robot = checker.robot();
       for (const Configuration& q : unwrapped(robot, planned.path, e_.start_)) {
         path.push_back(to_vector(q));

@@ -44,8 +44,8 @@ TEST_SUITE("unit") {
     const TemporaryDirectory directory;
     const internal::LinkChain chain = make_chain(directory);
     REQUIRE(chain.wraps(6));
-    const internal::Waypoints path = {state(0, 3), state(2, 3), state(2, 6)};
-    const internal::Waypoints parts = internal::with_short_turns(path, chain);
+    const internal::JointPath path = {state(0, 3), state(2, 3), state(2, 6)};
+    const internal::JointPath parts = internal::with_short_turns(path, chain);
     REQUIRE(parts.size() == 4);
     CHECK(parts[2] == state(2, 4.5));
     CHECK(internal::has_unique_turns(chain, state(0, 3), state(2, 6)));
