@@ -177,6 +177,8 @@ enum class Isa { automatic, scalar, sse, avx2, avx512, neon, wasm };
 /// Returns the instruction set that MNEME_ISA names if this machine has it, otherwise the best one
 /// of this machine.
 [[nodiscard]] Isa default_isa();
+/// Returns `isa`, or default_isa() for `automatic`.
+[[nodiscard]] Isa resolve_isa(Isa isa);
 /// Returns the instruction sets that this machine can run, from the slowest to the fastest.
 [[nodiscard]] std::vector<Isa> available_isas();
 /// Returns true if this machine can run `isa`.

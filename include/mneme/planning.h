@@ -62,7 +62,7 @@ struct PlanSettings {
   bool continuous = true;
   int neighbours = 10;
   double goal_bias = 0.05;
-  double anchor = 0.8;
+  std::optional<double> anchor = {};
   std::optional<double> anchor_sigma = {};
   std::optional<double> walk = {};
   std::optional<std::uint64_t> walk_after = {};
@@ -117,8 +117,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Time to improve the path, seconds: plans from other seeds, and shortens the best one. "
         "At 0 paths of trajectories still get up to three such rounds.");
   visit("improve-rounds", s.improve_rounds, std::uint64_t{1}, ~std::uint64_t{0},
-        "Largest number of rounds of improving; each after the first makes three plans. With a "
-        "seed the result is repeatable. Default: as many as the time allows.");
+        "Largest number of rounds of improving; each after the first makes three plans (of least "
+        "time: two). With a seed the result is repeatable. Default: as many as the time allows.");
   visit("verify", s.verify, false, true,
         "Check the final path. A motion that fails is repaired by a waypoint nearby. Where that "
         "fails, too, planning goes on without this motion.");
@@ -131,7 +131,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "rrt: probability of extending towards a goal instead of a sample.");
   visit("anchor", s.anchor, 0.0, 1.0,
         "rrt_connect, prm: probability of replacing a uniform sample by one around the newest "
-        "node. At 1 a planner may make no progress; 0 turns anchors off.");
+        "node. At 1 a planner may make no progress; 0 turns anchors off. Default: 0.8.");
   visit("anchor-sigma", s.anchor_sigma, 0.0, 100.0,
         "Standard deviation of samples around a node, radians (half as many metres for prismatic "
         "joints). Default: 4 over the square root of the number of joints.");

@@ -68,6 +68,8 @@ Isa default_isa() {
   return best;
 }
 
+Isa resolve_isa(Isa isa) { return isa == Isa::automatic ? default_isa() : isa; }
+
 bool is_available(Isa isa) {
   for (const NamedIsa& entry : kIsas) {
     if (entry.isa == isa) return is_available(entry);

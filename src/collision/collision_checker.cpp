@@ -230,7 +230,7 @@ Result<CollisionChecker> CollisionChecker::make(const Robot& robot, const Scene&
     }
   }
 
-  const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
+  const Isa isa = resolve_isa(settings.isa);
   auto tables = std::make_shared<Tables>(
       Tables{robot, scene, resolution, !settings.resolution, static_cast<float>(settings.margin),
              isa, internal::JointSpace(robot), std::move(checked), std::move(world),

@@ -74,7 +74,7 @@ void set_range(ob::Planner& planner, double range) {
 
 void add_ompl_planners() {
   std::vector<PlannerEntry> entries;
-  for (const ompl::OmplPlanner& planner : ompl::kPlanners) {
+  for (const ompl::OmplPlanner& planner : ompl::ompl_planners()) {
     const std::string name(planner.name);
     PlannerEntry& entry = entries.emplace_back();
     entry.name = "ompl:" + name;

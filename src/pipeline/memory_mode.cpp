@@ -42,7 +42,7 @@ SolveSettings with_memory_mode(SolveSettings settings) {
   set(settings.replay, 0.0);
   set(settings.first_components, 1e9);
   set(settings.plan.walk, 0.0);
-  if (settings.plan.anchor == PlanSettings().anchor) settings.plan.anchor = 0;
+  set(settings.plan.anchor, 0.0);
   return settings;
 }
 

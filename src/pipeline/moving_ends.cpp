@@ -27,7 +27,7 @@ SolveResult refused(const SolveSettings& settings, PlanStatus status, std::strin
   result.planner = settings.planner;
   result.sampler = settings.sampler;
   result.seed = settings.plan.seed;
-  result.isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
+  result.isa = resolve_isa(settings.isa);
   return result;
 }
 

@@ -137,6 +137,7 @@ SolveResult cancelled_result(const Query& query, double time_s) {
   result.planner = query.planner.name;
   result.sampler = query.sampler.name;
   result.seed = query.settings.plan.seed;
+  result.isa = resolve_isa(query.settings.isa);
   result.preparation_time_s = result.total_time_s = time_s;
   return result;
 }
@@ -190,15 +191,18 @@ Result<SolveResult> solve(const Problem& problem, Database* database,
   part.plan.timeout_s *= 0.5;
   SolveResult kept = MNEME_TRY(solve_as_given(*stricter, database, part));
   if (kept.plan.is_solved() || kept.plan.status == PlanStatus::cancelled) return kept;
-  part.plan.timeout_s = std::max(0.0, settings.plan.timeout_s - stopwatch.elapsed_s());
+  const double spent_s = stopwatch.elapsed_s() - kept.preparation_time_s;
+  part.plan.timeout_s = std::max(0.0, settings.plan.timeout_s - spent_s);
   SolveResult result = MNEME_TRY(solve_as_given(problem, database, part));
   result.total_time_s += kept.total_time_s;
   result.planning_time_s += kept.planning_time_s;
   result.preparation_time_s += kept.preparation_time_s;
-  result.notes.push_back(
-      "allowed contact of attached objects also occurs between start and goal: no path was found "
-      "without it (" +
-      kept.plan.message + ")");
+  if (result.plan.is_solved()) {
+    result.notes.push_back(
+        "allowed contact of attached objects also occurs between start and goal: no path was found "
+        "without it (" +
+        kept.plan.message + ")");
+  }
   return result;
 }
 

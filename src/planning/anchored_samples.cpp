@@ -7,6 +7,7 @@
 namespace mneme::internal {
 namespace {
 
+constexpr double kAnchorShare = 0.8;
 /// Radians: how far from the node a sample lies, whatever the number of joints.
 constexpr double kAnchorDistance = 4;
 /// Largest share of the way to the target by which samples are pulled.
@@ -24,7 +25,7 @@ double anchor_sigma(const PlannerRun& run) {
 AnchoredSamples::AnchoredSamples(PlannerRun& run)
     : run_(run),
       rng_(run.make_rng(RngStream::anchors)),
-      probability_(run.settings().anchor),
+      probability_(run.settings().anchor.value_or(kAnchorShare)),
       sigmas_(joint_deviations(run.checker().robot(), anchor_sigma(run))),
       towards_(sigmas_.size()) {}
 

@@ -39,13 +39,13 @@ bool Bridges::is_due() {
   return !motions_.empty() && rng_.uniform() < share_;
 }
 
-/// The more often all motions were tried in vain, the rarer are tries.
+/// The more often all motions were tried in vain, the rarer are tries; none once all are appended.
 void Bridges::adapt_share() {
   double best = 0;
   for (const Motion& motion : motions_) {
     best = std::max({best, motion.weights[0], motion.weights[1]});
   }
-  share_ = std::max(kLeastBridgeShare, kBridgeShare * best);
+  share_ = best > 0 ? std::max(kLeastBridgeShare, kBridgeShare * best) : 0;
 }
 
 void Bridges::find_more() {
@@ -117,6 +117,7 @@ int Bridges::append(Tree& tree, int graph) {
     return -1;
   }
   weight = 0;
+  adapt_share();
   for (std::size_t i = 0; i < states.size(); ++i) {
     node = tree.add(states[is_reversed ? states.size() - 1 - i : i], node);
   }

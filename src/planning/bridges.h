@@ -36,7 +36,7 @@ class Bridges {
   struct Motion {
     int row = 0;                             ///< PlacedMotion::row
     FloatPath states;                        ///< joined by free motions
-    std::array<double, 2> weights = {1, 1};  ///< per tree; 0: in it
+    std::array<double, 2> weights = {1, 1};  ///< per tree; 0: appended once
   };
 
   void find_more();

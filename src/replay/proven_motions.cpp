@@ -128,11 +128,12 @@ StaticCell::StaticCell(const CollisionChecker& checker)
 std::shared_ptr<StaticCell> StaticCell::find(const Robot& robot, const Scene& scene,
                                              const CheckerSettings& settings) {
   if (!settings.constraints.empty()) return nullptr;
-  const Isa isa = settings.isa == Isa::automatic ? default_isa() : settings.isa;
+  const Isa isa = resolve_isa(settings.isa);
   return cells().find([&](const StaticCell& cell) {
     const CollisionChecker& kept = cell.checker();
-    const bool is_as_fine = settings.resolution ? kept.resolution() == *settings.resolution
-                                                : kept.has_default_resolution();
+    // Searches begin coarser where no resolution is set.
+    const bool is_as_fine = kept.has_default_resolution() == !settings.resolution &&
+                            kept.resolution() == settings.resolution.value_or(kept.resolution());
     // A checker rounds its margin to single precision.
     const bool is_as_wide =
         kept.margin() == static_cast<double>(static_cast<float>(settings.margin));

@@ -193,7 +193,9 @@ TEST_SUITE("unit") {
     CHECK(paper.similarity == 3);
     CHECK(paper.retarget == false);
     CHECK(paper.plan.walk == 0);
-    CHECK(paper.plan.anchor == 0);
+    CHECK(paper.plan.anchor == 0.0);
+    settings.plan.anchor = 0.8;
+    CHECK(with_memory_mode(settings).plan.anchor == 0.8);
   }
 
   TEST_CASE("memory that is off is not queried") {
