@@ -20,6 +20,7 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -49,11 +50,13 @@ Task make_task(const Robot& robot, const Scene& scene, const py::object& start,
   return task;
 }
 
-PlannedTask plan_task(const Task& task, const py::object& database, py::kwargs arguments) {
+PlannedTask plan_task(const Task& task, const py::object& database, const std::string& planner,
+                      const std::optional<std::string>& sampler, const std::string& isa,
+                      py::kwargs arguments) {
   auto settings = take_keywords<TaskSettings>("plan_task", arguments);
   const bool has_database = !database.is_none();
-  settings.solve = read_solve_settings("plan_task", "rrt_connect", has_database ? "gl" : "uniform",
-                                       "automatic", arguments);
+  settings.solve = read_solve_settings(
+      "plan_task", planner, sampler.value_or(has_database ? "gl" : "uniform"), isa, arguments);
   std::shared_ptr<Database> memory;
   if (has_database) memory = database.cast<const Memory&>().get();
   if (memory == nullptr) check_without_memory("plan_task", settings.solve);
@@ -166,8 +169,10 @@ void bind_task(py::module_& module) {
       .def_property_readonly("stage_count", [](const Task& self) { return self.stages.size(); });
   bind_plan(module);
   module.def("plan_task", &plan_task, py::arg("task"), py::arg("database") = py::none(),
-             ("Chooses among alternatives and plans all stages. Further keywords are those of "
-              "plan().\n\n" +
+             py::kw_only(), py::arg("planner") = "rrt_connect", py::arg("sampler") = py::none(),
+             py::arg("isa") = "automatic",
+             ("Chooses among alternatives and plans all stages. A task with a start velocity stops "
+              "within the limits of the URDF. Further keywords are the settings of plan().\n\n" +
               describe_keywords<TaskSettings>())
                  .c_str());
 }

@@ -724,7 +724,7 @@ def plan(
     continuous: bool = True,
     neighbours: int = 10,
     goal_bias: float = 0.05,
-    anchor: float = 0.8,
+    anchor: Optional[float] = None,
     anchor_sigma: Optional[float] = None,
     walk: Optional[float] = None,
     walk_after: Optional[int] = None,
@@ -886,4 +886,12 @@ class TaskPlan:
                    **settings: Any) -> Trajectory: ...
     def to_json(self) -> str: ...
 
-def plan_task(task: Task, database: Optional[Database] = None, **settings: Any) -> TaskPlan: ...
+def plan_task(
+    task: Task,
+    database: Optional[Database] = None,
+    *,
+    planner: str = "rrt_connect",
+    sampler: Optional[str] = None,
+    isa: str = "automatic",
+    **settings: Any,
+) -> TaskPlan: ...

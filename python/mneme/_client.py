@@ -229,9 +229,9 @@ class Client:
         scene: a Scene, a dict with keys of compact files, or the id of an uploaded scene. goals: configurations and
         PoseGoals. attached: a list of attached objects, as in compact files; default: those of the problem's robot.
         constraints: OrientationConstraints that replace the problem's. trajectory: a dict of keywords of
-        Plan.trajectory(), which may be empty: `answer` then has the trajectory. settings: as for mneme.plan(). With
-        `timeout`, the call ends within that and half a second, whatever the service does: a late answer is a
-        TimeoutError.
+        Plan.trajectory() except `limits`, which may be empty: `answer` then has the trajectory. settings: those of
+        mneme.plan() except `isa`, `memory`, `learn_budget`, `remember_after` and those of learning. With `timeout`,
+        the call ends within that and half a second, whatever the service does: a late answer is a TimeoutError.
         """
         if problem is None and (start is None or goals is None):
             raise TypeError("plan() takes a problem, or start and goals")
