@@ -45,7 +45,7 @@ class Bridge(Node):
             body = to_plan_request(message_to_ordereddict(asked), message_to_ordereddict(scene), self._joints, self._links)
             with mneme.Client(self._url) as client:  # one per thread
                 answer = client.ask("POST", "/v1/plan", body)
-        except (Unsupported, mneme.Error, OSError) as failure:
+        except (Unsupported, mneme.Error, mneme.Busy, OSError) as failure:
             self.get_logger().error(str(failure))
             response.motion_plan_response.error_code.val = FAILURE
             return response

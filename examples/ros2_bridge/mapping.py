@@ -14,6 +14,7 @@ ERROR_CODES = {"solved": 1, "timeout": -6, "iteration_limit": -1, "node_limit": 
 FAILURE = 99999
 NO_IK_SOLUTION = -31
 ROTATION_VECTOR_SHARE = 2 / math.pi  # a cone so much narrower has no longer rotation vectors
+WIDEST_MIDDLE_ANGLE = 1.4  # radians
 
 
 class Unsupported(ValueError):
@@ -176,6 +177,10 @@ def orientation_keys(constraint):
     cone = min(tolerances)
     if constraint.get("parameterization", 0) == 1:
         cone *= ROTATION_VECTOR_SHARE
+    elif widest == 1:
+        # The middle Euler angle enlarges the lean in the two others, and flips them beyond a quarter turn.
+        turn = min(turn, WIDEST_MIDDLE_ANGLE)
+        cone = math.atan(math.tan(min(cone, WIDEST_MIDDLE_ANGLE)) * math.cos(turn))
     # Leaning turns the angles about the axis, too, a little.
     turn = "free" if turn >= math.pi else max(0.0, turn - cone * cone / 2)
     return {"quat_xyzw": xyzw(constraint["orientation"]), "axis": "xyz"[widest], "cone": cone, "turn": turn}
@@ -285,7 +290,7 @@ def to_ik_request(request, scene, joints, links=None):
     if frame:
         goal["frame"] = stands_for.get(frame, frame)
     attached = attached_of(scene)
-    body = {"joints": list(joints), "goal": goal,
+    body = {"joints": list(joints), "goal": goal, "obstacles": [],
             "near": start_of({"start_state": request.get("robot_state")}, scene, joints)}
     if request.get("avoid_collisions"):
         refuse_what_no_request_says({}, scene)

@@ -101,7 +101,7 @@ class Planner:
         try:
             scene = self._scene(bridge)
             answer = self._ask("/v1/plan", to_plan_request(asked, scene, self._joints, self._links))
-        except (Unsupported, mneme.Error, OSError) as failure:
+        except (Unsupported, mneme.Error, mneme.Busy, OSError) as failure:
             print(f"{PLAN}: {failure}", file=sys.stderr)
             return {"motion_plan_response": {"error_code": {"val": FAILURE}}}
         if not answer["solved"]:
@@ -116,7 +116,7 @@ class Planner:
         try:
             body = to_ik_request(arguments["ik_request"], self._scene(bridge), self._joints, self._links)
             answer = self._ask("/v1/ik", body)
-        except (Unsupported, mneme.Error, OSError) as failure:
+        except (Unsupported, mneme.Error, mneme.Busy, OSError) as failure:
             print(f"{IK}: {failure}", file=sys.stderr)
             return {"error_code": {"val": FAILURE}}
         return to_ik_response(answer, self._joints)

@@ -90,6 +90,28 @@ def test_what_a_plan_would_leave_out_is_refused(messages):
         default_entry_names=["table"], default_entry_values=[True]))
 
 
+def test_euler_tolerances_about_the_middle_axis_are_narrowed():
+    def keys(**constraint):
+        tolerances = {"absolute_x_axis_tolerance": 0.1, "absolute_y_axis_tolerance": math.pi, "absolute_z_axis_tolerance": 0.1}
+        return mapping.orientation_keys({"orientation": {"x": 0, "y": 0, "z": 0, "w": 1}, **tolerances, **constraint})
+
+    euler = keys()
+    cone = math.atan(math.tan(0.1) * math.cos(1.4))
+    assert euler["axis"] == "y" and math.isclose(euler["cone"], cone)
+    assert math.isclose(euler["turn"], 1.4 - cone * cone / 2)
+    vector = keys(parameterization=1)
+    assert vector["turn"] == "free" and math.isclose(vector["cone"], 0.2 / math.pi)
+
+
+def test_inverse_kinematics_leaves_obstacles_out_unless_asked(messages):
+    request, scene = messages
+    asked = {"robot_state": request["start_state"], "ik_link_name": "tool0",
+             "pose_stamped": {"header": {"frame_id": "base_link"}, "pose": {
+                 "position": {"x": 0.4, "y": 0.1, "z": 0.5}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}}}}
+    assert mapping.to_ik_request(asked, scene, JOINTS)["obstacles"] == []
+    assert mapping.to_ik_request({**asked, "avoid_collisions": True}, scene, JOINTS)["obstacles"]
+
+
 def test_answers_become_responses():
     solved = {"status": "solved", "path": [[0, 1], [1, 2]], "total_time_s": 0.5}
     response = mapping.to_plan_response(solved, ["a", "b"], "arm")
