@@ -148,9 +148,12 @@ bool StateCheck::are_free(const Motion& motion, std::int64_t first, std::int64_t
   std::vector<const Pair*> near;
   for (const Pair* pair : pairs) {
     const double enough = farthest * motion.lengths[pair->mover];
-    const double distance = gap(posed, *pair, enough);
+    // Many shapes of two links are within a long reach of each other.
+    constexpr double kLinkReach = 0.05;
+    const double reach = pair->obstacle != nullptr ? enough : std::min(enough, kLinkReach);
+    const double distance = gap(posed, *pair, reach);
     if (distance < 0) return false;
-    if (distance <= enough) near.push_back(pair);
+    if (distance <= reach || reach < enough) near.push_back(pair);
   }
   return are_free(motion, first, middle - 1, near) && are_free(motion, middle + 1, last, near);
 }
