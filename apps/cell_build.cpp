@@ -23,10 +23,9 @@
 #include <vector>
 
 namespace mneme::app {
+namespace {
 
 using Json = nlohmann::ordered_json;
-
-namespace {
 
 /// How files of cells begin, of any version.
 constexpr std::string_view kCellFormat = "mneme cell, version ";

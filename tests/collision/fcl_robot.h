@@ -82,14 +82,14 @@ class FclRobot {
 
   /// As touch(), but faces that coincide touch, too, although rounding may part them.
   [[nodiscard]] bool meet(const LinkPair& pair) const {
-    constexpr double kRounding = 1e-6;  // metres
+    constexpr double kTouching = 1e-6;  // metres
     if (touch(pair)) return true;
     for (const Part& a : links_[static_cast<std::size_t>(pair.first)]) {
       for (const Part& b : links_[static_cast<std::size_t>(pair.second)]) {
         fcl::DistanceResultd result;
         const double distance =
             fcl::distance(a.object.get(), b.object.get(), fcl::DistanceRequestd{}, result);
-        if (distance <= kRounding) return true;
+        if (distance <= kTouching) return true;
       }
     }
     return false;
