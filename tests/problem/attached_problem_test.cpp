@@ -126,7 +126,7 @@ allow: [[arm, table], [cup, box], [base, box], [base, arm]]
       const internal::Input input(value, source);
       const auto read = internal::without_throwing([&] {
         return internal::read_problem_of({"", problem.robot, {}},
-                                         {input, input, "p", "", problem.scene});
+                                         {input, input, "p", "", {problem.scene}});
       });
       return read ? "" : read.error().message;
     };

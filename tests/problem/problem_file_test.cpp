@@ -212,7 +212,7 @@ Result<Problem> read_problem_text(const std::string& yaml, const ProblemOptions&
   return internal::without_throwing([&] {
     const auto value = internal::parse_yaml("robot: planar8\n" + yaml, "f");
     const Input input(value, kInputSource);
-    return internal::read_problem({input, input, "p", "", make_circle_scene("s", {{3, 4, 1}})},
+    return internal::read_problem({input, input, "p", "", {make_circle_scene("s", {{3, 4, 1}})}},
                                   options);
   });
 }
