@@ -68,7 +68,7 @@ class TaskSearch {
   /// How a round of the search ends.
   enum class End { plan, exhausted, no_paths, over };
 
-  Result<void> search(TaskResult& result);
+  Result<void> find_plan(TaskResult& result);
   Result<End> search_in_rounds();
   Result<End> search();
   void push_level();
@@ -502,7 +502,7 @@ Result<TaskResult> TaskSearch::solve() {
   result.preparation_time_s = run_.stopwatch.elapsed_s();
   run_.stopwatch = Stopwatch();
   result.remembered_rows = memory_.rows();
-  if (!MNEME_TRY(refuse_start(result))) MNEME_TRY(search(result));
+  if (!MNEME_TRY(refuse_start(result))) MNEME_TRY(find_plan(result));
   result.plans = plans_;
   result.states_checked = run_.states + moves_.states_checked;
   result.iterations = moves_.iterations;
@@ -512,7 +512,7 @@ Result<TaskResult> TaskSearch::solve() {
   return result;
 }
 
-Result<void> TaskSearch::search(TaskResult& result) {
+Result<void> TaskSearch::find_plan(TaskResult& result) {
   const End end = MNEME_TRY(search_in_rounds());
   if (best_) {
     result.status = PlanStatus::solved;
