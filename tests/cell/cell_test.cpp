@@ -116,6 +116,19 @@ TEST_SUITE("flow") {
     CHECK(sum == doctest::Approx(1));
   }
 
+  TEST_CASE("problems that begin or end moving are no tasks of a cell") {
+    const TemporaryDirectory directory;
+    const Cell cell = require_cell(require_region(directory, region_text()), 60);
+    Problem problem = cell.region().problem;
+    problem.start = cell.region().starts.front().q;
+    problem.goals.clear();
+    problem.pose_goals = {cell.region().middle()};
+    problem.pose_goals.front().pose = link_pose(cell.region(), CellTask{});
+    REQUIRE(answer_from(cell, problem).has_value());
+    problem.start_velocity.assign(problem.start.size(), 0.1);
+    CHECK_FALSE(answer_from(cell, problem).has_value());
+  }
+
   TEST_CASE("where nothing is proven, near paths are bent, and then tasks are planned") {
     const TemporaryDirectory directory;
     const CellRegion region = require_region(directory, region_text());
