@@ -23,7 +23,12 @@ const double* values(const ob::State* state) {
   return state->as<ob::RealVectorStateSpace::StateType>()->values;
 }
 
-double wrapped(double angle) { return angle - kTurn * std::floor(angle / kTurn + 0.5); }
+/// `angle` in [-pi, pi).
+double wrapped(double angle) {
+  // Distances of states, of which OMPL's searches for neighbours compute many, mostly need no turn.
+  if (angle >= -std::numbers::pi && angle < std::numbers::pi) return angle;
+  return angle - kTurn * std::floor(angle / kTurn + 0.5);
+}
 
 /// OMPL's sampler, but samples near a state continue across the seam of a continuous joint.
 class JointStateSampler final : public ob::RealVectorStateSampler {
@@ -88,9 +93,10 @@ double JointStateSpace::getMaximumExtent() const {
 }
 
 double JointStateSpace::distance(const ob::State* a, const ob::State* b) const {
+  const double *const from = values(a), *const to = values(b);
   double sum = 0;
   for (unsigned i = 0; i < dimension_; ++i) {
-    double difference = values(b)[i] - values(a)[i];
+    double difference = to[i] - from[i];
     if (is_continuous_[i] != 0) difference = wrapped(difference);
     sum += difference * difference;
   }
