@@ -88,10 +88,19 @@ Result<SolveResult> plan_instead(const Problem& problem, SolveSettings settings,
   });
 }
 
+bool are_ends_within_limits(const Problem& problem) {
+  const auto is_within = [&](const Configuration& q) {
+    return !problem.robot.describe_violation(q, "end");
+  };
+  return is_within(problem.start) && std::ranges::all_of(problem.goals, is_within);
+}
+
 Result<SolveResult> fetch(const Problem& problem, Database* database, const SolveSettings& given,
                           Rank rank, bool checks_scene) {
   const Stopwatch stopwatch;
   const SolveSettings settings = with_own_planner(given);
+  // Nothing is remembered for such ends, and solve() says what is wrong with them.
+  if (!are_ends_within_limits(problem)) return plan_instead(problem, settings, 0);
   const Query query = MNEME_TRY(make_query(problem, database, settings));
   auto entries = MNEME_TRY(find_entries(query));
   const Stopwatch ranking;

@@ -69,6 +69,16 @@ TEST_SUITE("unit") {
     CHECK(cell.solve("cache").replay.row == cell.database.get(1)->id);
   }
 
+  TEST_CASE("ends outside of limits are refused as by a plan") {
+    ArmCell cell;
+    cell.remember(kKnown);
+    cell.problem.goals.front() = {2, 9};
+    for (const char* rival : {"cache", "cache_checked", "ert_connect"}) {
+      INFO(rival);
+      CHECK(cell.solve(rival).plan.status == PlanStatus::invalid_goal);
+    }
+  }
+
   TEST_CASE("errors are those of a plan") {
     ArmCell cell;
     cell.settings.lambda = 2;
