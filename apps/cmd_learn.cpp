@@ -240,6 +240,17 @@ void check_sharing(const CLI::App& command, const Sharing& sharing, const std::s
   }
 }
 
+/// Makes flags without the source of lessons that they are for usage errors.
+void bind_to_sources(CLI::App& command) {
+  for (const char* flag : {"--part", "--paths", "--path-timeout"}) {
+    command.get_option(flag)->needs(command.get_option("--problems"));
+  }
+  for (const char* flag : {"--count", "--similarity-error"}) {
+    command.get_option(flag)->needs(command.get_option("--primitives"));
+  }
+  command.get_option("--lease")->needs(command.get_option("--worker"));
+}
+
 void add_flags(CLI::App& command, LearnOptions& options) {
   command.add_option("--robot", options.source.robot,
                      "URDF file or name of a robot (default with --problems: the problems' robot)");
@@ -267,8 +278,17 @@ void add_flags(CLI::App& command, LearnOptions& options) {
       command, "--similarity-error", options.similarity_error, 1e-3, 1e9,
       "largest similarity error to the nearest row in the range, m^2, instead of the grid's");
   add_sharing(command, options.sharing);
+  bind_to_sources(command);
   add_settings(command, options.job.settings);
   add_memory_settings(command, options.source.memory);
+}
+
+/// Throws a usage error for a flag of local queries, which learning from problems does not plan.
+void refuse_settings(const CLI::App& command, const LearnSettings& settings) {
+  visit_settings(settings, [&](const char* name, const auto&, auto, auto, std::string_view) {
+    const std::string flag = fmt::format("--{}", name);
+    if (command.count(flag) > 0) throw CLI::ExcludesError(flag, "--problems");
+  });
 }
 
 void check_learn_flags(const CLI::App& command, LearnOptions& options) {
@@ -284,6 +304,7 @@ void check_learn_flags(const CLI::App& command, LearnOptions& options) {
     throw CLI::ValidationError("--kind", fmt::format("--primitives needs the kind '{}'", kind));
   }
   check_sharing(command, options.sharing, options.db, !has_primitives);
+  if (!has_primitives) refuse_settings(command, options.job.settings);
   if (has_primitives && options.source.robot.empty()) throw CLI::RequiredError("--robot");
 }
 

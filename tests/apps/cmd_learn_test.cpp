@@ -324,6 +324,33 @@ TEST_SUITE("unit") {
     });
   }
 
+  TEST_CASE("flags of another source of lessons are refused, and not ignored") {
+    const std::vector<std::string> primitives = {"learn",  "--robot", "planar8", "--primitives",
+                                                 "g.yaml", "--db",    "x.db"};
+    const std::vector<std::string> scenes = {"learn",  "--robot", "planar8", "--scenes",
+                                             "s.yaml", "--db",    "x.db"};
+    const std::vector<std::string> problems = {"learn", "--problems", "x", "--db", "x.db"};
+    struct Misplaced {
+      const std::vector<std::string>& command;
+      std::string flag, value, source;
+    };
+    for (const auto& [command, flag, value, source] : std::vector<Misplaced>{
+             {primitives, "--part", "1/2", "--problems"},
+             {scenes, "--part", "1/2", "--problems"},
+             {scenes, "--paths", "2", "--problems"},
+             {scenes, "--path-timeout", "2", "--problems"},
+             {scenes, "--count", "3", "--primitives"},
+             {scenes, "--lease", "3", "--worker"},
+             {problems, "--count", "3", "--primitives"},
+             {problems, "--similarity-error", "2", "--primitives"},
+             {problems, "--starts-per-link", "2", "--problems"},
+         }) {
+      std::vector<std::string> arguments = command;
+      arguments.insert(arguments.end(), {flag, value});
+      check_bad_inputs({{arguments, 2, {flag, source}}});
+    }
+  }
+
   TEST_CASE("files that learn cannot use are failures that name the file") {
     const PlanarFiles files;
     write_file(files / "broken_grid.yaml", "radius: [2, 1\n");
