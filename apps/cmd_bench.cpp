@@ -204,7 +204,18 @@ void check_suite_flags(const CLI::App& command) {
   }
 }
 
-void check_problem_flags(BenchOptions& options) {
+/// Refuses flags that no run would heed, although rows would name them.
+void check_memory_flags(const CLI::App& command, const BenchOptions& options) {
+  for (const char* flag : {"--learn-budget", "--remember-after", "--replay"}) {
+    if (command.count(flag) == 0) continue;
+    if (options.db.empty()) throw CLI::RequiresError(flag, "--db");
+    if (std::ranges::none_of(options.samplers, needs_memory)) {
+      throw CLI::ValidationError(flag, "needs a sampler that uses the memory, such as gl");
+    }
+  }
+}
+
+void check_problem_flags(const CLI::App& command, BenchOptions& options) {
   if (options.samplers.empty()) {
     options.samplers = options.db.empty() ? std::vector<std::string>{"uniform"}
                                           : std::vector<std::string>{"gl", "uniform"};
@@ -221,6 +232,7 @@ void check_problem_flags(BenchOptions& options) {
         "--jobs",
         "must be 1 with --learn-budget or --remember-after: later runs depend on earlier ones");
   }
+  check_memory_flags(command, options);
   for (const auto& [flag, is_given] : {std::pair("--out", !options.out.empty()),
                                        std::pair("--memories", !options.memories.empty()),
                                        std::pair("--setting", !options.suite_settings.empty())}) {
@@ -230,7 +242,7 @@ void check_problem_flags(BenchOptions& options) {
 
 void check_bench_flags(const CLI::App& command, BenchOptions& options) {
   options.is_suite = options.arguments.size() == 1 && is_suite_file(options.arguments.front());
-  if (!options.is_suite) return check_problem_flags(options);
+  if (!options.is_suite) return check_problem_flags(command, options);
   check_suite_flags(command);
   options.has_seeds = command.count("--seeds") > 0;
   options.has_timeout = command.count("--timeout") > 0;
