@@ -25,6 +25,12 @@ function attribute(geometry: BufferGeometry, name: string): BufferAttribute {
   return geometry.getAttribute(name) as BufferAttribute;
 }
 
+/** Those of a shader, or the same of a material of three.js, as handles have. */
+function uniformsOf(material: Material): ShaderMaterial["uniforms"] {
+  const { uniforms, color, opacity } = material as ShaderMaterial & { color?: Color };
+  return uniforms ?? { ...(color ? { color: { value: color } } : {}), opacity: { value: opacity } };
+}
+
 /** Has the members of a WebGLRenderer that a Stage needs. */
 export class Painter {
   private ratio = 1;
@@ -51,8 +57,9 @@ export class Painter {
   }
   setAnimationLoop(draw: (time: number) => void): void {
     const tick = (time: number): void => {
-      draw(time);
+      // First, so that a picture that fails is not the last one.
       requestAnimationFrame(tick);
+      draw(time);
     };
     requestAnimationFrame(tick);
   }
@@ -84,10 +91,10 @@ export class Painter {
 
   private addMesh(mesh: Mesh): void {
     const material = mesh.material as ShaderMaterial;
-    const { uniforms } = material;
+    const uniforms = uniformsOf(material);
     if (uniforms.thickness) return this.addStrokes(mesh, material);
     // Shadows and the grid of the floor are left to WebGL.
-    if (!material.colorWrite || !uniforms.color || uniforms.cell) return;
+    if (!material.visible || !material.colorWrite || !uniforms.color || uniforms.cell) return;
     if (mesh.geometry instanceof InstancedBufferGeometry) return this.addCubes(mesh, material);
     const opacity = (uniforms.opacity?.value as number | undefined) ?? 1;
     const world = this.toWorld(mesh.geometry, mesh.matrixWorld);
@@ -133,14 +140,15 @@ export class Painter {
   }
 
   private addLine(line: Line): void {
-    const material = line.material as ShaderMaterial;
+    const material = line.material as Material;
+    const uniforms = uniformsOf(material);
     const tone = line.geometry.getAttribute("tone") as BufferAttribute | undefined;
-    const opacity = (material.uniforms.opacity?.value as number | undefined) ?? 1;
+    const opacity = (uniforms.opacity?.value as number | undefined) ?? 1;
     const screen = this.toWorld(line.geometry, line.matrixWorld).map((point) => this.project(point));
     const isPairs = line instanceof LineSegments;
     const count = line instanceof LineLoop ? screen.length : screen.length - 1;
     for (let i = 0; i < count; i += isPairs ? 2 : 1) {
-      const color = tone ? new Color().fromBufferAttribute(tone, i) : (material.uniforms.color!.value as Color);
+      const color = tone ? new Color().fromBufferAttribute(tone, i) : (uniforms.color!.value as Color);
       this.addStroke(screen[i]!, screen[(i + 1) % screen.length]!, color, 1, opacity, this.orderOf(line, material));
     }
   }

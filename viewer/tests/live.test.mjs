@@ -8,7 +8,7 @@ import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, describe, test } from "node:test";
-import { launch, mneme, open, reasonToSkip, root, shoot } from "./page.mjs";
+import { launch, looks, mneme, open, reasonToSkip, root, shoot } from "./page.mjs";
 
 const skip = await reasonToSkip() || hasNoService();
 if (skip) console.log(`SKIPPED: ${skip}`);
@@ -115,6 +115,27 @@ describe("the page of a service", { skip }, () => {
     assert.equal(await place(page, "ball 1"), null);
     assert.deepEqual(complaints, []);
     await close();
+  });
+
+  test("without WebGL a page plans, and draws the goal's handles", async () => {
+    const plain = await launch(["--disable-3d-apis"]);
+    for (const service of [planar, fetch]) {
+      const { page, complaints, close } = await openLive(plain, service);
+      assert.match(await page.locator("#simplified").textContent(), /no WebGL 2/);
+      const { colors, share } = await looks(page);
+      assert.ok(share > 0.05, `only ${share} of the picture is drawn on`);
+      // The arrow of x is red, that of y green; both are slightly transparent.
+      const [red, green] = [[16, 8], [8, 16]].map(([strong, weak]) =>
+        colors.filter((color) => ((color >> strong) & 255) > 180 && ((color >> weak) & 255) < 90 && (color & 255) < 90).length);
+      assert.ok(red > 3 && green > 3, `${red} red and ${green} green pixels`);
+      const goal = await place(page, "goal");
+      await planned(page, () => carry(page, goal, goal.map((value) => value - 0.02)));
+      assert.ok(distance(goal, await place(page, "goal")) > 0.005);
+      await shoot(page, "live-plain");
+      assert.deepEqual(complaints, []);
+      await close();
+    }
+    await plain.close();
   });
 
   test("a goal that nothing reaches is refused in words, and the page goes on", async () => {
