@@ -18,8 +18,6 @@ import type { Viewer } from "./viewer";
 const GRIP = 16;
 const TIMEOUT = 10;
 
-type Selected = "goal" | number;
-
 interface Answer {
   id: string;
   status: string;
@@ -33,6 +31,8 @@ interface Body {
   moved: Matrix4;
   scale: number;
 }
+
+type Selected = "goal" | Body;
 
 /** What a click makes. */
 const MAKERS: [string, (size: number) => Shape][] = [
@@ -314,10 +314,15 @@ export class LivePage {
 
   private placeHandle(): void {
     const pose = this.selected === "goal" ? this.goal : new Matrix4().copyPosition(
-      new Matrix4().setPosition(this.middle(this.bodies[this.selected]!)));
+      new Matrix4().setPosition(this.middle(this.selected)));
     pose.decompose(this.handle.position, this.handle.quaternion, this.handle.scale);
     this.handle.updateMatrixWorld(true);
     this.gizmo.setSpace(this.selected === "goal" ? "local" : "world");
+  }
+
+  /** What shows an obstacle; nothing where no plan with it has been shown. */
+  private groupsOf({ name }: Body, panes = this.viewer.panes): Group[] {
+    return panes.flatMap(({ scene }) => scene.groups.filter((_, i) => scene.obstacles[i]!.name === name));
   }
 
   /** Moves what is selected by `by`, a motion in the world. */
@@ -326,8 +331,8 @@ export class LivePage {
       this.goal.premultiply(by);
       this.drawHand();
     } else {
-      this.bodies[this.selected]!.moved.premultiply(by);
-      for (const pane of this.viewer.panes) pane.scene.groups[this.selected]?.applyMatrix4(by);
+      this.selected.moved.premultiply(by);
+      for (const group of this.groupsOf(this.selected)) group.applyMatrix4(by);
     }
     this.viewer.stage.invalidate();
   }
@@ -369,15 +374,13 @@ export class LivePage {
       return { what: "goal", at: new Vector3().setFromMatrixPosition(this.goal), picture, isGrip: true };
     }
     this.aimRay(at, picture);
-    const movable = panes[picture]?.scene.groups.slice(0, this.bodies.length) ?? [];
-    const targets: Object3D[] = [...movable, ...(picture === 0 ? [this.hand] : [])];
-    const [hit] = this.raycaster.intersectObjects(targets, true).filter(({ object }) => object instanceof Mesh && object.renderOrder !== -1);
+    const owners = new Map<Object3D, Selected>(picture === 0 ? [[this.hand, "goal"]] : []);
+    for (const body of this.bodies) for (const group of this.groupsOf(body, panes.slice(picture, picture + 1))) owners.set(group, body);
+    const [hit] = this.raycaster.intersectObjects([...owners.keys()], true).filter(({ object }) => object instanceof Mesh && object.renderOrder !== -1);
     if (!hit) return null;
     let part: Object3D | null = hit.object;
-    while (part && part !== this.hand && part.userData.obstacle === undefined) part = part.parent;
-    if (!part) return null;
-    const what = part === this.hand ? "goal" : (part.userData.obstacle as number);
-    return { what, at: hit.point, picture, isGrip: false };
+    while (part && !owners.has(part)) part = part.parent;
+    return part && { what: owners.get(part)!, at: hit.point, picture, isGrip: false };
   }
 
   private aimRay(at: Vector2, picture: number): void {
@@ -512,15 +515,15 @@ export class LivePage {
     // Beside the goal, on the side of the start: in the way.
     at.lerp(new Vector3().setFromMatrixPosition(this.goal), 0.6);
     if (this.first.is_planar) at.setZ(0);
-    this.bodies.push({ name: `${kind.toLowerCase()} ${number}`, shapes: [make(size)], moved: new Matrix4().setPosition(at), scale: 1 });
-    this.selected = this.bodies.length - 1;
-    const added = this.selected;
-    void this.plan().then(() => this.select(added));
+    const added = { name: `${kind.toLowerCase()} ${number}`, shapes: [make(size)], moved: new Matrix4().setPosition(at), scale: 1 };
+    this.bodies.push(added);
+    this.selected = added;
+    void this.plan().then(() => this.bodies.includes(added) && this.select(added));
   }
 
   private resize(by: number): void {
     if (this.selected === "goal") return;
-    const body = this.bodies[this.selected]!;
+    const body = this.selected;
     const middle = this.middle(body);
     body.scale *= by;
     body.moved.premultiply(new Matrix4().makeTranslation(middle.sub(this.middle(body))));
@@ -529,7 +532,9 @@ export class LivePage {
 
   private removeSelected(): void {
     if (this.selected === "goal") return;
-    this.bodies.splice(this.selected, 1);
+    // Also if nothing can be planned and shown then.
+    for (const group of this.groupsOf(this.selected)) group.visible = false;
+    this.bodies.splice(this.bodies.indexOf(this.selected), 1);
     this.select("goal");
     void this.plan();
   }

@@ -40,12 +40,11 @@ export class SceneView {
   readonly groups: Group[] = [];
 
   constructor(readonly obstacles: Obstacle[], private readonly isPlanar: boolean, private readonly shade: Material) {
-    for (const [i, obstacle] of obstacles.entries()) {
+    for (const obstacle of obstacles) {
       const solid = isPlanar ? flat("#000") : clay("#000", SEE_THROUGH);
       if (obstacle.shapes.some((shape) => shape.type === "mesh")) solid.side = DoubleSide;
       const skin = { solid, edge: flat("#000"), color: solid.uniforms.color as { value: Color } };
       const group = new Group();
-      group.userData.obstacle = i;
       for (const shape of obstacle.shapes) group.add(...this.parts(shape, skin));
       this.skins.push(skin);
       this.groups.push(group);

@@ -117,6 +117,21 @@ describe("the page of a service", { skip }, () => {
     await close();
   });
 
+  test("after an obstacle was removed and a plan refused, a drag moves the obstacle under the pointer", async () => {
+    const { page, close } = await openLive(browser, planar);
+    const circle = await pixels(page, await place(page, "circle_1"));
+    await page.mouse.click(circle.x, circle.y);
+    await page.route("**/v1/plan", (route) => route.fulfill({ status: 503, json: { error: { message: "busy" } } }));
+    await page.keyboard.press("Delete");
+    await page.waitForFunction(() => document.getElementById("note").textContent === "busy");
+    assert.equal(await place(page, "circle_1"), null);
+    const [second, third] = [await place(page, "circle_2"), await place(page, "circle_3")];
+    await carry(page, second, [second[0] + 0.4, second[1] + 0.2, 0]);
+    assert.ok(distance(second, await place(page, "circle_2")) > 0.1);
+    assert.deepEqual(await place(page, "circle_3"), third);
+    await close();
+  });
+
   test("without WebGL a page plans, and draws the goal's handles", async () => {
     const plain = await launch(["--disable-3d-apis"]);
     for (const service of [planar, fetch]) {
