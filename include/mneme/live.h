@@ -25,7 +25,8 @@ inline constexpr const char* kLivePageScene = "page";
 /// Returns the robot in an empty scene at the first free configuration among the states of its
 /// SRDF, the middle of its limits, and random ones.
 [[nodiscard]] Problem resting_problem(const Robot& robot, const std::string& robot_path);
-/// Returns a live page that begins with `problem`. Errors: as make_trace().
+/// Returns a live page that begins with `problem`. Its plans keep the constraints and the velocity
+/// at the start. They end at rest, because their goals are poses. Errors: as make_trace().
 [[nodiscard]] Result<LivePage> make_live_page(Problem problem, bool has_memory,
                                               const TraceSettings& settings = {});
 
@@ -36,9 +37,9 @@ struct PlannerModule {
 };
 /// Reads the module from wasm/ in one of data_directories(). Error: io, if no directory has it.
 [[nodiscard]] Result<PlannerModule> find_planner_module();
-/// Returns a live page that begins with `problem` and plans in the browser, without a service and
-/// memory. Pairs of links that exact geometry decides are not checked there. Errors: as
-/// make_trace(); unsupported for attached objects with meshes.
+/// As make_live_page(), but the page plans in the browser, without a service and memory. Pairs of
+/// links that exact geometry decides are not checked there. Errors: as make_trace(); unsupported
+/// for attached objects with meshes.
 [[nodiscard]] Result<std::string> make_offline_page(Problem problem, const PlannerModule& module,
                                                     const TraceSettings& settings = {});
 

@@ -7,6 +7,7 @@
 #include "base/as_index.h"
 #include "geometry/solids.h"
 #include "live/planner_files.h"
+#include "problem/problem_input.h"
 #include "report/trace.h"
 #include "robot/kinematics.h"
 #include "scene/scene_input.h"
@@ -160,6 +161,8 @@ Result<Json> live_trace(const Problem& problem, const Scene& kept, bool has_memo
                   {"has_memory", has_memory},
                   {"scene", kept.obstacles.empty() ? Json() : Json(kLivePageScene)},
                   {"allow", allow_json(problem.scene)},
+                  {"constraints", constraints_json(problem)},
+                  {"start_velocity", problem.start_velocity},
                   {"tips", tips_json(problem, trace)},
                   {"welds", welds_json(problem.robot, trace.links)}};
   return json;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 /// Reads problem files and compact files: the robot, attached objects, allowed contacts, start,
-/// goals and constraints.
+/// goals and constraints. Writes single keys of them.
 #pragma once
 
 #include "mneme/problem.h"
@@ -223,5 +223,8 @@ struct CompactAddress {
 /// Throws InputFailure.
 [[nodiscard]] Problem read_compact_problem(const CompactAddress& address,
                                            const ProblemOptions& options);
+
+/// Returns the list of the key `constraints`. Directions `up` are in the frame of the root link.
+[[nodiscard]] nlohmann::ordered_json constraints_json(const Problem& problem);
 
 }  // namespace mneme::internal

@@ -3,6 +3,7 @@
 #include "mneme/problem.h"
 
 #include "base/as_index.h"
+#include "problem/problem_input.h"
 #include "robot/held_joints.h"
 #include "scene/scene_input.h"
 #include "input/input.h"
@@ -92,17 +93,6 @@ Json goals_json(const Problem& problem) {
   return goals;
 }
 
-Json constraints_json(const Problem& problem) {
-  Json constraints = Json::array();
-  for (const OrientationConstraint& constraint : problem.constraints) {
-    constraints.push_back({{"link", constraint.link},
-                           {"axis", json_of(constraint.axis)},
-                           {"up", json_of(constraint.up)},
-                           {"angle", constraint.angle}});
-  }
-  return constraints;
-}
-
 /// The velocities at start and goal, if there are any.
 Json velocities_json(const Problem& problem) {
   Json velocities = Json::object();
@@ -131,6 +121,17 @@ std::string indented(const std::string& text) {
 
 }  // namespace
 
+nlohmann::ordered_json internal::constraints_json(const Problem& problem) {
+  Json constraints = Json::array();
+  for (const OrientationConstraint& constraint : problem.constraints) {
+    constraints.push_back({{"link", constraint.link},
+                           {"axis", json_of(constraint.axis)},
+                           {"up", json_of(constraint.up)},
+                           {"angle", constraint.angle}});
+  }
+  return constraints;
+}
+
 std::string to_yaml(const Problem& problem, const std::string& robot) {
   using internal::yaml_flow;
   // The robot's SRDF may name other joints, or several groups.
@@ -144,7 +145,7 @@ std::string to_yaml(const Problem& problem, const std::string& robot) {
   text += internal::yaml_list("attached", attached);
   const Json allowed = allowed_links_json(problem);
   if (!allowed.empty()) text += fmt::format("allow: {}\n", yaml_flow(allowed));
-  text += internal::yaml_list("constraints", constraints_json(problem));
+  text += internal::yaml_list("constraints", internal::constraints_json(problem));
   text += fmt::format("scene:\n{}start: {}\n", indented(to_yaml(problem.scene)),
                       yaml_flow(problem.start));
   const Json velocities = velocities_json(problem);
@@ -198,7 +199,7 @@ std::string to_compact_json(const Problem& problem, const std::string& robot) {
   json["start"] = problem.start;
   json.update(velocities_json(problem));
   json["goals"] = goals_json(problem);
-  const Json constraints = constraints_json(problem);
+  const Json constraints = internal::constraints_json(problem);
   if (!constraints.empty()) json["constraints"] = constraints;
   return text_of(std::move(file), std::move(json));
 }

@@ -97,6 +97,21 @@ TEST_SUITE("flow") {
     CHECK_FALSE(trace["live"].contains("planner"));
     CHECK(page.html.find("planner-wasm\">") == page.html.npos);
   }
+
+  TEST_CASE("a page holds the constraints and the velocity at the start, for its requests") {
+    Problem problem = load_problem(find_scene("shelf/thick.yaml").value()).value();
+    problem.constraints = {{.link = "gripper_link", .axis = {1, 0, 0}, .angle = 0.5}};
+    problem.start_velocity.assign(problem.start.size(), 0.0);
+    problem.start_velocity[1] = 0.01;
+    const auto constraint = nlohmann::json::parse(
+        R"([{"link": "gripper_link", "axis": [1, 0, 0], "up": [0, 0, 1], "angle": 0.5}])");
+    for (const std::string& html : {require(make_live_page(problem, false)).html,
+                                    require(make_offline_page(problem, {"script", "module"}))}) {
+      const auto live = nlohmann::json::parse(element_of(html, "trace"))["live"];
+      CHECK(live["constraints"] == constraint);
+      CHECK(live["start_velocity"] == problem.start_velocity);
+    }
+  }
 }
 
 }  // namespace mneme::test

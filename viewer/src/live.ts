@@ -176,13 +176,15 @@ export class LivePage {
     };
     const obstacles = this.obstacles().flatMap(({ name, shapes }) => shapes.map((shape, i) =>
       (shapes.length > 1 ? { body: name, ...requested(`${name} ${i + 1}`, shape) } : requested(name, shape))));
-    const { scene } = this.live;
+    const { scene, constraints } = this.live;
+    // Where a plan has ended the robot is at rest.
+    const velocity = this.start === this.live.start && this.live.start_velocity.length > 0 ? { start_velocity: this.live.start_velocity } : {};
     const isGone = (name: string): boolean => this.first.obstacles.some((body) => body.name === name && body.shapes.every(isMovable))
       && !this.bodies.some((body) => body.name === name);
     const allow = this.live.allow.filter((one) => !(Array.isArray(one) ? one : one.pair).some(isGone));
     return {
       name: this.first.problem, start: this.start, goal, obstacles, settings, trace: true, ...(scene ? { scene } : {}), allow,
-      ...(sampler ? { remember: false } : {}),
+      constraints, ...velocity, ...(sampler ? { remember: false } : {}),
     };
   }
 

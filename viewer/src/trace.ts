@@ -133,6 +133,10 @@ export interface Live {
   scene: string | null;
   /** What may touch: a link and an obstacle, or what may at the ends of a path. */
   allow: Allowed[];
+  /** What links keep along the whole path, as requests spell it. */
+  constraints: object[];
+  /** Empty at rest. */
+  start_velocity: number[];
   /** Links that goals are for, with those that move with each, in its frame. */
   tips: { link: string; pose: Pose; carries: { link: number; pose: Pose }[] }[];
   /** Links that are only seen, in the frame of the one that carries them; traces of plans lack them. */

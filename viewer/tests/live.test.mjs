@@ -153,6 +153,28 @@ describe("the page of a service", { skip }, () => {
     await plain.close();
   });
 
+  test("plans keep the constraints of the problem, and the first start its velocity", async () => {
+    const problem = join(directory, "upright.yaml");
+    const constraint = { link: "link_8", axis: [1, 0, 0], up: [1, 0, 0], angle: 0.5 };
+    const velocity = [0, 0, 0, 0, 0, 0, 0, 0.1];
+    writeFileSync(problem, ["name: upright", "robot: planar8", `constraints: [${JSON.stringify(constraint)}]`,
+      "scene: {circles: [[0, 12, 1]]}", "start: [0.6, 0.6, 0, 0, 0, 0, -0.6, -0.6]", `start_velocity: ${JSON.stringify(velocity)}`,
+      "goal: [-0.6, -0.6, 0, 0, 0, 0, 0.6, 0.6]", ""].join("\n"));
+    const service = await serve("--robot", "planar8", "--problem", problem);
+    const { page, complaints, close } = await openLive(browser, service);
+    const sent = [];
+    page.on("request", (request) => request.url().endsWith("/v1/plan") && sent.push(request.postDataJSON()));
+    for (const id of ["#seed", "#restart"]) {
+      await planned(page, () => page.locator(id).click());
+      assert.match(await page.locator("#note").textContent(), /^planned in/);
+    }
+    assert.deepEqual(sent.map(({ constraints }) => constraints), [[constraint], [constraint]]);
+    assert.deepEqual(sent.map(({ start_velocity }) => start_velocity), [velocity, undefined]);
+    assert.deepEqual(complaints, []);
+    await close();
+    await service.stop();
+  });
+
   test("a goal that nothing reaches is refused in words, and the page goes on", async () => {
     const { page, complaints, close } = await openLive(browser, planar);
     const goal = await place(page, "goal");
