@@ -13,6 +13,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+
 namespace mneme::python {
 namespace {
 
@@ -44,7 +46,10 @@ BenchPlan make_bench_plan(const std::vector<SharedProblem>& problems, const Memo
 /// Only solving runs in another thread, so that the caller's thread calls `on_row`.
 void bench(const std::vector<SharedProblem>& problems, const Memory* memory, const Runs& runs,
            const SolveSettings& settings, const py::function& on_row) {
-  if (memory == nullptr) check_without_memory("bench", settings);
+  if (std::ranges::none_of(runs.samplers, needs_memory)) {
+    check_without_memory(memory == nullptr ? "bench" : "bench with samplers that use no database",
+                         settings);
+  }
   BenchPlan plan = make_bench_plan(problems, memory, runs, settings);
   std::atomic<bool> cancel = false;
   plan.cancel = &cancel;

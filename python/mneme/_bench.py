@@ -39,7 +39,8 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
     problems: Problem objects. samplers: default "uniform"; with a database "gl" and "uniform".
     seeds: runs of each, with seeds from `seed` on; the runs of a problem follow each other,
     so that caches are warm, and their paths are checked afterwards.
-    csv: a file that gets a line after each run. It must not be an input file.
+    csv: a file that gets a line after each run. The first run replaces an earlier file. It must not
+    be an input file.
     on_row: called with each BenchmarkRow. settings: as for plan(), such as timeout=4.
     """
     problems = [problems] if isinstance(problems, _mneme.Problem) else list(problems)
@@ -55,20 +56,28 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
     if csv is not None:
         _mneme._check_output(os.fsdecode(csv), problems, database)
     rows = []
-    file = None if csv is None else open(csv, "w", encoding="utf-8", newline="")
+    file = None
+
+    def write(line):
+        # Opened late: a wrong keyword must not cost the rows of an earlier call.
+        nonlocal file
+        if csv is None:
+            return
+        if file is None:
+            file = open(csv, "w", encoding="utf-8", newline="")
+            file.write(_mneme._csv_header())
+        file.write(line)
+        file.flush()
 
     def take(row):
         rows.append(row)
-        if file:
-            file.write(_mneme._to_csv_line(row))
-            file.flush()
+        write(_mneme._to_csv_line(row))
         if on_row:
             on_row(row)
 
     try:
-        if file:
-            file.write(_mneme._csv_header())
         _mneme._bench(problems, database, planners, samplers, seeds, seed, take, **settings)
+        write("")
     finally:
         if file:
             file.close()

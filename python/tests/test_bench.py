@@ -55,3 +55,18 @@ def test_wrong_benchmarks_are_errors(problem):
     with pytest.raises(TypeError, match="timout"):
         mneme.bench(problem, timout=1)
     assert raised(mneme.bench, problem, planners="best")[0] == "invalid"
+
+
+def test_a_wrong_call_leaves_the_rows_of_an_earlier_one(problem, tmp_path):
+    csv = tmp_path / "runs.csv"
+    runs = mneme.bench(problem, csv=csv)
+    with pytest.raises(TypeError, match="timout"):
+        mneme.bench(problem, csv=csv, timout=1)
+    assert raised(mneme.bench, problem, planners="best", csv=csv)[0] == "invalid"
+    assert csv.read_text() == runs.to_csv()
+
+
+def test_settings_of_a_memory_that_no_sampler_uses_are_refused(problem, memory):
+    for database in (None, memory):
+        kind, message = raised(mneme.bench, problem, database, samplers="uniform", replay=0.5)
+        assert kind == "invalid" and "replay" in message
