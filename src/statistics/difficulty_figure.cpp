@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "statistics/figures.h"
+#include "statistics/tables.h"
 
 #include <fmt/format.h>
 
@@ -26,9 +27,8 @@ struct Dot {
   std::string problem;
   TimeSummary across, up;
 
-  [[nodiscard]] bool is_open() const { return is_median_open(across) || is_median_open(up); }
-  /// True if the median is a failure, at its time limit.
-  static bool is_median_open(const TimeSummary& times) { return 2 * times.solved <= times.runs; }
+  /// True if a median is a failure, at its time limit.
+  [[nodiscard]] bool is_open() const { return is_censored(across, 50) || is_censored(up, 50); }
 };
 
 std::vector<Dot> dots_of(const std::vector<Panel>& panels, const std::string& baseline,
@@ -109,9 +109,7 @@ class Scatter {
     svg_.close();
   }
 
-  static const char* mark(const TimeSummary& times) {
-    return Dot::is_median_open(times) ? "> " : "";
-  }
+  static const char* mark(const TimeSummary& times) { return is_censored(times, 50) ? "> " : ""; }
 
   void draw_legend(std::size_t i) {
     const double x = kDotLeft + kDotSide + 24;

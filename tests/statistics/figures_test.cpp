@@ -136,6 +136,19 @@ TEST_SUITE("unit") {
     rows[0].improvements = {{0, 10}};
     CHECK(length_curves(make_panels(rows, false)[0], {"gl"}).empty());
   }
+
+  TEST_CASE("A dot is open if a median is a failure, and not if just half of the runs succeed") {
+    std::vector<BenchmarkRow> rows(8, test::run(1));
+    for (std::size_t i = 0; i < 4; ++i) rows[i].sampler = "uniform";
+    const auto open_dots = [&] {
+      const test::SvgReader svg(difficulty_figure(make_panels(rows, true), "uniform", "gl"));
+      return svg.count("box open", "circle");
+    };
+    rows[6] = rows[7] = test::run(20, false);
+    CHECK(open_dots() == 0);
+    rows[5] = rows[7];
+    CHECK(open_dots() == 1);
+  }
 }
 
 }  // namespace
