@@ -163,7 +163,7 @@ struct PairedRatio {
   int pairs = 0;
   TimeRatio p50, p95, p99;  ///< ratios of percentiles
   TimeRatio mean;           ///< ratio of arithmetic means; a bound if any run failed
-  TimeRatio geometric;      ///< geometric mean of the pairs' ratios; never marked as a bound
+  TimeRatio geometric;      ///< geometric mean of the pairs' ratios; a bound if any run failed
 };
 /// Compares runs with equal set, problem and seed, without those on problems with an invalid start
 /// or goal. Intervals are bootstrap percentiles: whole problems are resampled if there are ten or

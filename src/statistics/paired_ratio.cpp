@@ -65,7 +65,7 @@ constexpr std::array kRatios = {&PairedRatio::p50, &PairedRatio::p95, &PairedRat
 /// The values of kRatios for a sample of pairs.
 using Estimate = std::array<double, kRatios.size()>;
 
-/// Percentiles of the first three ratios. The maximum decides whether a mean is a bound.
+/// Percentiles of the first three ratios. The maximum decides whether the means are bounds.
 constexpr std::array kPercents = {50, 95, 99, 100};
 using Percentiles = std::array<Time, kPercents.size()>;
 
@@ -112,13 +112,15 @@ class Estimator {
     return {ratio(0), ratio(1), ratio(2), reference_sum_ / other_sum_,
             std::exp(log_sum_ / static_cast<double>(count_))};
   }
-  /// Marks the ratios of the current sample that are bounds, because a percentile is a failure.
+  /// Marks the ratios of the current sample that are bounds, because their percentile or any run is
+  /// a failure.
   void mark_bounds(PairedRatio& ratio) const {
     const Percentiles reference = percentiles(by_reference_, &Pair::reference);
     const Percentiles other = percentiles(by_other_, &Pair::other);
-    for (std::size_t i = 0; i < kPercents.size(); ++i) {
-      (ratio.*kRatios[i]).is_at_least = reference[i].is_failure;
-      (ratio.*kRatios[i]).is_at_most = other[i].is_failure;
+    for (std::size_t i = 0; i < kRatios.size(); ++i) {
+      const std::size_t percentile = std::min(i, kPercents.size() - 1);
+      (ratio.*kRatios[i]).is_at_least = reference[percentile].is_failure;
+      (ratio.*kRatios[i]).is_at_most = other[percentile].is_failure;
     }
   }
 

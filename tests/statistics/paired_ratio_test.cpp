@@ -43,6 +43,7 @@ TEST_SUITE("unit") {
     CHECK(ratio.geometric.high == doctest::Approx(3));
     CHECK_FALSE(ratio.p50.is_at_least);
     CHECK_FALSE(ratio.mean.is_at_most);
+    CHECK_FALSE(ratio.geometric.is_at_least);
   }
 
   TEST_CASE("Pairs are of one problem and seed, whatever the order") {
@@ -68,7 +69,7 @@ TEST_SUITE("unit") {
     CHECK(inverse.geometric.value == doctest::Approx(1 / ratio.geometric.value));
   }
 
-  TEST_CASE("The mean weighs long runs, and one failure makes it and p99 a bound") {
+  TEST_CASE("The mean weighs long runs, and one failure makes both means and p99 bounds") {
     auto reference = runs(1), other = runs(1);
     reference[3].planning_time_s += 100;
     const double sum = 20 * (1 + 0.1 * 10.5);
@@ -76,6 +77,9 @@ TEST_SUITE("unit") {
     fail_run(reference[3]);
     const PairedRatio ratio = compare_runs(reference, other);
     CHECK(ratio.mean.is_at_least);
+    CHECK(ratio.geometric.is_at_least);
+    CHECK_FALSE(ratio.geometric.is_at_most);
+    CHECK(compare_runs(other, reference).geometric.is_at_most);
     CHECK(ratio.p99.is_at_least);
     CHECK_FALSE(ratio.p50.is_at_least);
     CHECK(ratio.p99.value == doctest::Approx(1000 / 3.0));
