@@ -94,16 +94,8 @@ class Results:
             raise Mistake(f"{path}: there is no such file of rows")
         return path
 
-    def memories(self, name):
-        path = self.folder / f"{name}.memories.csv"
-        try:
-            with path.open(encoding="utf-8", newline="") as source:
-                return list(csv.DictReader(source))
-        except OSError as problem:
-            raise Mistake(f"{path}: {problem.strerror}") from problem
-
-    def output(self, name):
-        path = self.folder / f"{name}.txt"
+    def text(self, file):
+        path = self.folder / file
         try:
             return path.read_text(encoding="utf-8")
         except OSError as problem:
@@ -209,7 +201,7 @@ def add_from_rows(results, name, summary):
     for line in summary["sets"]:
         of_line = runs.get((line["set"], line["planner"], line["sampler"], line["setting"]), [])
         line.update({column: sum(map(is_used, of_line)) for column, is_used in USED.items()})
-        line["total_mean_s"] = statistics.fmean(float(row["total_time_s"]) for row in of_line) if of_line else math.nan
+        line["total_mean_s"] = statistics.fmean(seconds_of(row, "total") for row in of_line) if of_line else math.nan
 
 
 def row_lines(results, names, options, where):
@@ -245,15 +237,20 @@ def task_of(problem):
     return re.sub(r"(\bt[0-9]+)_[0-9]+$", r"\1", problem)
 
 
+def seconds_of(row, time):
+    """Planning or total time; the limit without a path that survived its check."""
+    return float(row[f"{time}_time_s" if row["is_valid"] == "1" else "timeout_s"])
+
+
 def times_of(rows, time):
-    """Planning or total times in ms by setting and task, of pairs of a file's name and a row; those of runs without a path are the limit."""
+    """Times in ms, and whether there is a path, by setting and task, of pairs of a file's name and a row."""
     times = {}
     for name, row in rows:
         if row.get("status", "").startswith("invalid"):
             continue
         task = (name, row["set"], task_of(row["problem"]))
         setting = row["setting"].partition(",")[0]
-        run = (1e3 * float(row[f"{time}_time_s"]), row["is_valid"] == "1")
+        run = (1e3 * seconds_of(row, time), row["is_valid"] == "1")
         times.setdefault(setting, {}).setdefault(task, []).append(run)
     return times
 
@@ -353,7 +350,7 @@ def used_lines(results, names, options, where):
         run = (name, row["set"], row["problem"], row["seed"], row["planner"], row["sampler"], row["setting"])
         seen[run] = seen.get(run, 0) + 1  # problems of several files of a set may have one name
         run = (*run[:2], f"{run[2]} {seen[run]}" if seen[run] > 1 else run[2], run[3])
-        timed = (float(row[f"{time}_time_s"]), row["is_valid"] == "1")
+        timed = (seconds_of(row, time), row["is_valid"] == "1")
         if baseline in (setting, row["sampler"]):
             base[run] = timed
         else:
@@ -370,7 +367,7 @@ def used_lines(results, names, options, where):
 
 
 def cumulative(rows):
-    return list(itertools.accumulate(float(row["total_time_s"]) for row in rows))
+    return list(itertools.accumulate(seconds_of(row, "total") for row in rows))
 
 
 def growth_lines(results, names, options, where):
@@ -386,6 +383,8 @@ def growth_lines(results, names, options, where):
             if [row["problem"] for row in grown] != [row["problem"] for row in base]:
                 raise Mistake(f"set {title}: expected baseline={options.get('baseline')} and {setting} on the same problems in the same order")
             times, base_times = cumulative(grown), cumulative(base)
+            if not all(n.isdigit() and 0 < int(n) <= len(times) for n in options["show"]):
+                raise Mistake(f"set {title}: expected show= of numbers from 1 to {len(times)}, its queries")
             behind = [i for i, (this, that) in enumerate(zip(times, base_times)) if this >= that]
             pays = behind[-1] + 2 if behind else 1
             replayed = sum(row["replayed"] != "0" for row in grown)
@@ -399,7 +398,7 @@ def cost_lines(results, names, options, where):
     rows = [row for row in results.rows(names[0]) if is_meant(row, where) and not row["status"].startswith("invalid")]
     means, retrievals = {}, {}
     for row in rows:
-        means.setdefault(row["setting"].replace(" ", "_"), []).append(1e3 * float(row["planning_time_s"]))
+        means.setdefault(row["setting"].replace(" ", "_"), []).append(1e3 * seconds_of(row, "planning"))
         if float(row["retrieval_time_s"]) > 0:
             retrievals.setdefault(row["setting"], []).append(1e3 * float(row["retrieval_time_s"]))
     if options.get("baseline") not in means:
@@ -407,7 +406,7 @@ def cost_lines(results, names, options, where):
     means = {setting: statistics.fmean(times) for setting, times in means.items()}
     without = means[options["baseline"]]
     lines = []
-    for memory in results.memories(names[0]):
+    for memory in csv.DictReader(results.text(f"{names[0]}.memories.csv").splitlines()):
         drawing = [row["setting"] for row in rows if row["settings"].endswith(f"memory={memory['name']}")]
         if not drawing or float(memory["learning_time_s"]) == 0:
             continue
@@ -420,13 +419,14 @@ def cost_lines(results, names, options, where):
     return ["memory", "setting", "rows", "components", "MB", "s to learn", "retrieval ms", "mean ms", "gained after"], lines
 
 
-def medians_of(results, name, column):
+def medians_of(results, name, column, time):
     """Of each problem's runs, and of those with a path alone if `column` is its length."""
     values = {}
     for row in results.rows(name):
         is_solved = row["is_valid"] == "1"
-        if not row["status"].startswith("invalid") and (is_solved or column != "path_length"):
-            values.setdefault((row["set"], row["problem"]), []).append(float(row[column]))
+        if not row["status"].startswith("invalid") and (is_solved or column != "length"):
+            value = float(row["path_length"]) if column == "length" else seconds_of(row, time)
+            values.setdefault((row["set"], row["problem"]), []).append(value)
     return {problem: statistics.median(runs) for problem, runs in values.items()}
 
 
@@ -435,8 +435,7 @@ def beside_lines(results, names, options, where):
     for pair in names:
         cells = [pair]
         for column in options["show"]:
-            key = "path_length" if column == "length" else f"{options.get('time', 'planning')}_time_s"
-            ours, theirs = (medians_of(results, name, key) for name in pair.split(":"))
+            ours, theirs = (medians_of(results, name, column, options.get("time", "planning")) for name in pair.split(":"))
             both = sorted(ours.keys() & theirs.keys())
             if not both:
                 raise Mistake(f"{pair}: expected rows of the same problems")
@@ -491,7 +490,7 @@ def narrowed(text):
 
 def block(results, kind, words, told):
     if kind == "output":
-        return f"\n```text\n{narrowed(results.output(words))}```\n{said_of(results, [words], told)}"
+        return f"\n```text\n{narrowed(results.text(words + '.txt'))}```\n{said_of(results, [words], told)}"
     names, options, where = parse(words)
     if kind != "cost" and "show" not in options:
         raise Mistake(f"'{words}': expected show=")

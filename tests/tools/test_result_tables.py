@@ -93,10 +93,10 @@ def test_gains_have_intervals_over_tasks_and_count_slower_pairs(source):
 
 
 def test_gains_that_contain_failures_are_bounds(source):
-    rows = ["set,problem,setting,planning_time_s,is_valid"]
+    rows = ["set,problem,setting,planning_time_s,timeout_s,is_valid"]
     for task in range(5):
-        rows += [f"a,t{task}_1,planned,0.004,{int(task != 0)}", f"a,t{task}_1,asked,0.002,1",
-                 f"a,t{task}_1,replayed,0.002,{int(task < 2)}"]
+        rows += [f"a,t{task}_1,planned,0.004,0.004,{int(task != 0)}", f"a,t{task}_1,asked,0.002,0.004,1",
+                 f"a,t{task}_1,replayed,0.002,0.002,{int(task < 2)}"]
     with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
         packed.write("\n".join(rows) + "\n")
     lines = written(source, "difficulty mbm show=p50_gain,mean_gain,geometric_gain baseline=planned")
@@ -105,15 +105,15 @@ def test_gains_that_contain_failures_are_bounds(source):
 
 
 def test_rows_count_the_runs_that_used_memory(source):
-    rows = ["set,planner,sampler,setting,status,retrieval_time_s,replayed,total_time_s",
-            'cage,rrt_connect,gl,"a b",solved,0.001,0,0.003', 'cage,rrt_connect,gl,"a b",solved,0,7,0.001',
-            'cage,rrt_connect,gl,"a b",invalid start,0.1,3,9', 'box,rrt_connect,gl,c,timeout,0,,0.004', '"a, b",x,x,x,solved,0,0,0']
+    rows = ["set,planner,sampler,setting,status,retrieval_time_s,replayed,total_time_s,timeout_s,is_valid",
+            'cage,rrt_connect,gl,"a b",solved,0.001,0,0.003,4,1', 'cage,rrt_connect,gl,"a b",solved,0,7,0.001,4,1',
+            'cage,rrt_connect,gl,"a b",invalid start,0.1,3,9,4,0', 'box,rrt_connect,gl,c,solved,0,,0.003,0.004,0', '"a, b",x,x,x,solved,0,0,0,4,1']
     with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
         packed.write("\n".join(rows) + "\n")
     lines = written(source, "rows mbm by=set show=retrieved,replayed where=set!all")
     assert lines[0] == "| set | retrieved | replayed |"
     assert lines[2:-2] == ["| cage | 1 of 100 | 1 of 100 |", "| box | 0 of 100 | 0 of 100 |"]
-    assert written(source, "rows mbm by=set show=mean time=total where=set:cage")[2] == "| cage | >2.00 |"
+    assert written(source, "rows mbm by=set show=mean time=total where=set!all")[2:-2] == ["| cage | >2.00 |", "| box | >4.00 |"]
 
 
 def test_gains_of_used_memory_stand_beside_runs_that_did_not_query_it(source):
@@ -157,9 +157,9 @@ def test_ratios_have_intervals_and_bounds(source):
 
 
 def test_problems_are_binned_by_what_the_baseline_needs(source):
-    rows = ["set,problem,setting,planning_time_s,is_valid"]
-    rows += [f"a,1,planned,{time},1" for time in (0.002, 0.003, 0.5)]
-    rows += ["a,2,planned,5,0", '"a",1,"asked, arm",0.001,1', '"a",2,"asked, arm",0.02,1']
+    rows = ["set,problem,setting,planning_time_s,timeout_s,is_valid"]
+    rows += [f"a,1,planned,{time},5,1" for time in (0.002, 0.003, 0.5)]
+    rows += ["a,2,planned,0.001,5,0", '"a",1,"asked, arm",0.001,5,1', '"a",2,"asked, arm",0.02,5,1']
     with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
         packed.write("\n".join(rows) + "\n")
     lines = written(source, "difficulty mbm show=tasks,p50_gain,mean_gain,slower baseline=planned")
@@ -288,9 +288,10 @@ def test_difficulty_of_some_sets_only(source):
 def test_a_memory_is_paid_for_by_what_its_queries_gain(source):
     folder = source / "bench" / "results"
     with lzma.open(folder / "mbm.csv.xz", "wt") as packed:
-        packed.write("set,problem,setting,settings,status,planning_time_s,retrieval_time_s\n")
-        packed.writelines(f"a,{i},no memory,range=1,solved,0.03,0\na,{i},grid,range=1 memory=first 12,solved,0.01,{i * 5e-5}\n" for i in range(2))
-        packed.write("a,3,grid,range=1 memory=first 12,invalid_start,5,1\na,1,worse,memory=large,solved,0.5,0\n")
+        packed.write("set,problem,setting,settings,status,planning_time_s,retrieval_time_s,timeout_s,is_valid\n")
+        packed.writelines(f"a,{i},no memory,range=1,solved,0.03,0,0.5,1\na,{i},grid,range=1 memory=first 12,solved,0.01,{i * 5e-5},0.5,1\n"
+                          for i in range(2))
+        packed.write("a,3,grid,range=1 memory=first 12,invalid_start,5,1,0.5,0\na,1,worse,memory=large,solved,0.01,0,0.5,0\n")
     (folder / "mbm.memories.csv").write_text("name,primitives,components,bytes,learning_time_s\nfirst 12,12,99,2500000,1.5\n"
                                              "large,800,9,1,2\nthere already,1,1,1,0\nunused,1,1,1,3\n", encoding="utf-8")
     lines = written(source, "cost mbm baseline=no_memory")
@@ -299,17 +300,30 @@ def test_a_memory_is_paid_for_by_what_its_queries_gain(source):
                            "| large | worse | 800 | 9 | 0.00 | 2 | none | 30 → 500 | never |"]
 
 
+def test_growth_sums_total_times_with_failures_at_their_limit(source):
+    rows = ["set,problem,setting,total_time_s,timeout_s,is_valid,replayed"]
+    rows += [f"a,{i},planned,1,9,1,0" for i in range(3)] + ["a,0,kept,2,9,1,0", "a,1,kept,0.1,4,0,7", "a,2,kept,0.5,9,1,7"]
+    with lzma.open(source / "bench" / "results" / "mbm.csv.xz", "wt") as packed:
+        packed.write("\n".join(rows) + "\n")
+    lines = written(source, "growth mbm show=1,3 baseline=planned")
+    assert lines[2] == "| a | kept | 2 of 3 | 1 → 2 | 3 → 6.5 | 0.462 | not yet |"
+    for count in ("4", "0", "all"):
+        (source / "docs" / "a.md").write_text(f"<!-- growth mbm show={count} baseline=planned -->\n<!-- /rows -->\n", encoding="utf-8")
+        done = run(source)
+        assert done.returncode == 1 and "set a: expected show= of numbers from 1 to 3" in done.stderr
+
+
 def test_two_programs_are_compared_on_the_problems_of_both(source):
     folder = source / "bench" / "results"
-    head = "set,problem,status,is_valid,planning_time_s,total_time_s,path_length\n"
+    head = "set,problem,status,is_valid,planning_time_s,total_time_s,path_length,timeout_s\n"
     with lzma.open(folder / "mbm.csv.xz", "wt") as packed:
         packed.write(head)
-        packed.writelines(f"a,{i},solved,1,0.001,0.01,{length}\n" for i in range(9) for length in (1, 2, 6))
-        packed.write("a,9,timed_out,0,4,4,0\n")
+        packed.writelines(f"a,{i},solved,1,0.001,0.01,{length},4\n" for i in range(9) for length in (1, 2, 6))
+        packed.write("a,9,solved,0,0.001,0.01,0,4\n")
     with lzma.open(folder / "other.csv.xz", "wt") as packed:
         packed.write(head)
-        packed.writelines(f"a,{i},solved,1,{0.002 if i < 8 else 0.5},0.03,3\n" for i in range(10))
-        packed.write("a,elsewhere,solved,1,9,9,9\na,2,invalid_start,0,9,9,9\n")
+        packed.writelines(f"a,{i},solved,1,{0.002 if i < 8 else 0.5},0.03,3,4\n" for i in range(10))
+        packed.write("a,elsewhere,solved,1,9,9,9,4\na,2,invalid_start,0,9,9,9,4\n")
     (folder / "other.json").write_text(json.dumps({"command": "other", "commit": "", "machine": "m"}), encoding="utf-8")
     lines = written(source, "beside mbm:other show=pairs,p50,p95,length")
     assert lines[0] == "|  | pairs | p50 | p95 | mean length |"
