@@ -411,12 +411,14 @@ void add_problem_flags(CLI::App& command, PlanOptions& options) {
                   "velocity of each joint at the start, rad/s or m/s: the path begins with the "
                   "motion in which the robot can stop (default: at rest)")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->type_name("X,X,..");
   command
       .add_option("--end-velocity", options.end_velocity,
                   "velocity of each joint at the goal, rad/s or m/s: the path ends with the motion "
                   "in which the robot gets it (default: at rest)")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->type_name("X,X,..");
   add_poses(
       command, "--goal-pose", options.goal_poses,

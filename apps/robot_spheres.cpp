@@ -210,6 +210,7 @@ void add_robot_spheres(CLI::App& group, Action& action) {
   command
       .add_option("--link-excess", options->link_excess,
                   "how far the spheres of one link may stick out, metres; repeatable")
+      ->allow_extra_args(false)
       ->type_name("LINK=METRES");
   add_pair_samples(command, options->pairs);
   command.add_flag("--allow-rest", options->pairs.allow_at_rest,

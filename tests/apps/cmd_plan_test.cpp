@@ -115,6 +115,13 @@ TEST_SUITE("flow") {
     CHECK(std::filesystem::exists(files / "plan.svg"));
   }
 
+  TEST_CASE("a list of velocities ends with its word: the problem may follow") {
+    const PlanarFiles files;
+    for (const char* flag : {"--start-velocity", "--end-velocity"}) {
+      require_run({"plan", flag, "0,0.01,0,0,0,0,0,0", files.problem()});
+    }
+  }
+
   TEST_CASE("flags of trajectories that are wrong are refused before anything is planned") {
     const PlanarFiles files;
     const std::string problem = files.problem(), csv = files / "m.csv";

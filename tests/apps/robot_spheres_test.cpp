@@ -85,6 +85,7 @@ TEST_SUITE("flow") {
     const auto [finer, same] = spheres_of({"--link-excess", "a=0.008"});
     CHECK(finer > first);
     CHECK(same == second);
+    require_run({"robot", "spheres", "--link-excess", "a=0.008", arm.urdf, "-o", arm.out});
   }
 
   TEST_CASE("pairs of an SRDF are kept with those that sampling finds") {
