@@ -81,9 +81,19 @@ Json& append_problem(const Problem& problem, const std::string& robot, Json& fil
   return file["problems"].back();
 }
 
+/// True after an interrupt that came before the first problem: an earlier file is not replaced.
+bool is_cut_off(const Json& file) {
+  const bool has_problems = file.contains("problems") && !file.at("problems").empty();
+  return interrupt_flag()->load() && !has_problems;
+}
+
 /// Writes the file, then prints `summary` with the file's name, or the sentence.
 Result<ExitCode> write_problems(const GeneratorOptions& options, const Json& file, Json summary,
                                 const std::string& sentence) {
+  if (is_cut_off(file)) {
+    print_note("interrupted before the first problem; nothing is written");
+    return ExitCode::interrupted;
+  }
   if (options.output == "-") {
     fmt::print("{}\n", file.dump());
   } else {
@@ -285,16 +295,18 @@ Result<ExitCode> run_composed(const ComposedOptions& given) {
   const auto own =
       std::min(made.modules.size(), static_cast<std::size_t>(options.settings.modules));
   const std::span<const ComposedModule> modules = made.modules;
-  if (!options.lessons.empty()) {
+  const Json problems = to_json(options, robot, made);
+  const bool is_written = !is_cut_off(problems);
+  if (is_written && !options.lessons.empty()) {
     const Json file = modules_to_json(options, robot, modules.first(own));
     MNEME_TRY(write_file(options.lessons, file.dump() + "\n"));
   }
-  if (!options.foreign.empty()) {
+  if (is_written && !options.foreign.empty()) {
     const Json file = modules_to_json(options, robot, modules.subspan(own));
     MNEME_TRY(write_file(options.foreign, file.dump() + "\n"));
   }
   return write_problems(
-      options, to_json(options, robot, made),
+      options, problems,
       {{"generator", kComposedVersion},
        {"instances", made.instances.size()},
        {"modules", own},

@@ -5,6 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <chrono>
+#include <thread>
+
 namespace mneme::test {
 namespace {
 
@@ -47,6 +50,25 @@ TEST_SUITE("flow") {
     CHECK(wrong.exit_code == 1);
     CHECK(contains(wrong.err, "wrong.yaml:2: key scene.circles.a: expected 3 numbers"));
     CHECK(!contains(wrong.err, "unknown key"));
+  }
+
+  TEST_CASE("an interrupt before the first problem leaves earlier files alone") {
+    const PlanarFiles files;
+    const std::string problems = files / "problems.json", lessons = files / "lessons.json";
+    for (const int wait_ms : {50, 200, 800}) {
+      write_file(problems, "old");
+      write_file(lessons, "old");
+      RunningProgram program({"scene", "composed", "--robot", "fetch", "-n", "100000", "-o",
+                              problems, "--lessons", lessons});
+      std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+      program.send(SIGINT);
+      const ProgramRun run = program.wait();
+      CHECK_MESSAGE(run.exit_code == 130, run.err);
+      for (const std::string& file : {problems, lessons}) {
+        const std::string text = read_file(file);
+        CHECK((text == "old" || !Json::parse(text).at("problems").empty()));
+      }
+    }
   }
 
   TEST_CASE("what was left aside of a scene's files is told") {
