@@ -113,10 +113,12 @@ Scene read_scene_of_request(const Input& input, const std::string& name,
   const bool is_of_its_own = input.find("obstacles") || input.find("circles");
   if (!id && (is_of_its_own || shown == nullptr)) return std::move(scene);
   if (const auto frame = input.find("frame")) {
-    frame->fail(
-        ErrorCode::invalid,
-        "expected no frame beside scene: with a scene, all obstacles are in the frame of the "
-        "root link");
+    frame->fail(ErrorCode::invalid,
+                id ? "expected no frame beside scene: with a scene, all obstacles are in the frame "
+                     "of the root link"
+                   : "expected no frame: without scene and obstacles, a request has the scene of "
+                     "the service's problem, in the frame of the root link; give obstacles, [] for "
+                     "none");
   }
   Scene kept = id ? find_scene(*id, context) : Scene(shown->scene);
   for (const std::string& emptied : own.empty) static_cast<void>(kept.remove(emptied));

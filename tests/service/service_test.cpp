@@ -283,7 +283,13 @@ TEST_SUITE("flow") {
     CHECK(post(*client, "/v1/check", check).status == 200);
     Json framed = ends;
     framed["frame"] = {{"position", {1, 0, 0}}};
-    CHECK(post(*client, "/v1/plan", framed).status == 400);
+    const Reply refusal = post(*client, "/v1/plan", framed);
+    CHECK(refusal.status == 400);
+    const std::string message = refusal.body["error"]["message"];
+    CHECK_MESSAGE(contains(message, "the scene of the service's problem"), message);
+    CHECK_MESSAGE(contains(message, "give obstacles, [] for none"), message);
+    framed["obstacles"] = Json::array();
+    CHECK(post(*client, "/v1/plan", framed).status == 200);
   }
 
   TEST_CASE("obstacles beside a scene are added to it, in the place of those of the same names") {
