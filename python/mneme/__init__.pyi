@@ -614,7 +614,7 @@ class RemotePlan:
     iterations: int
     states_checked: int
     motions_checked: int
-    remembered: int
+    remembered: bool
     planner: str
     sampler: str
     seed: int

@@ -101,6 +101,11 @@ class RemotePlan:
     def path(self):
         return _array(self._answer["path"])
 
+    @property
+    def remembered(self):
+        """True if the service is storing the path meanwhile."""
+        return bool(self._answer["remembered"])
+
     def to_json(self):
         """Returns the JSON that `mneme plan --json` prints."""
         return json.dumps(self._answer, indent=2)
@@ -118,7 +123,7 @@ class RemotePlan:
 
 for _name in ("status", "path_length", "total_time_s", "planning_time_s", "retrieval_time_s", "learning_time_s",
               "simplification_time_s", "verification_time_s", "iterations", "states_checked", "motions_checked",
-              "remembered", "planner", "sampler", "seed", "isa"):
+              "planner", "sampler", "seed", "isa"):
     setattr(RemotePlan, _name, property(lambda self, name=_name: self._answer[name]))
 
 

@@ -87,6 +87,7 @@ def test_a_plan_is_that_of_this_process(client, problem):
     assert np.array_equal(remote.path, local.path)
     for name in ("iterations", "path_length", "planner", "sampler", "seed", "remembered"):
         assert getattr(remote, name) == getattr(local, name)
+    assert remote.remembered is False and mneme.RemotePlan({"remembered": "queued"}, client).remembered is True
     assert json.loads(remote.to_json())["least_clearance"] > 0
     assert json.loads(remote.to_trace())["format"] == "mneme-trace"
     with pytest.raises(AttributeError):
