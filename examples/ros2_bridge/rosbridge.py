@@ -71,9 +71,13 @@ class Rosbridge:
                 threading.Thread(target=self._answer, args=(message,), daemon=True).start()
 
     def _answer(self, message):
-        function = self._services[message["service"]][1]
-        values = function(self, message.get("args") or {})
-        self.send(op="service_response", id=message.get("id"), service=message["service"], values=values, result=True)
+        service = message["service"]
+        try:
+            values, is_done = self._services[service][1](self, message.get("args") or {}), True
+        except Exception as failure:  # without an answer the caller would wait for ever
+            values, is_done = f"{type(failure).__name__}: {failure}", False
+            print(f"{service}: {values}", file=sys.stderr)
+        self.send(op="service_response", id=message.get("id"), service=service, values=values, result=is_done)
 
 
 class Planner:

@@ -72,7 +72,10 @@ class Server:
             assert opcode == websocket.PONG and payload == b"?"
 
     def ask(self, service, arguments):
-        """The answer to a call, and what was published before it; gives the scene to who asks for it."""
+        """The answer to a call, and what was published before it; gives the scene to who asks for it.
+
+        An answer without a result, which has a text in place of values, is that text.
+        """
         self.send(op="call_service", id="call 1", service=service, args=arguments)
         published = []
         while (message := self.receive())["op"] != "service_response":
@@ -84,7 +87,7 @@ class Server:
             assert message["args"] == {"components": {"components": 510}}
             self.send(op="service_response", id=message["id"], service=message["service"],
                       values={"scene": self.scene} if self.scene else "no scene", result=bool(self.scene))
-        assert (message["id"], message["service"], message["result"]) == ("call 1", service, True)
+        assert (message["id"], message["service"], message["result"]) == ("call 1", service, not isinstance(message["values"], str))
         return message["values"], published
 
 
@@ -139,6 +142,12 @@ def test_what_cannot_be_planned_is_a_failure_and_the_bridge_goes_on(server):
     scene, server.scene = server.scene, None
     assert server.ask(rosbridge.PLAN, plan_request())[0]["motion_plan_response"]["error_code"]["val"] == 99999
     server.scene = scene
+    assert server.ask(rosbridge.PLAN, plan_request())[0]["motion_plan_response"]["error_code"]["val"] == 1
+
+
+def test_a_call_that_is_no_request_is_answered(server):
+    assert server.ask(rosbridge.PLAN, {}) == ("KeyError: 'motion_plan_request'", [])
+    assert server.ask(rosbridge.IK, {"ik_request": None})[0].startswith("AttributeError: ")
     assert server.ask(rosbridge.PLAN, plan_request())[0]["motion_plan_response"]["error_code"]["val"] == 1
 
 
