@@ -151,12 +151,12 @@ Result<bool> learn_memory(const SuiteMemory& memory, const std::string& path,
     say(hooks, fmt::format("memory {}", memory.name));
     learned = MNEME_TRY(memory.primitives.empty() ? learn_problems(memory, path, hooks)
                                                   : learn_grid(memory, path, jobs, hooks));
-  }
-  if (std::error_code error; !std::filesystem::exists(path, error)) {
-    return fail(ErrorCode::invalid,
-                "memory {}: its problems taught nothing, perhaps because straight motions solve "
-                "them; use harder problems",
-                memory.name);
+    if (std::error_code error; !std::filesystem::exists(path, error)) {
+      return fail(ErrorCode::invalid,
+                  "memory {}: its problems taught nothing, perhaps because straight motions solve "
+                  "them; use harder problems",
+                  memory.name);
+    }
   }
   const Database database = MNEME_TRY(Database::inspect(path));
   const DatabaseInfo info = database.info();

@@ -198,10 +198,16 @@ TEST_SUITE("unit") {
     write_file(files / "online.yaml",
                "problems: [problem.yaml]\nmemories: {m: {file: m.db}}\n"
                "settings: {a: {memory: m, learn-budget: 1}}\n");
+    write_file(files / "missing.yaml",
+               "problems: [problem.yaml]\nmemories: {m: {file: absent.db}}\n"
+               "settings: {a: {memory: m, samplers: [gl]}}\n");
     check_bad_inputs({
         {{"bench", "run", files / "typo.yaml"}, 1, {"typo.yaml:2", "planers", "unknown key"}},
         {{"bench", "run", files / "set.yaml", "--out", files / "o"}, 1, {"no set 'b'"}},
         {{"bench", "run", files / "online.yaml", "--jobs", "2"}, 1, {"--jobs must be 1"}},
+        {{"bench", "run", files / "missing.yaml", "--out", files / "o"},
+         1,
+         {"absent.db", "cannot be read"}},
         {{"bench", "run", suite, "--lambda", "0.1"},
          2,
          {"--lambda", "cannot be combined with a suite"}},
