@@ -28,7 +28,8 @@ namespace {
 inline constexpr int kSeedLanes = HWY_LANES(float);
 /// Metres that weigh as much as a radian.
 constexpr float kMetresPerRadian = 0.25f;
-/// Added to the damping, so that systems can be solved at the target too.
+/// Added to the damping, so that systems can be solved at the target too: relative to the longest
+/// lever of a joint, squared, where that is longer than a metre.
 constexpr float kLeastDamping = 1e-6f;
 /// Radians or metres that a joint moves in a step, at most.
 constexpr float kLongestStep = 1.0f;
@@ -150,7 +151,9 @@ class IkSolver {
     const V weight = splat(kMetresPerRadian);
     for (int i = 0; i < count; ++i) turns[i] = weight * turns[i];
     const V3 rotation = weight * error.rotation;
+    V lever2 = splat(1.0f);
     for (int i = 0; i < count; ++i) {
+      lever2 = hn::Max(lever2, squared_norm(slopes[i]));
       const V pull = hn::Add(dot(slopes[i], error.position), dot(turns[i], rotation));
       const M stays = is_held(joint[i], pull, q);
       slopes[i] = unless(stays, slopes[i]);
@@ -159,7 +162,8 @@ class IkSolver {
     V wish[kMostWalkingJoints], change[kMostWalkingJoints];
     for (int j = 0; j < joints; ++j) wish[j] = hn::Zero(Tag());
     const V square = hn::MulAdd(splat(kMetresPerRadian * kMetresPerRadian), rotation2, position2);
-    equations_.reset(joints, hn::MulAdd(splat(0.05f), square, splat(kLeastDamping)), wish);
+    const V least = hn::Mul(splat(kLeastDamping), lever2);
+    equations_.reset(joints, hn::MulAdd(splat(0.05f), square, least), wish);
     add_rows(error, joint, slopes, turns, count, rotation);
     equations_.solve(change);
     V most = splat(kLongestStep);

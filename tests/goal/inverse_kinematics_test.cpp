@@ -62,6 +62,20 @@ TEST_SUITE("law") {
     }
   }
 
+  TEST_CASE("an arm of ten metres reaches what it has reached, also almost stretched") {
+    const Robot arm = shipped_robot("planar8");
+    const PoseGoal stretched = pose_at(arm, "link_8", {-0.5, 0, 0, 0, 0, 0, 0, 0.5});
+    for (const Isa isa : available_isas()) {
+      CAPTURE(to_string(isa));
+      CHECK(count_reached(arm, "link_8", 100, isa) >= 99);
+      const InverseKinematics kinematics = require(InverseKinematics::make(arm, "link_8", isa));
+      const Configuration near = {0.5, 0, 0, 0, 0, 0, 0, -0.5};
+      const IkResult result = kinematics.solve(stretched, near);
+      CHECK_FALSE(result.solutions.empty());
+      check_solutions(arm, stretched, near, result);
+    }
+  }
+
   TEST_CASE("prismatic, continuous and mimic joints count") {
     CHECK(count_reached(odd_arm(), kOddHand, 200, Isa::automatic) >= 199);
   }
