@@ -58,23 +58,52 @@ std::pair<double, std::string> distance_to_hand(const Robot& robot, const std::s
   return {nearest, name};
 }
 
+void add_new(const std::string& name, std::vector<std::string>& names) {
+  if (std::ranges::count(names, name) == 0) names.push_back(name);
+}
+
+/// What an object may touch by the world's pairs.
+struct Partners {
+  std::vector<std::string> carried = {};    ///< links and held objects
+  std::vector<std::string> obstacles = {};  ///< not held
+};
+
+Partners find_partners(const World& world, const std::string& object) {
+  Partners partners;
+  for (const auto& [carried, obstacle] : world.allowed) {
+    if (carried != object && obstacle != object) continue;
+    const bool was_obstacle = carried == object;
+    const std::string& other = was_obstacle ? obstacle : carried;
+    const bool is_obstacle = world.scene.find(other) != nullptr;
+    const bool is_carried = world.robot.find_link(other).has_value();
+    // An obstacle may have the name of a link.
+    if (is_obstacle && (was_obstacle || !is_carried)) {
+      add_new(other, partners.obstacles);
+    } else if (is_carried) {
+      add_new(other, partners.carried);
+    }
+  }
+  return partners;
+}
+
 Result<World> attached(const World& world, const Stage& stage, const Configuration& q) {
   const Obstacle* obstacle = world.scene.find(stage.object);
   const Transform X_WL = world.robot.link_poses(q)[as_index(*world.robot.find_link(stage.carrier))];
   AttachedObject object{stage.object, stage.carrier, {}, {}, stage.may_touch};
-  // Contact of the obstacle that was allowed stays so.
-  for (const std::string& name : obstacle->may_touch) {
-    const bool is_new = std::ranges::count(object.may_touch, name) == 0;
-    if (is_new && world.robot.find_link(name)) object.may_touch.push_back(name);
-  }
   for (const Shape& shape : obstacle->shapes) {
     object.shapes.push_back(transformed(X_WL.inverse(), shape));
   }
   World next = world;
   next.held[stage.object] = {stage.carrier, X_WL.inverse() * world.poses.at(stage.object),
-                             stage.may_touch, obstacle->may_touch};
+                             stage.may_touch};
   next.poses.erase(stage.object);
   MNEME_TRY(next.scene.remove(stage.object));
+  // Contact of the obstacle that was allowed, always or at ends, stays so.
+  next.scene.end_contacts = world.scene.end_contacts;
+  for (const std::string& name : find_partners(next, stage.object).carried) {
+    add_new(name, object.may_touch);
+  }
+  let_obstacles_touch(next, stage.object);
   std::vector<ApproximatedObject> objects;
   objects.push_back(MNEME_TRY(approximate_object(std::move(object))));
   next.robot = MNEME_TRY(world.robot.with_attached(std::move(objects)));
@@ -87,7 +116,7 @@ Result<World> detached(const World& world, const Stage& stage, const Configurati
   const auto object = std::ranges::find_if(
       world.robot.attached(),
       [&](const ApproximatedObject& each) { return each.object.name == stage.object; });
-  Obstacle obstacle{stage.object, {}, held.free_touch};
+  Obstacle obstacle{stage.object, {}};
   for (const Shape& shape : object->object.shapes) {
     obstacle.shapes.push_back(transformed(X_WL, shape));
   }
@@ -102,6 +131,7 @@ Result<World> detached(const World& world, const Stage& stage, const Configurati
   std::erase_if(next.scene.exact_pairs, [&](const auto& pair) {
     return pair.first == stage.object || pair.second == stage.object;
   });
+  obstacle.may_touch = find_partners(next, stage.object).carried;
   MNEME_TRY(next.scene.add(std::move(obstacle)));
   return next;
 }
@@ -130,13 +160,17 @@ Result<Robot> find_or_make(const World& world, const std::map<std::string, doubl
   return with_held(known->to, world.robot);
 }
 
-Result<World> with_allowed(const World& world, const Stage& stage) {
+/// A name that a link and an obstacle share means the link in first place and the obstacle in
+/// second, as in AllowedContacts::allow().
+World with_allowed(const World& world, const Stage& stage) {
   World next = world;
   for (const auto& [first, second] : stage.pairs) {
-    const bool is_obstacle = next.scene.find(second) != nullptr;
-    std::vector<std::string>& touching = next.scene.find(is_obstacle ? second : first)->may_touch;
-    const std::string& name = is_obstacle ? first : second;
-    if (std::ranges::count(touching, name) == 0) touching.push_back(name);
+    const bool is_second =
+        next.scene.find(second) != nullptr && next.robot.find_link(first).has_value();
+    const AllowedContact pair =
+        is_second ? AllowedContact{first, second} : AllowedContact{second, first};
+    add_new(pair.carried, next.scene.find(pair.obstacle)->may_touch);
+    if (std::ranges::count(next.allowed, pair) == 0) next.allowed.push_back(pair);
   }
   return next;
 }
@@ -238,17 +272,19 @@ void prepare_shapes_of(const Task& task, double margin) {
 }
 
 World first_world(const Task& task) {
-  World world{task.robot, task.scene, {}, {}};
+  World world{task.robot, task.scene, {}, {}, {}};
   const std::vector<Transform> poses = task.robot.link_poses(task.start);
   for (const ApproximatedObject& each : task.robot.attached()) {
     const AttachedObject& object = each.object;
     world.held[object.name] = {object.link,
                                object.shapes.empty() ? Transform{} : pose_of(object.shapes.front()),
-                               object.may_touch,
-                               {}};
+                               object.may_touch};
   }
   for (const Obstacle& obstacle : task.scene.obstacles) {
     if (!obstacle.shapes.empty()) world.poses[obstacle.name] = pose_of(obstacle.shapes.front());
+    for (const std::string& name : obstacle.may_touch) {
+      world.allowed.push_back({name, obstacle.name});
+    }
   }
   return world;
 }
@@ -282,6 +318,12 @@ Result<World> after_stage(const World& world, const Stage& stage, const Configur
       break;
   }
   return world;
+}
+
+void let_obstacles_touch(World& world, const std::string& object) {
+  for (const std::string& name : find_partners(world, object).obstacles) {
+    add_new(object, world.scene.find(name)->may_touch);
+  }
 }
 
 void let_touch_at_ends(Scene& scene, const std::string& object,

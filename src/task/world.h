@@ -17,8 +17,15 @@ namespace mneme::internal {
 struct HeldObject {
   std::string link;
   Transform X_LO;
-  std::vector<std::string> may_touch = {};   ///< of the stage that attached it
-  std::vector<std::string> free_touch = {};  ///< Obstacle::may_touch before that
+  std::vector<std::string> may_touch = {};  ///< of the stage that attached it
+};
+
+/// A pair that may touch, as each was when it was allowed. Either may be held or free later.
+struct AllowedContact {
+  std::string carried;   ///< a link or a held object
+  std::string obstacle;  ///< not held
+
+  bool operator==(const AllowedContact&) const = default;
 };
 
 /// Robots with other values of joints outside the group that were made for a task: their tables
@@ -40,6 +47,7 @@ struct World {
   std::map<std::string, Transform> poses;  ///< of objects that some stage attaches and that are
                                            ///< free, in the root link's frame
   std::map<std::string, HeldObject> held;  ///< by name
+  std::vector<AllowedContact> allowed;     ///< by the scene and by stages so far
   std::shared_ptr<GripperRobots> grippers = std::make_shared<GripperRobots>();
 };
 
@@ -75,6 +83,9 @@ void prepare_shapes_of(const Task& task, double margin);
 
 /// Largest distance of an object from the links that take it, metres.
 inline constexpr double kFarthestAttach = 0.05;
+
+/// Lets obstacles touch the object while it is held, as the world's pairs say.
+void let_obstacles_touch(World& world, const std::string& object);
 
 /// Lets links touch the object at the ends of lines, within `stretch` metres of motion.
 void let_touch_at_ends(Scene& scene, const std::string& object,

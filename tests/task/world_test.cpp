@@ -261,6 +261,60 @@ TEST_SUITE("unit") {
     const auto held = require(internal::after_stage(allowed, task.stages[1], task.start));
     CHECK(held.robot.attached()[0].object.may_touch == std::vector<std::string>{"panda_link5"});
   }
+
+  /// The world after the first stages, all at the task's start.
+  World world_after(const Task& task, std::size_t stages) {
+    World world = internal::first_world(task);
+    for (std::size_t i = 0; i < stages; ++i) {
+      world = require(internal::after_stage(world, task.stages[i], task.start));
+      CHECK(CollisionChecker::make(world.robot, world.scene).has_value());
+    }
+    return world;
+  }
+
+  TEST_CASE("contact that a stage allows stays allowed when an object is taken again") {
+    const std::string lid =
+        "    - {name: lid, type: box, position: [0.5, 0.2, 0.31], size: [0.1, 0.1, 0.02]}\n";
+    const Task task = make_task(kCell + lid +
+                                "stages: [{attach: cup}, {allow: [[cup, table], [lid, cup]]}, "
+                                "{attach: lid}, {detach: cup}, {detach: lid}, {attach: cup}]\n");
+    const std::vector<std::string> cup = {"cup"}, none;
+    const World both = world_after(task, 3);
+    CHECK(both.robot.attached()[1].object.may_touch == cup);
+    CHECK(both.scene.find("table")->may_touch == cup);
+    const World left = world_after(task, 4);
+    CHECK(left.scene.find("table")->may_touch == none);
+    CHECK(left.scene.find("cup")->may_touch == std::vector<std::string>{"lid"});
+    CHECK(world_after(task, 5).scene.find("lid")->may_touch == none);
+    const World again = world_after(task, 6);
+    CHECK(again.scene.find("table")->may_touch == cup);
+    CHECK(again.scene.find("lid")->may_touch == cup);
+  }
+
+  TEST_CASE("contact of an obstacle at ends stays allowed once it is held") {
+    const Task task = make_task(kCell +
+                                "allow: [{pair: [panda_link5, cup], at_ends: 0.01}]\n"
+                                "stages: [{attach: cup}, {detach: cup}]\n");
+    for (const std::size_t stages : {1u, 2u}) {
+      CHECK(world_after(task, stages).scene.end_contacts == task.scene.end_contacts);
+    }
+  }
+
+  TEST_CASE("a name that a link and an obstacle share means the link in a pair with an obstacle") {
+    const std::string other =
+        "    - {name: panda_link3, type: box, position: [0.5, 0.2, 0.31], size: [0.1, 0.1, 0.1]}\n";
+    for (const char* pair : {"[cup, panda_link3]", "[panda_link3, cup]"}) {
+      CAPTURE(pair);
+      const Task task =
+          make_task(kCell + other + "stages: [{allow: [" + pair + "]}, {attach: cup}]\n");
+      const std::vector<std::string> link = {"panda_link3"};
+      const World allowed = world_after(task, 1), held = world_after(task, 2);
+      CHECK(allowed.scene.find("cup")->may_touch == link);
+      CHECK(allowed.scene.find("panda_link3")->may_touch.empty());
+      CHECK(held.robot.attached()[0].object.may_touch == link);
+      CHECK(held.scene.find("panda_link3")->may_touch.empty());
+    }
+  }
 }
 
 TEST_SUITE("law") {
