@@ -25,7 +25,7 @@ struct ShownObject {
   Link link;  ///< as the first stage that holds it has it
   std::vector<PlanTrace::Look> looks;
   std::string carrier;
-  Transform X_LS;  ///< pose of its first shape in the carrying link
+  Transform X_LS;  ///< pose of its first_frame() in the carrying link
 };
 
 class TaskTracer {
@@ -101,7 +101,7 @@ class TaskTracer {
   void find_objects(const StageResult& stage, const PlanTrace& traced) {
     for (const ApproximatedObject& each : stage.world->robot.attached()) {
       const AttachedObject& object = each.object;
-      if (objects_.contains(object.name) || object.shapes.empty()) continue;
+      if (objects_.contains(object.name)) continue;
       const auto link = std::ranges::find(traced.links, object.name, &Link::name);
       if (link == traced.links.end()) continue;
       const auto at = static_cast<std::size_t>(link - traced.links.begin());
@@ -109,7 +109,10 @@ class TaskTracer {
     }
   }
 
+  /// The first shape's frame. An object of mesh files alone has no shapes while it is held: then
+  /// the link's frame, which is also the frame of its surface once it is free.
   static Transform first_frame(const std::vector<Shape>& shapes) {
+    if (shapes.empty()) return {};
     return std::visit([](const auto& shape) { return frame_of(shape); }, shapes.front());
   }
 

@@ -40,7 +40,8 @@ struct PoseChoice {
   std::string link;         ///< the link to bring there
   std::string object = {};  ///< held object whose poses these are; empty: they are the link's
   /// Link or obstacle whose frame the poses are given in; empty: the root link. An obstacle's frame
-  /// is the pose of its first shape; a link's frame is taken at the task's start.
+  /// is the pose of its first shape, or of its first mesh file if it was attached at the start with
+  /// mesh files alone. A link's frame is taken at the task's start.
   std::string frame = {};
   std::vector<Transform> poses;
 };

@@ -267,6 +267,8 @@ void prepare_shapes(const Robot& robot, const Scene& scene, double reach, bool m
   }
   for (const ApproximatedObject& held : robot.attached()) {
     for (const Shape& shape : held.object.shapes) std::visit(prepare, shape);
+    // Stands for mesh files once the object is an obstacle.
+    if (held.approximation && !held.object.meshes.empty()) prepare(held.approximation->surface);
   }
 }
 

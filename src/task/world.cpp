@@ -35,6 +35,26 @@ Transform frame_of(const Posed& shape) {
   return shape.pose;
 }
 
+/// Pose of the frame that a task names by a held object, in its link's frame.
+Transform frame_in_link(const AttachedObject& object) {
+  if (!object.shapes.empty()) return pose_of(object.shapes.front());
+  return object.meshes.empty() ? Transform() : object.meshes.front().pose;
+}
+
+/// Shapes of a held object for an obstacle, in its link's frame.
+std::vector<Shape> shapes_once_free(const ApproximatedObject& held) {
+  std::vector<Shape> shapes = held.object.shapes;
+  if (held.object.meshes.empty() && !shapes.empty()) return shapes;
+  if (held.approximation) {
+    // Has the triangles of mesh files, which are not read again.
+    shapes.emplace_back(held.approximation->surface);
+  } else {
+    shapes.insert(shapes.end(), held.spheres.begin(), held.spheres.end());
+    shapes.insert(shapes.end(), held.capsules.begin(), held.capsules.end());
+  }
+  return shapes;
+}
+
 /// Metres between the links rigid with the carrier and the obstacle, and the nearest link.
 std::pair<double, std::string> distance_to_hand(const Robot& robot, const std::string& carrier,
                                                 const Obstacle& obstacle, const Configuration& q) {
@@ -117,7 +137,7 @@ Result<World> detached(const World& world, const Stage& stage, const Configurati
       world.robot.attached(),
       [&](const ApproximatedObject& each) { return each.object.name == stage.object; });
   Obstacle obstacle{stage.object, {}};
-  for (const Shape& shape : object->object.shapes) {
+  for (const Shape& shape : shapes_once_free(*object)) {
     obstacle.shapes.push_back(transformed(X_WL, shape));
   }
   World next = world;
@@ -276,9 +296,7 @@ World first_world(const Task& task) {
   const std::vector<Transform> poses = task.robot.link_poses(task.start);
   for (const ApproximatedObject& each : task.robot.attached()) {
     const AttachedObject& object = each.object;
-    world.held[object.name] = {object.link,
-                               object.shapes.empty() ? Transform{} : pose_of(object.shapes.front()),
-                               object.may_touch};
+    world.held[object.name] = {object.link, frame_in_link(object), object.may_touch};
   }
   for (const Obstacle& obstacle : task.scene.obstacles) {
     if (!obstacle.shapes.empty()) world.poses[obstacle.name] = pose_of(obstacle.shapes.front());

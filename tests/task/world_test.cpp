@@ -17,6 +17,16 @@ namespace {
 using internal::FloatingBody;
 using internal::World;
 
+/// The world after the first stages, all at the task's start.
+World world_after(const Task& task, std::size_t stages) {
+  World world = internal::first_world(task);
+  for (std::size_t i = 0; i < stages; ++i) {
+    world = require(internal::after_stage(world, task.stages[i], task.start));
+    CHECK(CollisionChecker::make(world.robot, world.scene).has_value());
+  }
+  return world;
+}
+
 TEST_SUITE("unit") {
   TEST_CASE(
       "a gripper stage sets joints outside of the group, also of a robot that holds something") {
@@ -262,16 +272,6 @@ TEST_SUITE("unit") {
     CHECK(held.robot.attached()[0].object.may_touch == std::vector<std::string>{"panda_link5"});
   }
 
-  /// The world after the first stages, all at the task's start.
-  World world_after(const Task& task, std::size_t stages) {
-    World world = internal::first_world(task);
-    for (std::size_t i = 0; i < stages; ++i) {
-      world = require(internal::after_stage(world, task.stages[i], task.start));
-      CHECK(CollisionChecker::make(world.robot, world.scene).has_value());
-    }
-    return world;
-  }
-
   TEST_CASE("contact that a stage allows stays allowed when an object is taken again") {
     const std::string lid =
         "    - {name: lid, type: box, position: [0.5, 0.2, 0.31], size: [0.1, 0.1, 0.02]}\n";
@@ -313,6 +313,40 @@ TEST_SUITE("unit") {
       CHECK(allowed.scene.find("panda_link3")->may_touch.empty());
       CHECK(held.robot.attached()[0].object.may_touch == link);
       CHECK(held.scene.find("panda_link3")->may_touch.empty());
+    }
+  }
+
+  TEST_CASE("an object of a mesh file is an obstacle with this surface once it is detached") {
+    const TemporaryDirectory directory;
+    std::string cube;
+    for (int i = 0; i < 8; ++i) {
+      const auto side = [i](int bit) { return (i >> bit & 1) != 0 ? 0.02 : -0.02; };
+      cube += fmt::format("v {} {} {}\n", side(0), side(1), side(2));
+    }
+    write_file(directory / "cube.obj",
+               cube + "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n");
+    const std::string file = "type: mesh, file: cube.obj, position: [0, 0, 0.07]";
+    for (const std::string& shapes :
+         {file, "shapes: [{type: sphere, position: [0, 0, 0.07], radius: 0.01}, {" + file + "}]"}) {
+      CAPTURE(shapes);
+      write_file(directory / "task.yaml", kCell + "attached: [{name: cube, link: panda_hand, " +
+                                              shapes + "}]\nstages: [{detach: cube}]\n");
+      const Task task = require(load_task(directory / "task.yaml"));
+      const World held = internal::first_world(task), left = world_after(task, 1);
+      const auto hand = static_cast<std::size_t>(*task.robot.find_link("panda_hand"));
+      const Vec3 middle = task.robot.link_poses(task.start)[hand] * Vec3(0, 0, 0.07);
+      CHECK((left.poses.at("cube").translation - middle).norm() < 1e-9);
+      const Shape& last = left.scene.find("cube")->shapes.back();
+      REQUIRE(std::holds_alternative<Mesh>(last));
+      const Sphere bound = bounding_sphere(last);
+      CHECK((bound.center - middle).norm() < 1e-3);
+      CHECK(bound.radius == doctest::Approx(0.02 * std::sqrt(3)).epsilon(0.1));
+      // A side is in the hand, which now touches it.
+      const auto is_free = [&](const World& world) {
+        return require(CollisionChecker::make(world.robot, world.scene)).is_valid(task.start);
+      };
+      CHECK(is_free(held));
+      CHECK_FALSE(is_free(left));
     }
   }
 }
