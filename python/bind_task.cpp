@@ -45,7 +45,7 @@ Task make_task(const Robot& robot, const Scene& scene, const py::object& start,
         fmt::format("Task: stages: {} is no number, text, list, dict or array", shown(value)));
   });
   const auto text = json.attr("dumps")(stages, py::arg("default") = plain).cast<std::string>();
-  task.stages = unwrap(parse_stages(text, "stages", robot));
+  task.stages = unwrap(parse_stages(text, "stages", robot, task.start));
   unwrap(check_task(task));
   return task;
 }

@@ -20,10 +20,11 @@ namespace mneme {
 [[nodiscard]] bool is_task_file(const std::string& path);
 
 /// Reads a list of stages as YAML or JSON text, as the key `stages` of a task file; `source` names
-/// it in messages.
+/// it in messages. `start` is that of the task: goals in the frame of a link need it. Errors: those
+/// of load_task(); a goal in the frame of a link without a valid start.
 [[nodiscard]] Result<std::vector<Stage>> parse_stages(const std::string& text,
-                                                      const std::string& source,
-                                                      const Robot& robot);
+                                                      const std::string& source, const Robot& robot,
+                                                      const Configuration& start = {});
 
 /// Returns the plan as JSON: status, message, path times and counts, and per stage its kind, path,
 /// choice and dropped alternatives. With a `motion`, also its duration and when each stage begins.

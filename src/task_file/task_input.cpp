@@ -130,7 +130,8 @@ Result<std::map<std::string, double>> find_gripper_state(const Robot& robot,
 
 class StageReader {
  public:
-  StageReader(const Robot& robot, const Transform& X_RF) : robot_(robot), X_RF_(X_RF) {
+  StageReader(const Robot& robot, const Transform& X_RF, const Configuration& start)
+      : robot_(robot), X_RF_(X_RF), start_(start) {
     const std::vector<std::string> tips = find_tips(robot.without_attached());
     if (tips.size() == 1) tip_ = tips.front();
     for (const ApproximatedObject& each : robot.attached()) {
@@ -236,8 +237,7 @@ class StageReader {
   }
 
   void read_one_goal(const Input& input, Stage& stage) {
-    Problem scratch{.robot = robot_,
-                    .start = Configuration(static_cast<std::size_t>(robot_.joint_count()))};
+    Problem scratch{.robot = robot_, .start = start_};
     read_goal(input, X_RF_, scratch);
     std::ranges::move(scratch.goals, std::back_inserter(stage.goals));
     std::ranges::move(scratch.pose_goals, std::back_inserter(stage.goals));
@@ -327,13 +327,15 @@ class StageReader {
 
   const Robot& robot_;
   Transform X_RF_;
+  const Configuration& start_;  ///< of the task
   std::string tip_;
   std::map<std::string, std::string> carriers_;  ///< by object
 };
 
-/// `X_RF`: frame of poses without a frame, in the root link's frame.
-std::vector<Stage> read_stages(const Input& list, const Robot& robot, const Transform& X_RF) {
-  StageReader reader(robot, X_RF);
+/// `X_RF`: frame of poses without a frame, in the root link's frame. `start` is the task's.
+std::vector<Stage> read_stages(const Input& list, const Robot& robot, const Transform& X_RF,
+                               const Configuration& start) {
+  StageReader reader(robot, X_RF, start);
   std::vector<Stage> stages;
   std::size_t poses = 0;
   for (const Input& input : list.items()) {
@@ -372,7 +374,7 @@ Task read_task_of(Problem problem, const Input& input) {
             std::move(problem.constraints), std::move(problem.start_velocity),
             std::move(problem.warnings),    std::move(problem.files)};
   const Input list = input.at("stages");
-  task.stages = read_stages(list, task.robot, read_frame(input, task.robot));
+  task.stages = read_stages(list, task.robot, read_frame(input, task.robot), task.start);
   if (const auto checked = check_task(task); !checked) {
     list.fail(checked.error().code, checked.error().message);
   }
@@ -386,10 +388,10 @@ Result<Task> load_task(const std::string& path, const ProblemOptions& options) {
 }
 
 Result<std::vector<Stage>> parse_stages(const std::string& text, const std::string& source,
-                                        const Robot& robot) {
+                                        const Robot& robot, const Configuration& start) {
   return internal::without_throwing([&] {
     const internal::InputValue value = internal::parse_yaml(text, source);
-    return internal::read_stages(internal::Input(value, source), robot, {});
+    return internal::read_stages(internal::Input(value, source), robot, {}, start);
   });
 }
 

@@ -53,6 +53,25 @@ TEST_SUITE("unit") {
     CHECK(std::holds_alternative<Configuration>(goals[1]));
   }
 
+  TEST_CASE("a goal in the frame of a link is where the link is at the start of the task") {
+    const std::string goal =
+        "{link: panda_hand, frame: panda_hand, position: [0, 0, 0.1], quat_xyzw: [0, 0, 0, 1]}";
+    const Task task = make_task(
+        kCell + stages("{move: [0.3, -0.785, 0, -2.356, 0, 1.571, 0.785]}, {move: " + goal + "}"));
+    const auto hand = static_cast<std::size_t>(*task.robot.find_link("panda_hand"));
+    const Vec3 expected = task.robot.link_poses(task.start)[hand] * Vec3(0, 0, 0.1);
+    const auto check = [&](const Stage& stage) {
+      const PoseGoal& read = std::get<PoseGoal>(stage.goals.at(0));
+      CHECK(read.frame.empty());
+      CHECK((read.pose.translation - expected).norm() < 1e-9);
+    };
+    check(task.stages[1]);
+    const std::string list = "[{move: " + goal + "}]";
+    check(require(parse_stages(list, "stages", task.robot, task.start)).at(0));
+    CHECK(contains(require_error(parse_stages(list, "stages", task.robot)).message,
+                   "the pose of link \"panda_hand\" is unknown: start: there are 0 values"));
+  }
+
   TEST_CASE("an object that is held at the start needs no link in its poses") {
     const std::string held =
         "attached: [{name: part, link: panda_hand, type: box, size: [0.02, 0.02, 0.06], position: "
