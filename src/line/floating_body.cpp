@@ -95,8 +95,23 @@ Robot::Parts make_parts(std::vector<Link> links, double reach) {
   return parts;
 }
 
+/// Takes `depth` metres off the radius of each shape, up to its centre or axis, and drops exact
+/// geometry.
+void deflate(double depth, std::vector<Link>& links) {
+  constexpr double kLeast = 1e-4;  // metres: a centre in an obstacle still touches it
+  const auto thinner = [&](double radius) {
+    return std::max(std::min(radius, kLeast), radius - depth);
+  };
+  for (Link& link : links) {
+    for (Sphere& sphere : link.spheres) sphere.radius = thinner(sphere.radius);
+    for (Capsule& capsule : link.capsules) capsule.radius = thinner(capsule.radius);
+    link.approximation.reset();
+  }
+}
+
+/// `depth`: metres that the links may be in an obstacle.
 std::optional<FloatingRobot> make_floating_robot(std::vector<Link> links, double reach,
-                                                 bool is_exact) {
+                                                 bool is_exact, double depth) {
   std::erase_if(links, [](const Link& link) { return !has_shapes(link); });
   if (links.empty()) return std::nullopt;
   double excess = 0;
@@ -107,9 +122,20 @@ std::optional<FloatingRobot> make_floating_robot(std::vector<Link> links, double
     if (!is_exact) link.approximation.reset();
     if (link.approximation) excess = std::max(excess, link.approximation->excess);
   }
+  std::vector<Link> cores = links;
+  // Twice the excess: it is measured at samples.
+  deflate(depth + 2 * excess, cores);
+  if (depth > 0) {
+    links = std::move(cores);
+    excess = 0;
+  }
   auto robot = make_robot(make_parts(std::move(links), reach));
   if (!robot) return std::nullopt;
-  return FloatingRobot{*std::move(robot), excess, has_surfaces};
+  FloatingRobot floating{*std::move(robot), std::nullopt, has_surfaces};
+  if (excess == 0) return floating;
+  auto core = make_robot(make_parts(std::move(cores), reach));
+  if (core) floating.core = *std::move(core);
+  return floating;
 }
 
 /// Floating robots of links by the robot that they are of: their tables take longer than most tests
@@ -145,7 +171,7 @@ class FloatingRobots {
     for (const int i : rigid_with(bare, tip)) {
       links.push_back(moved_link(bare.links()[as_index(i)], X_TW * poses[as_index(i)]));
     }
-    return make_floating_robot(std::move(links), farthest_reach(bare), is_exact);
+    return make_floating_robot(std::move(links), farthest_reach(bare), is_exact, 0);
   }
 
   std::mutex mutex_;
@@ -173,10 +199,15 @@ Scene scene_for(const Robot& robot, Scene scene) {
 std::optional<FloatingBody> FloatingBody::make(std::optional<FloatingRobot> floating,
                                                const Scene& scene, const BodySettings& settings) {
   if (!floating) return std::nullopt;
-  auto checker = CollisionChecker::make(floating->robot, scene_for(floating->robot, scene),
-                                        {.isa = settings.isa});
+  const auto make_checker = [&](const Robot& robot) {
+    return CollisionChecker::make(robot, scene_for(robot, scene), {.isa = settings.isa});
+  };
+  auto checker = make_checker(floating->robot);
   if (!checker) return std::nullopt;
-  return FloatingBody(*std::move(checker), floating->excess, floating->has_surfaces);
+  FloatingBody body(*std::move(checker), floating->has_surfaces);
+  if (!floating->core) return body;
+  if (auto core = make_checker(*floating->core)) body.core_ = *std::move(core);
+  return body;
 }
 
 std::optional<FloatingBody> FloatingBody::of_link(const Robot& robot, const Scene& scene,
@@ -198,8 +229,9 @@ std::optional<FloatingBody> FloatingBody::of_object(const Robot& robot, const Sc
     links.push_back(
         moved_link({object, -1, each.spheres, each.capsules, {}, each.approximation}, X_OL));
   }
-  return make(make_floating_robot(std::move(links), farthest_reach(robot), settings.is_exact),
-              scene, settings);
+  return make(
+      make_floating_robot(std::move(links), farthest_reach(robot), settings.is_exact, kObjectDepth),
+      scene, settings);
 }
 
 std::optional<FloatingBody> FloatingBody::of_obstacle(const Robot& robot, const Scene& scene,
@@ -216,29 +248,12 @@ std::optional<FloatingBody> FloatingBody::of_obstacle(const Robot& robot, const 
   if (!spheres || !others.remove(name)) return std::nullopt;
   std::vector<Link> links;
   links.push_back({name, -1, spheres->spheres, spheres->capsules, {}, spheres->approximation});
-  return make(make_floating_robot(std::move(links), farthest_reach(robot), settings.is_exact),
-              others, settings);
+  return make(
+      make_floating_robot(std::move(links), farthest_reach(robot), settings.is_exact, kObjectDepth),
+      others, settings);
 }
 
-std::vector<std::uint8_t> FloatingBody::find_free(const std::vector<Transform>& poses,
-                                                  double depth) const {
-  std::vector<std::uint8_t> is_free = find_shallower(poses, depth);
-  if (excess_ == 0) return is_free;
-  // Twice the excess: it is measured at samples.
-  const std::vector<std::uint8_t> may_be_free = find_shallower(poses, depth + 2 * excess_);
-  if (depth > 0) return may_be_free;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    if (is_free[i] || !may_be_free[i]) continue;
-    const std::array<float, 6> values = floating_values(poses[i]);
-    is_free[i] =
-        is_clear_by_exact_geometry(checker_, {values.begin(), values.end()}, kLineClearance) ? 1
-                                                                                             : 0;
-  }
-  return is_free;
-}
-
-std::vector<std::uint8_t> FloatingBody::find_shallower(const std::vector<Transform>& poses,
-                                                       double depth) const {
+std::vector<std::uint8_t> FloatingBody::find_free(const std::vector<Transform>& poses) const {
   std::vector<float> rows;
   rows.reserve(6 * poses.size());
   for (const Transform& pose : poses) {
@@ -246,7 +261,17 @@ std::vector<std::uint8_t> FloatingBody::find_shallower(const std::vector<Transfo
     rows.insert(rows.end(), values.begin(), values.end());
   }
   std::vector<std::uint8_t> is_free(poses.size(), 1);
-  if (!poses.empty()) checker_.check_states(rows, is_free, -depth);
+  if (poses.empty()) return is_free;
+  checker_.check_states(rows, is_free);
+  if (!core_) return is_free;
+  std::vector<std::uint8_t> may_be_free(poses.size(), 1);
+  core_->check_states(rows, may_be_free);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (is_free[i] || !may_be_free[i]) continue;
+    const Configuration q(rows.begin() + static_cast<std::ptrdiff_t>(6 * i),
+                          rows.begin() + static_cast<std::ptrdiff_t>(6 * i + 6));
+    is_free[i] = is_clear_by_exact_geometry(checker_, q, kLineClearance) ? 1 : 0;
+  }
   return is_free;
 }
 

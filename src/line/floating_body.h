@@ -20,10 +20,13 @@ struct BodySettings {
   bool is_exact = false;
 };
 
+/// Metres by which spheres of an object may overlap what it stands on.
+inline constexpr double kObjectDepth = 0.02;
+
 /// A robot whose six joints carry links to any pose.
 struct FloatingRobot {
   Robot robot;
-  double excess = 0;  ///< as FloatingBody::excess_
+  std::optional<Robot> core = {};  ///< as FloatingBody::core_
   bool has_surfaces = false;
 };
 
@@ -36,39 +39,38 @@ class FloatingBody {
   [[nodiscard]] static std::optional<FloatingBody> of_link(const Robot& robot, const Scene& scene,
                                                            const std::string& link,
                                                            const BodySettings& settings);
-  /// The object that the robot holds at `X_LO` in the frame of its link.
+  /// The object that the robot holds at `X_LO` in the frame of its link. It may be as deep as
+  /// kObjectDepth in an obstacle.
   [[nodiscard]] static std::optional<FloatingBody> of_object(const Robot& robot, const Scene& scene,
                                                              const std::string& object,
                                                              const Transform& X_LO,
                                                              const BodySettings& settings);
-  /// An obstacle of the scene at `X_WO`, which it does not collide with itself.
+  /// The same for an obstacle of the scene at `X_WO`, which it does not collide with itself.
   [[nodiscard]] static std::optional<FloatingBody> of_obstacle(const Robot& robot,
                                                                const Scene& scene,
                                                                const std::string& name,
                                                                const Transform& X_WO,
                                                                const BodySettings& settings);
 
-  /// Returns 1 per pose of the link or the object at which nothing is deeper than `depth` in an
-  /// obstacle.
-  [[nodiscard]] std::vector<std::uint8_t> find_free(const std::vector<Transform>& poses,
-                                                    double depth) const;
+  /// Returns 1 per pose of the link or the object at which it is free.
+  [[nodiscard]] std::vector<std::uint8_t> find_free(const std::vector<Transform>& poses) const;
   /// True if spheres approximate surfaces, so that exact geometry may find more poses free.
   [[nodiscard]] bool has_surfaces() const { return has_surfaces_; }
   /// Returns what the body touches at the pose: "'panda_hand' with 'shelf'"; empty if nothing.
   [[nodiscard]] std::string describe_contact(const Transform& pose) const;
 
  private:
-  FloatingBody(CollisionChecker checker, double excess, bool has_surfaces)
-      : checker_(std::move(checker)), has_surfaces_(has_surfaces), excess_(excess) {}
+  FloatingBody(CollisionChecker checker, bool has_surfaces)
+      : checker_(std::move(checker)), has_surfaces_(has_surfaces) {}
   [[nodiscard]] static std::optional<FloatingBody> make(std::optional<FloatingRobot> floating,
                                                         const Scene& scene,
                                                         const BodySettings& settings);
-  [[nodiscard]] std::vector<std::uint8_t> find_shallower(const std::vector<Transform>& poses,
-                                                         double depth) const;
 
   CollisionChecker checker_;
+  /// With spheres that do not stick out of surfaces: where these touch, exact geometry does, too.
+  /// Nothing unless BodySettings::is_exact.
+  std::optional<CollisionChecker> core_;
   bool has_surfaces_;
-  double excess_;  ///< metres that spheres stick out of surfaces; 0 unless BodySettings::is_exact
 };
 
 /// Makes the trees and grids of compound shapes that a robot and bodies of its links share, out to

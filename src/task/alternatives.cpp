@@ -5,7 +5,7 @@
 #include "base/as_index.h"
 #include "goal/any_rotation.h"
 #include "planning/end_contacts.h"
-#include "robot/kinematics.h"
+#include "task/reach.h"
 
 #include <fmt/format.h>
 
@@ -17,8 +17,6 @@
 namespace mneme::internal {
 namespace {
 
-/// Metres by which spheres of an object may overlap what it stands on.
-constexpr double kObjectDepth = 0.02;
 /// Metres that count as much as a radian when poses are ordered.
 constexpr double kMetresPerTurn = 0.3;
 /// Seeds of inverse kinematics that all alternatives of a stage share at least.
@@ -29,32 +27,6 @@ double pose_distance(const Transform& a, const Transform& b) {
   return (a.translation - b.translation).norm() +
          kMetresPerTurn * std::acos(std::clamp(cosine, -1.0, 1.0));
 }
-
-/// A ball that contains the origin of a link in every configuration.
-class Reach {
- public:
-  Reach(const Robot& robot, const std::string& link) {
-    const Joint* first = nullptr;
-    for (const int i : joints_to(robot, *robot.find_link(link))) {
-      first = &robot.joints()[as_index(i)];
-      radius_ += first->origin.translation.norm();
-      if (first->type == JointType::prismatic) {
-        radius_ += std::max(std::abs(first->lower), std::abs(first->upper));
-      }
-    }
-    if (first == nullptr || first->type == JointType::prismatic) return;
-    // The origin of the first joint itself does not move.
-    centre_ = first->origin.translation;
-    radius_ -= centre_.norm();
-  }
-  [[nodiscard]] bool contains(const Transform& pose) const {
-    return (pose.translation - centre_).norm() <= radius_ + 1e-6;
-  }
-
- private:
-  Vec3 centre_ = Vec3::Zero();
-  double radius_ = 0;
-};
 
 /// The direction of a line in the root link's frame.
 Vec3 line_direction(const Robot& robot, const Stage& line,
@@ -212,29 +184,28 @@ void Alternatives::filter_block() {
   }
   const World& world = touched_->world;
   const PoseChoice& choice = stage(*group_.anchor).poses;
-  const auto test = [&](const std::optional<FloatingBody>& body, double depth,
-                        const auto& pose_at) {
+  const auto test = [&](const std::optional<FloatingBody>& body, const auto& pose_at) {
     if (!body || block.empty()) return;
     std::vector<Transform> poses;
     for (const int i : block) poses.push_back(pose_at(targets_[as_index(i) - first_target()]));
-    drop_where(*body, depth, poses, block);
+    drop_where(*body, poses, block);
   };
   if (object_) {
     const Transform X_LO = world.held.at(choice.object).X_LO;
-    test(object_, kObjectDepth, [&](const Transform& target) { return target * X_LO; });
+    test(object_, [&](const Transform& target) { return target * X_LO; });
   }
-  test(hand_, 0, [](const Transform& target) { return target; });
+  test(hand_, [](const Transform& target) { return target; });
   // Where other links will be, no target tells.
   const std::string& along = stage(*group_.anchor).along;
   if (!group_.is_line_anchor || !(along.empty() || along == link_)) return;
-  test(hand_, 0, [&](const Transform& target) { return line_begin(*group_.anchor, target, {}); });
+  test(hand_, [&](const Transform& target) { return line_begin(*group_.anchor, target, {}); });
 }
 
 /// Drops the alternatives of `block` at whose poses the body is not free.
-void Alternatives::drop_where(const FloatingBody& body, double depth,
-                              const std::vector<Transform>& poses, std::vector<int>& block) {
+void Alternatives::drop_where(const FloatingBody& body, const std::vector<Transform>& poses,
+                              std::vector<int>& block) {
   run_.states += poses.size();
-  const std::vector<std::uint8_t> is_free = body.find_free(poses, depth);
+  const std::vector<std::uint8_t> is_free = body.find_free(poses);
   std::string what;
   std::vector<int> left;
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -253,86 +224,17 @@ void Alternatives::drop_where(const FloatingBody& body, double depth,
   block = std::move(left);
 }
 
-/// True if stages up to the next group's choice may change what the hand touches.
-bool Alternatives::changes_before_next() const {
-  const auto changes = [&](int i) {
-    const StageKind kind = stage(i).kind;
-    return kind == StageKind::allow || kind == StageKind::gripper || kind == StageKind::detach;
-  };
-  const auto& next = next_group_->local;
-  const auto end =
-      next_group_->is_line_anchor ? std::ranges::find(next, *next_group_->anchor) : next.begin();
-  return std::ranges::any_of(group_.local, changes) || std::any_of(next.begin(), end, changes);
-}
-
-/// Prepares the test whether a grasp suits any pose at which the next group wants the object.
-void Alternatives::look_ahead() {
-  has_looked_ahead_ = true;
-  if (next_group_ == nullptr || !next_group_->anchor || targets_.empty()) return;
-  if (changes_before_next()) return;
-  const PoseChoice& choice = stage(*next_group_->anchor).poses;
-  const World& world = touched_->world;
-  const auto pose = world.poses.find(choice.object);
-  const auto attach = std::ranges::find_if(group_.local, [&](int i) {
-    return stage(i).kind == StageKind::attach && stage(i).object == choice.object;
-  });
-  if (choice.object.empty() || pose == world.poses.end() || attach == group_.local.end()) return;
-  if (stage(*attach).carrier != link_ || choice.link != link_) return;
-  const auto is_line = [&](int i) {
-    return i != *group_.anchor && stage(i).kind == StageKind::line;
-  };
-  if (std::any_of(group_.local.begin(), attach, is_line)) return;  // it moves the hand on
-  World without = world;
-  without.held[choice.object] = {};  // the object's own frame as the link's: poses are the object's
-  if (!without.scene.remove(choice.object)) return;
-  LookAhead ahead{pose->second.inverse(),
-                  link_targets(without, choice, run_.start_poses),
-                  FloatingBody::of_link(without.robot, without.scene, link_, run_.body_settings()),
-                  {}};
-  const auto object = FloatingBody::of_obstacle(world.robot, world.scene, choice.object,
-                                                pose->second, run_.body_settings());
-  if (object) {
-    run_.states += ahead.places.size();
-    run_.has_tried = run_.has_tried || object->has_surfaces();
-    const std::vector<std::uint8_t> is_free = object->find_free(ahead.places, kObjectDepth);
-    std::vector<Transform> left, blocked;
-    for (std::size_t i = 0; i < ahead.places.size(); ++i) {
-      (is_free[i] ? left : blocked).push_back(ahead.places[i]);
-    }
-    if (!blocked.empty()) ahead.what = object->describe_contact(blocked.front());
-    ahead.places = std::move(left);
-  }
-  ahead_ = std::move(ahead);
-}
-
 /// True unless the hand fits at no pose of the next group with this grasp.
 bool Alternatives::suits_next_group(int alternative) {
-  if (!has_looked_ahead_) look_ahead();
+  if (!std::exchange(has_looked_ahead_, true) && next_group_ != nullptr && !targets_.empty()) {
+    ahead_ = LookAhead::make(run_, group_, *next_group_, touched_->world, link_);
+  }
   if (!ahead_) return true;
-  const Transform X_OL = ahead_->X_OW * targets_[as_index(alternative) - first_target()];
-  const Reach reach(touched_->world.robot, link_);
-  std::vector<Transform> hands;
-  for (const Transform& place : ahead_->places) {
-    const Transform X_WL = place * X_OL;
-    if (reach.contains(X_WL)) hands.push_back(X_WL);
-  }
-  std::string what = fmt::format("link '{}' does not reach", link_);
-  if (ahead_->places.empty()) {
-    what = ahead_->what;
-  } else if (!hands.empty()) {
-    if (!ahead_->hand) return true;
-    run_.states += hands.size();
-    run_.has_tried = run_.has_tried || ahead_->hand->has_surfaces();
-    if (std::ranges::count(ahead_->hand->find_free(hands, 0), 1) > 0) return true;
-    what.clear();
-    if (drops_.wants_what(failing_stage(), DropReason::place)) {
-      what = ahead_->hand->describe_contact(hands.front());
-    }
-  }
-  if (!what.empty()) {
-    what += fmt::format(" at each pose of '{}'", stage_name(run_.task, *next_group_->anchor));
-  }
-  drops_.add(failing_stage(), {DropReason::place, what}, alternative);
+  const Transform& target = targets_[as_index(alternative) - first_target()];
+  const bool has_reason = drops_.wants_what(failing_stage(), DropReason::place);
+  const auto failure = ahead_->find_failure(run_, target, has_reason);
+  if (!failure) return true;
+  drops_.add(failing_stage(), *failure, alternative);
   return false;
 }
 

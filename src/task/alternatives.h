@@ -11,6 +11,7 @@
 #include "task/follow.h"
 #include "task/gripper_motion.h"
 #include "task/groups.h"
+#include "task/look_ahead.h"
 
 #include <cstdint>
 #include <deque>
@@ -71,13 +72,6 @@ class Alternatives {
  private:
   /// Targets whose hand and object are tested at once: the lanes of the widest vector.
   static constexpr std::size_t kBlock = 16;
-  /// Poses where the next group wants the object that this group attaches.
-  struct LookAhead {
-    Transform X_OW;
-    std::vector<Transform> places;  ///< of the object; those where it is free
-    std::optional<FloatingBody> hand;
-    std::string what;  ///< what the object touches, where it is not free
-  };
   /// A choice of the anchor, followed up to some stage.
   struct LocalState {
     CheckedWorldPtr world;
@@ -102,10 +96,8 @@ class Alternatives {
   void drop_out_of_reach();
   void make_bodies();
   void filter_block();
-  void drop_where(const FloatingBody& body, double depth, const std::vector<Transform>& poses,
+  void drop_where(const FloatingBody& body, const std::vector<Transform>& poses,
                   std::vector<int>& block);
-  [[nodiscard]] bool changes_before_next() const;
-  void look_ahead();
   [[nodiscard]] bool suits_next_group(int alternative);
   [[nodiscard]] std::size_t first_target() const { return is_left_.size() - targets_.size(); }
   void sort(const Ranker& rank);

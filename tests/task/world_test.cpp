@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <sstream>
 
 namespace mneme::test {
@@ -316,6 +318,34 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("a thin object is free where it rests on something, held or not") {
+    const std::string rod = "type: capsule, a: [-0.05, 0, 0.12], b: [0.05, 0, 0.12], radius: 0.008";
+    const Task task = make_task(kCell + "    - {name: bar, " + rod +
+                                "}\nattached: [{name: rod, link: panda_hand, " + rod +
+                                "}]\nstages: [{detach: rod}]\n");
+    const World world = internal::first_world(task);
+    const auto lying = [](double z) {
+      return Transform{rotation_about(Vec3::UnitY(), 0.5 * std::numbers::pi),
+                       Vec3(0.45, 0.2, 0.2 + z)};
+    };
+    const std::vector<Transform> poses = {lying(0.0085), lying(0.006), lying(-0.002)};
+    const auto held = require(
+        FloatingBody::of_object(world.robot, world.scene, "rod", world.held.at("rod").X_LO, {}));
+    const auto bar = require(
+        FloatingBody::of_obstacle(world.robot, world.scene, "bar", world.poses.at("bar"), {}));
+    // Not with its axis in the table.
+    const std::vector<std::uint8_t> expected = {1, 1, 0};
+    CHECK(held.find_free(poses) == expected);
+    CHECK(bar.find_free(poses) == expected);
+    // A thick one may be 2 cm deep, and no more.
+    const auto cup = require(
+        FloatingBody::of_obstacle(world.robot, world.scene, "cup", world.poses.at("cup"), {}));
+    const auto standing = [](double z) {
+      return Transform{Eigen::Matrix3d::Identity(), Vec3(0.45, 0.2, 0.25 + z)};
+    };
+    CHECK(cup.find_free({standing(0), standing(-0.06)}) == std::vector<std::uint8_t>{1, 0});
+  }
+
   TEST_CASE("an object of a mesh file is an obstacle with this surface once it is detached") {
     const TemporaryDirectory directory;
     std::string cube;
@@ -368,7 +398,7 @@ TEST_SUITE("law") {
         return !contact.is_self && is_of_hand;
       });
       touching += is_touching ? 1 : 0;
-      const auto is_free = body.find_free({task.robot.link_poses(q)[hand]}, 0);
+      const auto is_free = body.find_free({task.robot.link_poses(q)[hand]});
       CHECK((is_free.front() == 0) == is_touching);
     }
     CHECK(touching > 10);
