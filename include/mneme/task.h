@@ -185,9 +185,9 @@ struct TaskResult {
   [[nodiscard]] bool is_solved() const { return status == PlanStatus::solved; }
 };
 
-/// Checks a task without planning. Errors: no stages; an unknown link, frame, object or joint; a
-/// line without length; an object that is attached twice or detached but not held; values out of
-/// range. The message names the stage.
+/// Checks a task without planning. Errors: no stages, or more than 1000; an unknown link, frame,
+/// object or joint; a line without length; an object that is attached twice or detached but not
+/// held; values out of range. The message names the stage.
 [[nodiscard]] Result<void> check_task(const Task& task);
 
 /// Chooses among the alternatives of the stages and plans the paths between them. Cheap tests come

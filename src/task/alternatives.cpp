@@ -105,7 +105,7 @@ tl::expected<void, Alternatives::StageFailure> Alternatives::make_ready() {
     if (auto checked = check(first); !checked) return checked;
   }
   for (const int i : group_.local) {
-    if (!group_.is_line_anchor || i == *group_.anchor) break;
+    if (!group_.is_line_anchor || i == *group_.anchor || run_.is_over()) break;
     before_line_.emplace_back(i, touched_);
     auto next = applied(world, i, near_);
     if (!next) return tl::unexpected(StageFailure{i, next.error()});
@@ -415,7 +415,8 @@ void Alternatives::try_configuration(const Configuration& anchor) {
     if (is_checked && !is_clear_by_exact_geometry(world_->checker, anchor)) {
       return drop_in_contact(failing_stage(), world_->checker, anchor);
     }
-    return run_from(0, {touched_, anchor, {}, anchor, anchor});
+    LocalState state{touched_, anchor, {}, anchor, anchor};
+    return run_from(0, state);
   }
   auto state = begin_at_line(anchor);
   if (!state) return drop(state.error());
@@ -424,11 +425,13 @@ void Alternatives::try_configuration(const Configuration& anchor) {
     return drop_in_contact(failing_stage(), world_->checker, state->begin);
   }
   const auto line = std::ranges::find(group_.local, *group_.anchor);
-  run_from(as_index(static_cast<int>(line - group_.local.begin())) + 1, *std::move(state));
+  run_from(as_index(static_cast<int>(line - group_.local.begin())) + 1, *state);
 }
 
-void Alternatives::run_from(std::size_t position, LocalState state) {
+/// Leaves more stages in `state`.
+void Alternatives::run_from(std::size_t position, LocalState& state) {
   for (; position < group_.local.size(); ++position) {
+    if (run_.is_over()) return;
     const int i = group_.local[position];
     if (stage(i).kind == StageKind::line) return run_line(position, state);
     auto local = at_rest(i, state.world, state.q);
@@ -442,43 +445,51 @@ void Alternatives::run_from(std::size_t position, LocalState state) {
     state.stages.push_back(*std::move(local));
     state.world = *std::move(checked);
   }
-  finish(std::move(state));
+  finish(state);
 }
 
-void Alternatives::run_line(std::size_t position, const LocalState& state) {
+/// Where the link of a line may end that begins at `q`.
+Alternatives::LineEnds Alternatives::line_ends(const Stage& line, const World& world,
+                                               const Configuration& q) const {
+  LineEnds ends{line.poses.link, link_targets(world, line.poses, run_.start_poses)};
+  ends.are_choice = !ends.poses.empty();
+  if (ends.are_choice) return ends;
+  const std::vector<Transform> poses = world.robot.link_poses(q);
+  ends.link = line.link;
+  ends.poses.push_back(poses[as_index(*world.robot.find_link(line.link))]);
+  ends.poses.back().translation += line.distance * line_direction(world.robot, line, poses);
+  return ends;
+}
+
+/// Tries the ends of a line one after the other. Each begins with the stages that `state` has now.
+void Alternatives::run_line(std::size_t position, LocalState& state) {
   const int i = group_.local[position];
-  const Stage& at = stage(i);
-  const World& world = state.world->world;
-  const std::vector<Transform> poses = world.robot.link_poses(state.q);
-  std::vector<Transform> ends = link_targets(world, at.poses, run_.start_poses);
-  const std::string& link = ends.empty() ? at.link : at.poses.link;
-  const bool has_choice = !ends.empty();
-  if (!has_choice) {
-    Transform end = poses[as_index(*world.robot.find_link(link))];
-    end.translation += at.distance * line_direction(world.robot, at, poses);
-    ends.push_back(end);
-  }
-  for (std::size_t choice = 0; choice < ends.size() && !run_.is_over(); ++choice) {
+  const CheckedWorldPtr world = state.world;
+  const Configuration q = state.q;
+  const std::size_t stages = state.stages.size();
+  const LineEnds ends = line_ends(stage(i), world->world, q);
+  for (std::size_t end = 0; end < ends.poses.size() && !run_.is_over(); ++end) {
     auto followed =
-        follow_line(run_, state.world, {link, state.q, ends[choice], true, wants_reason(i)});
+        follow_line(run_, world, {ends.link, q, ends.poses[end], true, wants_reason(i)});
+    const int choice = ends.are_choice ? static_cast<int>(end) : -1;
     if (!followed) {
-      drops_.add(i, followed.error(), has_choice ? static_cast<int>(choice) : alternative_);
+      drops_.add(i, followed.error(), ends.are_choice ? choice : alternative_);
       continue;
     }
-    LocalState next = state;
-    next.q = followed->path.back();
-    next.stages.push_back({i, followed->world, std::move(followed->path),
-                           has_choice ? static_cast<int>(choice) : -1});
-    run_from(position + 1, std::move(next));
+    state.world = world;
+    state.q = followed->path.back();
+    state.stages.resize(stages);
+    state.stages.push_back({i, followed->world, std::move(followed->path), choice});
+    run_from(position + 1, state);
   }
 }
 
-void Alternatives::finish(LocalState state) {
+void Alternatives::finish(const LocalState& state) {
   Candidate candidate;
   candidate.alternative = group_.anchor ? alternative_ : -1;
-  candidate.begin = std::move(state.begin);
+  candidate.begin = state.begin;
   candidate.end = state.q;
-  candidate.anchor = std::move(state.anchor);
+  candidate.anchor = state.anchor;
   World after = state.world->world;
   // The hand may touch what it takes or leaves in this group only.
   after.scene.end_contacts = run_.task.scene.end_contacts;
@@ -495,7 +506,7 @@ void Alternatives::finish(LocalState state) {
       candidate.time_s += path_time(each.gripper->world->robot, each.gripper->path) / speed;
     }
   }
-  candidate.stages = std::move(state.stages);
+  candidate.stages = state.stages;
   found_.push_back(std::move(candidate));
 }
 

@@ -79,6 +79,11 @@ class Alternatives {
     std::vector<LocalStage> stages;
     Configuration begin, anchor;  ///< as of Candidate
   };
+  struct LineEnds {
+    std::string link;
+    std::vector<Transform> poses;
+    bool are_choice = false;
+  };
   /// Why a choice fails, and at which stage.
   struct StageFailure {
     int stage = 0;
@@ -117,9 +122,11 @@ class Alternatives {
   [[nodiscard]] tl::expected<LocalStage, StageFailure> at_rest(int i, const CheckedWorldPtr& world,
                                                                const Configuration& q);
   [[nodiscard]] tl::expected<LocalState, StageFailure> begin_at_line(const Configuration& anchor);
-  void run_from(std::size_t position, LocalState state);
-  void run_line(std::size_t position, const LocalState& state);
-  void finish(LocalState state);
+  void run_from(std::size_t position, LocalState& state);
+  [[nodiscard]] LineEnds line_ends(const Stage& line, const World& world,
+                                   const Configuration& q) const;
+  void run_line(std::size_t position, LocalState& state);
+  void finish(const LocalState& state);
 
   TaskRun& run_;
   DropCounts& drops_;

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <set>
@@ -24,6 +25,9 @@
 namespace mneme {
 namespace internal {
 namespace {
+
+/// Bounds the memory of a search, which keeps robot and scene of each stage.
+constexpr std::size_t kMostStages = 1000;
 
 /// Follows which objects are held, stage by stage.
 class TaskCheck {
@@ -39,6 +43,13 @@ class TaskCheck {
   Result<void> check() {
     if (task_.stages.empty()) {
       return fail(ErrorCode::invalid, "task '{}' has no stages; expected at least one", task_.name);
+    }
+    if (task_.stages.size() > kMostStages) {
+      return fail(
+          ErrorCode::unsupported,
+          "task '{}' has {} stages, expected at most {}; plan it as several tasks, each from "
+          "where the one before ends",
+          task_.name, task_.stages.size(), kMostStages);
     }
     if (!task_.start_velocity.empty() && task_.stages.front().kind != StageKind::move) {
       return fail(ErrorCode::invalid,

@@ -77,6 +77,15 @@ TEST_SUITE("unit") {
     fails("{gripper: 0.02}", "expected values by joint, or the name of a state");
   }
 
+  TEST_CASE("the number of stages is limited") {
+    Task task = require(try_task(kCell + stages("{allow: [[panda_hand, table]]}")));
+    task.stages.resize(1000, task.stages.front());
+    CHECK(check_task(task).has_value());
+    task.stages.push_back(task.stages.front());
+    CHECK(contains(require_error(check_task(task)).message,
+                   "has 1001 stages, expected at most 1000; plan it as several tasks"));
+  }
+
   TEST_CASE("constraints of the whole task are checked, too") {
     Task task = require(try_task(kCell + stages("{line: {direction: [0, 0, 1], distance: 0.1}}")));
     REQUIRE(check_task(task).has_value());

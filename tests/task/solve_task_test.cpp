@@ -238,6 +238,18 @@ TEST_SUITE("flow") {
           std::vector<std::string>{"panda_leftfinger"});
   }
 
+  TEST_CASE("a line ends at the first choice from which the stages after it are possible") {
+    // From 15 cm above the start, the hand cannot go up by 35 cm more.
+    const Task task = make_task(
+        kCell +
+        "stages: [{line: {link: panda_hand, to: {frame: panda_hand, poses: [{position: [0, 0, "
+        "-0.15]}, {position: [0, 0, 0.1]}]}}}, {allow: [[panda_hand, table]]}, {line: {link: "
+        "panda_hand, direction: [0, 0, 1], distance: 0.35}}]\n");
+    const TaskResult result = solved(task);
+    check_plan(task, result);
+    CHECK(result.stages[0].alternative == 1);
+  }
+
   TEST_CASE("a task whose start breaks a cone is refused before any search") {
     Task task = make_task(kCell + kPickAndPlace);
     OrientationConstraint upright;
