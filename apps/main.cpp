@@ -34,7 +34,7 @@ constexpr const char* kExamples = R"(Examples:
   mneme db info planar.db
 Installed, the scenes of the examples are in share/mneme: see 'mneme doctor'.
 
-Exit codes: 0 done or solved, 1 failure, 2 wrong usage, 3 no path within the limit,
+Exit codes: 0 done or solved, 1 failure, 2 wrong usage, 3 no path within the limit or no proof,
   4 invalid start or goal, 5 database of another robot or corrupt, 130 interrupted)";
 
 void set_up(CLI::App& program, Action& action) {

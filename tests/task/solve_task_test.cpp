@@ -4,6 +4,7 @@
 
 #include "task/small_tasks.h"
 #include "geometry/parts.h"
+#include "task/look_ahead.h"
 
 #include <fmt/format.h>
 
@@ -128,6 +129,35 @@ TEST_SUITE("flow") {
     CHECK(contains(result.message, "'cup' with 'block'"));
     CHECK(contains(dropped_of(result, "approach"), "at each pose of 'lower'"));
     CHECK(result.states_checked < 1000);
+  }
+
+  TEST_CASE("places of the next move are tested only for the hand that takes the object there") {
+    const auto is_tested = [](const std::string& grasp) {
+      const std::string old = "  - {name: grasp, attach: cup}\n";
+      const Task task = make_task(kCell + replaced(kPickAndPlace, old, grasp + "\n"));
+      const TaskSettings settings;
+      internal::TaskRun run{task, settings, task.robot.link_poses(task.start)};
+      const auto groups = require(internal::make_groups(task));
+      return internal::LookAhead::make(run, groups.at(0), groups.at(1), internal::first_world(task),
+                                       "panda_hand")
+          .has_value();
+    };
+    const std::string attach = "  - {name: grasp, attach: cup}";
+    CHECK(is_tested(attach));
+    CHECK(is_tested(attach + "\n  - {line: {direction: [0, 0, 1], distance: 0.01}}"));
+    CHECK_FALSE(is_tested("  - {line: {direction: [0, 0, 1], distance: 0.01}}\n" + attach));
+    CHECK_FALSE(is_tested("  - {allow: [[panda_link5, cup]]}\n" + attach));
+    CHECK_FALSE(is_tested("  - {name: grasp, attach: {object: cup, link: panda_link7}}"));
+  }
+
+  TEST_CASE("a line along another link begins where this link is after the move") {
+    // At the start, this link's z axis points down: a line that began there would meet the lid.
+    const std::string lid =
+        "    - {name: lid, type: box, position: [0.5, -0.1, 0.345], size: [0.2, 0.2, 0.02]}\n";
+    const std::string grasp = kPickAndPlace.substr(0, kPickAndPlace.find("  - {name: lift"));
+    const Task task =
+        make_task(kCell + lid + replaced(grasp, "along: panda_hand", "along: panda_link7"));
+    check_plan(task, solved(task));
   }
 
   TEST_CASE("a cup out of reach is refused with the number of grasps") {
