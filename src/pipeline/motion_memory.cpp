@@ -58,7 +58,8 @@ void MotionMemory::load(std::vector<PlacedMotion>& placed) {
   // spreads the motions of one passage: any one of them will do.
   std::ranges::sort(rows_, {}, [](const Row& row) {
     const std::uint64_t states = row.experience->path().planning_states.value_or(0);
-    return std::tuple(-std::bit_width(states), row.content);
+    // libstdc++ 12 returns an unsigned width, which has no negative.
+    return std::tuple(-static_cast<int>(std::bit_width(states)), row.content);
   });
   const auto is_known = [&](const Row& row) { return known.contains(row.content); };
   next_ = static_cast<std::size_t>(std::stable_partition(rows_.begin(), rows_.end(), is_known) -

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/motion_memory.h"
 #include "replay/proven_motions.h"
+#include "store/row_codec.h"
 #include "support/enclosed_arm.h"
 #include "support/kinds.h"
 
@@ -90,6 +92,28 @@ TEST_SUITE("flow") {
     CHECK(hard.remembered.is_queued == (work >= 50'000));
     CHECK((database.size() > 0) == hard.remembered.is_queued);
     if (database.size() > 0) CHECK(database.get(0)->path().planning_states.has_value());
+  }
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("motions that were dear to find are looked for before those of unknown cost") {
+    const Passage passage;
+    Database memory = passage.learned();
+    Experience dear = require(memory.get(0));
+    CHECK_FALSE(dear.path().planning_states.has_value());
+    dear.path().planning_states = 1'000'000;
+    require(memory.insert({dear}));
+    const Problem problem = passage.problem_at(0.3);
+    const auto query = require(internal::make_query(problem, &memory, passage.settings));
+    const auto resolved = require(internal::resolve_goals(query));
+    internal::MotionMemory motions(resolved);
+    std::vector<PlacedMotion> placed;
+    CheckCounters counters;
+    REQUIRE(motions.find_more(placed, counters));  // reads the rows
+    REQUIRE(motions.find_more(placed, counters));  // looks for the first one
+    const internal::MotionPlaces places = motions.take_found().places;
+    REQUIRE(places.size() == 1);
+    CHECK(places.begin()->first == internal::EncodedRow(dear).content());
   }
 }
 
