@@ -53,9 +53,9 @@ class Prm {
  private:
   static constexpr int kStart = 0;
 
-  /// Adds milestones for the goals from index `first` on.
+  /// Adds milestones for the goals from index `first` on, until a limit is reached.
   void add_goals(std::size_t first) {
-    for (std::size_t i = first; i < run_.goals().size(); ++i) {
+    for (std::size_t i = first; i < run_.goals().size() && !run_.must_stop(); ++i) {
       ends_.push_back(milestones_.size());
       add_milestone(run_.goals()[i]);
     }
@@ -63,31 +63,32 @@ class Prm {
 
   /// Connects a new milestone to near ones of other components, and to the nearest ones in the
   /// components of start and goals. Returns the number of connections. Neighbours in the same
-  /// component cost no motion check, so more are found than tried.
+  /// component cost no motion check, so more are found than tried. Stops where time is up.
   int add_milestone(std::span<const float> q) {
     constexpr int kFoundPerTry = 2;
     const int most_tries = std::max(1, run_.settings().neighbours);
     milestones_.measure(q);
     milestones_.find_nearest(kFoundPerTry * most_tries, neighbours_);
     const int milestone = milestones_.add(q);
-    run_.count_nodes(1);
     component_.push_back(milestone);
     members_.push_back({milestone});
     edges_.emplace_back();
     int degree = 0, tries = 0;
     for (const int neighbour : neighbours_) {
-      if (tries == most_tries) break;
+      if (tries == most_tries || run_.must_stop()) break;
       if (component_of(neighbour) == component_of(milestone)) continue;
       ++tries;
       degree += try_connecting(neighbour, milestone);
     }
     for (const int end : ends_) {
+      if (run_.must_stop()) break;
       const int component = component_of(end);
       if (component == component_of(milestone)) continue;
       const int nearest =
           milestones_.find_nearest_of(members_[static_cast<std::size_t>(component)]);
       degree += try_connecting(nearest, milestone);
     }
+    run_.count_nodes(1);  // last: the milestone that reaches the limit of nodes is connected, too
     return degree;
   }
 

@@ -73,7 +73,7 @@ class Rrt {
       if (!tries_all && !is_in_range(node, goal)) continue;
       if (is_goal_reached(node, goal)) return true;
       // The node may have been removed or renumbered.
-      if (removals_ != removals) return false;
+      if (removals_ != removals || run_.must_stop()) return false;
     }
     return false;
   }

@@ -47,6 +47,17 @@ TEST_SUITE("flow") {
     settings.neighbours = 0;
     check_solution(world, make_checker(world), run(prm, world, settings));
   }
+  TEST_CASE("prm that is cancelled before it begins adds none of its many goals") {
+    World world = boxed_goal();
+    for (int i = 1; i < 500; ++i) world.query.goals.push_back({0.5, 0, 0.0002 * i});
+    const std::atomic<bool> is_cancelled = true;
+    PlanSettings settings = patient_settings();
+    settings.cancel = &is_cancelled;
+    const PlanResult result = run(prm, world, settings);
+    CHECK(result.status == PlanStatus::cancelled);
+    CHECK(result.nodes == 1);  // the start
+    CHECK(result.motions_checked == 0);
+  }
   TEST_CASE("prm reports what became of every draw") { check_reports_every_draw(prm); }
   TEST_CASE("prm does the same when it is watched, and shows its edges") {
     check_can_be_watched(prm, 0);
