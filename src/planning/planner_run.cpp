@@ -69,7 +69,9 @@ std::size_t PlannerRun::take_further_goals() {
   if (further_goals_ == nullptr || result_.iterations < next_goals_) return known;
   next_goals_ = result_.iterations + kGoalPeriod;
   if (known >= kMostGoals) return known;
-  for (const Configuration& goal : further_goals_->more()) add_goal(goal);
+  for (const Configuration& goal : further_goals_->more()) {
+    if (goals_.size() < kMostGoals) add_goal(goal);
+  }
   return known;
 }
 

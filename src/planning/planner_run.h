@@ -54,8 +54,8 @@ class PlannerRun {
   [[nodiscard]] Isa isa() const { return checker_.isa(); }
   [[nodiscard]] const std::vector<float>& start() const { return start_; }
   [[nodiscard]] const FloatPath& goals() const { return goals_; }
-  /// Adds further goals every kGoalPeriod iterations. Returns the index of the first new one in
-  /// goals().
+  /// Adds further goals every kGoalPeriod iterations, up to kMostGoals. Returns the index of the
+  /// first new one in goals().
   [[nodiscard]] std::size_t take_further_goals();
 
   [[nodiscard]] std::uint64_t iterations() const { return result_.iterations; }

@@ -3,6 +3,7 @@
 
 // Goals that come while a planner searches.
 #include "planning/planner_flow.h"
+#include "planning/planner_run.h"
 
 #include <utility>
 #include <vector>
@@ -64,6 +65,21 @@ TEST_SUITE("unit") {
       CHECK(result.path.back() == late);
       CHECK(goals.calls() == 2);
     }
+  }
+
+  TEST_CASE("a search takes up to 64 goals, however many come at once") {
+    const World world = walled_slider();
+    const CollisionChecker checker = make_checker(world);
+    const auto sampler = make_uniform_sampler(world.robot);
+    const PlanSettings settings = patient_settings();
+    PathFinisher finisher(checker, settings.finish());
+    LateGoals goals(std::vector<Configuration>(200, {-0.7, 0.9}));
+    internal::PlannerRun run({checker, world.query, *sampler, settings, finisher, {}, &goals});
+    for (int i = 0; i < 3; ++i) {
+      REQUIRE(run.begin_iterations(1000) == 1000);
+      static_cast<void>(run.take_further_goals());
+    }
+    CHECK(run.goals().size() == 64);
   }
 
   TEST_CASE("without further goals, or when none comes, the goal stays out of reach") {
