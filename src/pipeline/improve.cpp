@@ -46,6 +46,7 @@ class Improvement {
     // The goal reached may have been found while planning.
     least_cost_ = straight_to(result.plan.path.back());
     for (const Configuration& goal : resolved.ends.goals) {
+      if (is_time_over()) break;
       least_cost_ = std::min(least_cost_, straight_to(goal));
     }
   }
@@ -78,11 +79,11 @@ class Improvement {
     return is_free_round() ? query_.remaining_s()
                            : query_.settings.plan.improve - stopwatch_.elapsed_s();
   }
-  /// True also if no path can be shorter.
-  [[nodiscard]] bool is_over() const {
-    return remaining_s() <= verification_time_s_ || cost_ <= least_cost_ ||
-           is_set(query_.settings.plan.cancel);
+  [[nodiscard]] bool is_time_over() const {
+    return remaining_s() <= verification_time_s_ || is_set(query_.settings.plan.cancel);
   }
+  /// True also if no path can be shorter.
+  [[nodiscard]] bool is_over() const { return is_time_over() || cost_ <= least_cost_; }
   /// True also if another plan would check too many states. Planning again costs about as much as
   /// planning.
   [[nodiscard]] bool is_plan_too_much() const {
@@ -106,7 +107,8 @@ class Improvement {
     const PlanSettings& plan = query_.settings.plan;
     const bool is_near = cost_ < kNearStraight * least_cost_;
     if (!plan.minimizes_time() || plan.limits == nullptr || !is_near) return nullptr;
-    return make_informed_sampler(query_.problem.robot, resolved_.ends, *plan.limits, cost_);
+    return make_informed_sampler(query_.problem.robot, resolved_.ends, *plan.limits, cost_,
+                                 [this] { return is_time_over(); });
   }
 
   /// Returns the shortest of a few rough paths; empty if none is found in time.

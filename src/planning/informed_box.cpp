@@ -91,9 +91,11 @@ class InformedSampler final : public Sampler {
 }  // namespace
 
 std::unique_ptr<Sampler> make_informed_sampler(const Robot& robot, const PlanQuery& ends,
-                                               const RateLimits& limits, double time_s) {
+                                               const RateLimits& limits, double time_s,
+                                               const std::function<bool()>& is_over) {
   std::vector<Box> boxes;
   for (const Configuration& goal : ends.goals) {
+    if (is_over()) break;
     if (auto box = make_box(robot, ends.start, goal, limits, time_s)) {
       boxes.push_back(*std::move(box));
     }

@@ -147,13 +147,14 @@ Result<std::vector<Known>> Replayer::find() {
   return known;
 }
 
-/// The known tasks within `distance`, nearest first. Goals share the budget of keys.
+/// The known tasks within `distance`, nearest first. Goals share the budget of keys. Leaves out
+/// the goals from where time is up.
 Result<std::vector<Known>> Replayer::find(std::span<const LocalPrimitive> goals, double distance,
                                           std::size_t count, std::int64_t most_keys) {
   std::vector<Known> known;
   const auto share = most_keys / std::max(std::ssize(goals), std::ptrdiff_t{1});
   const std::int64_t keys = std::max(std::int64_t{share}, std::int64_t{1});
-  for (std::size_t i = 0; i < goals.size(); ++i) {
+  for (std::size_t i = 0; i < goals.size() && !is_over(); ++i) {
     std::int64_t keys_left = keys;
     auto matches = MNEME_TRY(find_matches(task_.database, task_.kind, goals[i], distance * distance,
                                           static_cast<int>(count), &keys_left));

@@ -12,6 +12,8 @@ namespace {
 using internal::make_informed_sampler;
 using internal::rest_to_rest;
 
+bool never() { return false; }
+
 }  // namespace
 
 TEST_SUITE("law") {
@@ -23,11 +25,14 @@ TEST_SUITE("law") {
     const Configuration start = {0, -0.785, 0, -2.356, 0, 1.571, 0.785};
     const Configuration goal = {0.5, -0.2, -0.6, -2, 0.3, 1.2, 0.7};
     const double straight_s = rest_to_rest(limits, 2).duration_s(0.6);
-    CHECK(make_informed_sampler(robot, {start, {goal}}, limits, 0.99 * straight_s) == nullptr);
+    CHECK(make_informed_sampler(robot, {start, {goal}}, limits, 0.99 * straight_s, never) ==
+          nullptr);
+    CHECK(make_informed_sampler(robot, {start, {goal}}, limits, 2 * straight_s,
+                                [] { return true; }) == nullptr);
     for (const double share : {1.05, 1.2, 1.4}) {
       CAPTURE(share);
       const double time_s = share * straight_s;
-      const auto sampler = make_informed_sampler(robot, {start, {goal}}, limits, time_s);
+      const auto sampler = make_informed_sampler(robot, {start, {goal}}, limits, time_s, never);
       REQUIRE(sampler != nullptr);
       const auto stream = sampler->start(1);
       std::vector<double> slowest_s(joints);

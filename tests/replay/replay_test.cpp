@@ -367,6 +367,27 @@ TEST_SUITE("law") {
     cancelled.cancel = &is_cancelled;
     CHECK(internal::widen(checker, path, cancelled) == path);
   }
+
+  TEST_CASE("a query that is cancelled looks for no known task") {
+    Cell cell;
+    cell.remember();
+    std::atomic<bool> is_cancelled = false;
+    PlanSettings settings;
+    settings.cancel = &is_cancelled;
+    const CollisionChecker checker = make_checker(cell.problem.robot, cell.problem.scene);
+    const MemoryQuery query = memory_query(cell.problem);
+    const PlanQuery ends{cell.problem.start, cell.problem.goals};
+    const auto replayed = [&] {
+      Replay report;
+      static_cast<void>(internal::replay({cell.database, *find_memory_kind("paths").value(), 0, 0.5,
+                                          query, ends, checker, nullptr, settings},
+                                         report));
+      return report;
+    };
+    CHECK(replayed().keys > 0);
+    is_cancelled = true;
+    CHECK(replayed().keys == 0);
+  }
 }
 
 }  // namespace mneme::test
