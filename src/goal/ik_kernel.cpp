@@ -60,7 +60,7 @@ class IkSolver {
       position2 = squared_norm(error.position);
       rotation2 = error.rotation2;
       const M is_done = hn::And(hn::Le(position2, splat(target_.near_m * target_.near_m)),
-                                hn::Le(rotation2, splat(target_.near_rad * target_.near_rad)));
+                                hn::Le(rotation2, splat(target_.near_chord * target_.near_chord)));
       const int done = static_cast<int>(hn::CountTrue(Tag(), is_done));
       if (round == request_.rounds || done >= std::min(enough, kSeedLanes)) return done;
       step(error, position2, rotation2, is_done, q);
@@ -117,12 +117,15 @@ class IkSolver {
 
   /// Splits the rotation into a lean of the tip's axis and a turn about it.
   HWY_INLINE void find_lean_and_turn(const V3& x, const V3& y, TipError& error) const {
-    const V zero = hn::Zero(Tag()), one = splat(1.0f);
+    const V zero = hn::Zero(Tag()), one = splat(1.0f), two = splat(2.0f);
     const V3& z = error.axis;
     const V twice_square = hn::Add(one, z.z);
     const V3 leaning = inverse_half_cosine(twice_square) * V3{z.y, hn::Neg(z.x), zero};
     const M is_upside_down = is_half_turn(twice_square);
-    const V length = hn::IfThenElse(is_upside_down, splat(2.0f), hn::Sqrt(squared_norm(leaning)));
+    // Each form is exact where the other one is lost in rounding.
+    const V length =
+        hn::IfThenElse(hn::Lt(z.z, zero), hn::Min(two, hn::Sqrt(hn::Mul(two, hn::Sub(one, z.z)))),
+                       hn::Sqrt(squared_norm(leaning)));
     const V excess = hn::Max(zero, hn::Sub(length, splat(target_.lean)));
     error.leans = hn::Gt(excess, zero);
     const V3 lean =
@@ -131,7 +134,6 @@ class IkSolver {
     const V w = hn::Add(one, hn::Add(x.x, hn::Add(y.y, z.z)));
     const V about = hn::Sub(y.x, x.y);
     const V norm = hn::Sqrt(hn::MulAdd(w, w, hn::Mul(about, about)));
-    const V two = splat(2.0f);
     // At half a turn rounding decides the direction.
     const V turned = hn::IfThenElse(hn::Lt(norm, splat(1e-5f)), hn::CopySign(two, about),
                                     hn::Div(hn::Mul(two, about), norm));

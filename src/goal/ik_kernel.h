@@ -24,7 +24,7 @@ struct IkTarget {
   /// Largest lean of T's z axis from G's z axis, and largest turn of T about that axis, as 2
   /// sin(angle / 2). 2: any.
   float lean = 0, turn = 0;
-  float near_m = 0, near_rad = 0;  ///< smaller errors count as none
+  float near_m = 0, near_chord = 0;  ///< smaller errors (see IkError) count as none
 };
 
 /// Arrays per joint, or rows of joint_count values.
@@ -38,7 +38,8 @@ struct IkTask {
   int enough = 0;  ///< number of seeds that reach the target, after which the kernel returns
 };
 
-/// The final error of a seed: metres and radians from the region; infinite if not tried.
+/// The final error of a seed: metres from the region, and the norm of the excesses over
+/// IkTarget::lean and ::turn, as 2 sin(angle / 2). Infinite if not tried.
 struct IkError {
   float position = 0, rotation = 0;
 };

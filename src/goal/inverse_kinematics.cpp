@@ -40,7 +40,7 @@ constexpr int kIkRounds = 24;
 constexpr int kIkPatience = 3;
 /// Number of blocked solutions that are kept.
 constexpr std::size_t kMostBlocked = 8;
-/// Error of single precision, metres; ten times this in radians.
+/// Error of single precision, metres; ten times this as a chord.
 constexpr double kIkRounding = 3e-6;
 
 /// Copies the frames from the root to `frame` into `chain`, with new numbers of joints and parents.
@@ -74,9 +74,13 @@ Eigen::Matrix3d rotation_to(Axis axis) {
   return cyclic;
 }
 
-/// 2 sin(angle / 2), of which 2 is any angle.
-float chord(double angle) {
-  return static_cast<float>(2 * std::sin(0.5 * std::clamp(angle, 0.0, std::numbers::pi)));
+/// 2 sin(angle / 2), in which the kernel measures rotations.
+double chord(double angle) { return 2 * std::sin(0.5 * std::min(angle, std::numbers::pi)); }
+
+/// The chord of `angle` less the allowed error, so that a solution with this error is within the
+/// region. 2: any angle.
+double shrunk_chord(double angle, double tolerance) {
+  return angle >= std::numbers::pi ? 2 : std::max(0.0, chord(angle) - chord(tolerance));
 }
 
 /// Makes the kernel's target of a goal or of a part of its region.
@@ -90,14 +94,14 @@ class TargetMaker {
     const Vec3 tolerance = X_link_tip.rotation.transpose() * goal.position_tolerance;
     // Shrunk, so that a solution with the allowed error is within the region.
     box_ = (tolerance.array() - settings.position_tolerance).max(0);
-    cone_ = within(goal.cone, settings.rotation_tolerance);
+    lean_ = shrunk_chord(goal.cone, settings.rotation_tolerance);
     target_.frame = frame;
     store(X_GR_.rotation, target_.rotation.data());
     store(X_frame_tip.rotation, target_.tip_rotation.data());
     store(X_frame_tip.translation, target_.tip_translation.data());
-    target_.turn = chord(within(goal.turn, settings.rotation_tolerance));
+    target_.turn = static_cast<float>(shrunk_chord(goal.turn, settings.rotation_tolerance));
     target_.near_m = static_cast<float>(settings.position_tolerance - kIkRounding);
-    target_.near_rad = static_cast<float>(settings.rotation_tolerance - 10 * kIkRounding);
+    target_.near_chord = static_cast<float>(chord(settings.rotation_tolerance) - 10 * kIkRounding);
   }
 
   /// Returns the whole region, or a random part of it: solutions lie on the border of their target.
@@ -108,22 +112,18 @@ class TargetMaker {
     const Vec3 box = share * box_;
     store(Vec3(X_GR_.translation - middle), target_.translation.data());
     store(box, target_.box.data());
-    target_.lean = chord(cone_ >= std::numbers::pi ? cone_ : share * cone_);
+    target_.lean = static_cast<float>(lean_ == 2 ? lean_ : share * lean_);
     return target_;
   }
 
   [[nodiscard]] bool is_reached(const IkError& error) const {
-    return error.position <= target_.near_m && error.rotation <= target_.near_rad;
+    return error.position <= target_.near_m && error.rotation <= target_.near_chord;
   }
 
  private:
-  static double within(double angle, double tolerance) {
-    return angle >= std::numbers::pi ? angle : std::max(0.0, angle - tolerance);
-  }
-
   Transform X_GR_;
   Vec3 box_;
-  double cone_ = 0;
+  double lean_ = 0;
   IkTarget target_;
 };
 
@@ -143,6 +143,7 @@ class IkSearch {
       : chain_(chain),
         given_near_(near.begin(), near.end()),
         near_(chain.robot.normalized(near)),
+        goal_(goal),
         settings_(settings),
         checker_(checker),
         clearance_(clearance),
@@ -162,6 +163,7 @@ class IkSearch {
     std::ranges::stable_sort(result_.solutions, {}, [&](const Configuration& q) {
       return chain_.robot.distance(near_, q);
     });
+    if (!closest_.empty()) result_.closest = pose_error(chain_.robot, goal_, complete(closest_));
     // A batch may find more than wanted.
     if (count() > settings_.solutions) result_.solutions.resize(as_index(settings_.solutions));
     for (auto* found : {&result_.solutions, &result_.blocked}) {
@@ -189,7 +191,7 @@ class IkSearch {
                   {&target, chain_.lower.data(), chain_.upper.data(), seeds_.data(), batch,
                    internal::kIkRounds, wanted},
                   rows_.data(), errors.data());
-    for (int i = 0; i < batch; ++i) take(errors[as_index(i)], row(i), result_.seeds == 0 && i == 0);
+    for (int i = 0; i < batch; ++i) take(errors[as_index(i)], row(i));
     result_.seeds += batch;
   }
 
@@ -212,11 +214,11 @@ class IkSearch {
     }
   }
 
-  void take(const internal::IkError& error, std::span<const float> values, bool is_first) {
-    const auto badness = [](double position, double rotation) { return position + rotation / 4; };
-    if (is_first || badness(error.position, error.rotation) <
-                        badness(result_.closest.position, result_.closest.rotation)) {
-      result_.closest = {error.position, error.rotation};
+  void take(const internal::IkError& error, std::span<const float> values) {
+    const float badness = error.position + error.rotation / 4;
+    if (badness < least_badness_) {
+      least_badness_ = badness;
+      closest_.assign(values.begin(), values.end());
     }
     if (!target_.is_reached(error)) return;
     const Configuration q = complete(values);
@@ -255,12 +257,15 @@ class IkSearch {
 
   const Chain& chain_;
   Configuration given_near_, near_;
+  const PoseGoal& goal_;
   const IkSettings& settings_;
   const CollisionChecker* checker_;
   double clearance_;
   internal::TargetMaker target_;
   Rng rng_;
   std::vector<float> seeds_, rows_;
+  std::vector<float> closest_;  ///< result of a seed that is closest to the goal
+  float least_badness_ = std::numeric_limits<float>::infinity();
   IkResult result_;
 };
 

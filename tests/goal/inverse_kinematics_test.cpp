@@ -150,6 +150,37 @@ TEST_SUITE("law") {
     }
   }
 
+  TEST_CASE("solutions are within regions of wide angles, and within a wide tolerance") {
+    const Robot robot = shipped_robot("panda");
+    struct Wide {
+      Vec3 axis;  ///< of half a turn from where the search begins
+      double cone, turn, tolerance;
+    };
+    for (const Isa isa : available_isas()) {
+      const InverseKinematics kinematics = require(InverseKinematics::make(robot, kHand, isa));
+      for (const Wide& wide :
+           {Wide{Vec3::UnitZ(), 0.3, 3.0, 1e-3}, Wide{Vec3::UnitX(), 2.5, 0.3, 1e-3},
+            Wide{Vec3::UnitX(), 3.1, kPi, 1e-3}, Wide{Vec3::UnitX(), 0, 0, 1}}) {
+        CAPTURE(to_string(isa));
+        CAPTURE(wide.cone);
+        PoseGoal goal = pose_at(robot, kHand, kReady);
+        goal.pose.rotation =
+            goal.pose.rotation * Eigen::AngleAxisd(kPi, wide.axis).toRotationMatrix();
+        goal.cone = wide.cone;
+        goal.turn = wide.turn;
+        IkSettings settings;
+        settings.rotation_tolerance = wide.tolerance;
+        const IkResult result = kinematics.solve(goal, kReady, settings);
+        CHECK(!result.solutions.empty());
+        check_solutions(robot, goal, kReady, result, settings);
+        if (wide.cone == 0) continue;
+        for (const Configuration& q : result.solutions) {
+          CHECK(pose_error(robot, goal, q).rotation == 0);
+        }
+      }
+    }
+  }
+
   TEST_CASE("a position with any rotation is reached") {
     const Robot robot = shipped_robot("panda");
     const InverseKinematics kinematics = require(InverseKinematics::make(robot, "panda_hand"));
@@ -237,6 +268,22 @@ TEST_SUITE("unit") {
     CHECK(result.solutions.empty());
     CHECK(result.seeds == IkSettings().seeds);
     CHECK(result.closest.position == doctest::Approx(0.5).epsilon(0.02));
+  }
+
+  TEST_CASE("how far the closest result is rotated is told as an angle beyond the region") {
+    const Robot robot = planar8();
+    const std::string tip = robot.links().back().name;
+    PoseGoal goal = pose_at(robot, tip, Configuration(8, 0.2));
+    goal.pose.rotation =
+        goal.pose.rotation * Eigen::AngleAxisd(kPi, Vec3::UnitX()).toRotationMatrix();
+    goal.turn = kPi;
+    const InverseKinematics kinematics = require(InverseKinematics::make(robot, tip));
+    for (const double cone : {0.0, 2.0}) {
+      goal.cone = cone;
+      const IkResult result = kinematics.solve(goal, Configuration(8, 0.1));
+      CHECK(result.solutions.empty());
+      CHECK(result.closest.rotation == doctest::Approx(kPi - cone));
+    }
   }
 
   TEST_CASE(
