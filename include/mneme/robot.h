@@ -242,6 +242,8 @@ class Robot {
 
   /// The attached objects. Each is one of the last links(), with a fixed joint of the same name.
   [[nodiscard]] std::span<const ApproximatedObject> attached() const { return model_->attached; }
+  /// Returns true if an object of this name is attached.
+  [[nodiscard]] bool is_attached(std::string_view name) const;
   /// Returns this robot with further attached objects. The objects are checked against obstacles,
   /// moving links and each other. Errors: an unknown link, a name that is taken, an unknown name in
   /// `may_touch`, an object without spheres and capsules, more than 500,000 pairs of links to

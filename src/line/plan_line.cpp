@@ -341,14 +341,9 @@ class LinePlan {
 
   /// The way out where a held object touches anything at the start.
   [[nodiscard]] std::string advise_on_held() const {
-    const auto is_held = [&](const std::string& name) {
-      return std::ranges::any_of(robot_.attached(), [&](const ApproximatedObject& attached) {
-        return attached.object.name == name;
-      });
-    };
     for (const Contact& contact : checker_.contacts(robot_.normalized(from_))) {
-      const std::string& held = is_held(contact.link) ? contact.link : contact.other;
-      if (!is_held(held)) continue;
+      const std::string& held = robot_.is_attached(contact.link) ? contact.link : contact.other;
+      if (!robot_.is_attached(held)) continue;
       return fmt::format(
           "; a line of a task may leave the contact of a held object: make this line the first "
           "stage of one, or put ['{}', '{}'] into `allow`",

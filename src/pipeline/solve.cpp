@@ -93,17 +93,11 @@ void add_reached_goal(const Robot& robot, SolveResult& result) {
 /// The problem with attached objects checked against obstacles that they may touch; nothing if
 /// there are none.
 std::optional<Problem> without_allowed_contact(const Problem& problem) {
-  const auto is_attached = [&](const std::string& name) {
-    return std::ranges::any_of(problem.robot.attached(), [&](const ApproximatedObject& attached) {
-      return attached.object.name == name;
-    });
-  };
+  const auto is_attached = [&](const std::string& name) { return problem.robot.is_attached(name); };
   const auto allows = [&](const Obstacle& obstacle) {
     return std::ranges::any_of(obstacle.may_touch, is_attached);
   };
-  if (problem.robot.attached().empty() || std::ranges::none_of(problem.scene.obstacles, allows)) {
-    return std::nullopt;
-  }
+  if (std::ranges::none_of(problem.scene.obstacles, allows)) return std::nullopt;
   Problem stricter = problem;
   for (Obstacle& obstacle : stricter.scene.obstacles) {
     std::erase_if(obstacle.may_touch, is_attached);

@@ -62,10 +62,7 @@ std::string advise(double room) {
 
 /// Spheres of links can be made finer; those of attached objects cannot.
 bool can_be_finer(const Robot& robot, const Contact& contact) {
-  return std::ranges::none_of(robot.attached(), [&](const ApproximatedObject& approximated) {
-    const std::string& name = approximated.object.name;
-    return name == contact.link || (contact.is_self && name == contact.other);
-  });
+  return !robot.is_attached(contact.link) && !(contact.is_self && robot.is_attached(contact.other));
 }
 
 /// The way out for an attached object; empty for other contacts.

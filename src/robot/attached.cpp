@@ -108,6 +108,12 @@ Result<Robot> Robot::with_attached(std::vector<ApproximatedObject> objects) cons
   return Robot(std::make_shared<const Model>(std::move(model)));
 }
 
+bool Robot::is_attached(std::string_view name) const {
+  return std::ranges::any_of(attached(), [&](const ApproximatedObject& approximated) {
+    return approximated.object.name == name;
+  });
+}
+
 Result<Robot> Robot::without_attached(const std::string& name) const {
   std::vector<ApproximatedObject> kept;
   for (const ApproximatedObject& object : attached()) {

@@ -42,6 +42,8 @@ TEST_SUITE("unit") {
     REQUIRE(robot.links().size() == bare.links().size() + 1);
     CHECK(robot.links().back().name == "cup");
     CHECK(robot.attached().size() == 1);
+    CHECK(robot.is_attached(robot.attached()[0].object.name));
+    CHECK(!robot.is_attached(robot.links().front().name));
     CHECK(bare.attached().empty());
     const Configuration q = {0.1, 0.2, 0.3, 0.4};
     const std::vector<Transform> poses = robot.link_poses(q);
