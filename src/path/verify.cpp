@@ -90,13 +90,9 @@ bool MotionVerifier::is_curve_free(std::span<const float> states, std::span<cons
 }
 
 int MotionVerifier::find_invalid_motion(const Path& path, CheckCounters& counters) const {
-  // Many turns of a continuous joint would lose digits in single precision.
-  const auto row = [&](std::size_t i) {
-    return internal::to_floats(checker_.robot().normalized(path[i]));
-  };
   std::vector<float> from, to;
   for (std::size_t i = 0; i < path.size(); ++i) {
-    from = std::exchange(to, row(i));
+    from = std::exchange(to, internal::to_floats(checker_.robot(), path[i]));
     const MotionEnds ends{i == 1, i + 1 == path.size()};
     if (i > 0 && !is_free(from, to, ends, counters)) return static_cast<int>(i) - 1;
   }

@@ -36,6 +36,10 @@ std::vector<float> to_floats(std::span<const double> q) {
   return result;
 }
 
+std::vector<float> to_floats(const Robot& robot, const Configuration& q) {
+  return to_floats(robot.normalized(q));
+}
+
 std::vector<float> to_rows(const Path& path) {
   std::vector<float> rows;
   for (const Configuration& q : path) rows.insert(rows.end(), q.begin(), q.end());

@@ -14,6 +14,8 @@
 namespace mneme::internal {
 
 [[nodiscard]] std::vector<float> to_floats(std::span<const double> q);
+/// Returns `q` within the limits: many turns of a continuous joint would lose digits.
+[[nodiscard]] std::vector<float> to_floats(const Robot& robot, const Configuration& q);
 [[nodiscard]] std::vector<float> to_rows(const Path& path);
 /// Converts rows to a path. Moves values that rounding to floats moved out of the limits back into
 /// them.

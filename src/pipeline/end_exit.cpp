@@ -49,8 +49,7 @@ double EndExit::room_between(const Configuration& from, const Configuration& to,
   const Robot& robot = checker_.robot();
   std::vector<float> delta = to_floats(robot.difference(from, to));
   for (float& value : delta) value = std::abs(value) / static_cast<float>(2 * states);
-  return checker_.displacement_bound(to_floats(robot.normalized(from)),
-                                     to_floats(robot.normalized(to)), delta);
+  return checker_.displacement_bound(to_floats(robot, from), to_floats(robot, to), delta);
 }
 
 bool EndExit::is_left_by(const Configuration& end, const Configuration& inside) const {

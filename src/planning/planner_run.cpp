@@ -55,7 +55,7 @@ PlannerRun::PlannerRun(const PlanTask& task)
       limit_(task.limit),
       motions_(task.motions) {
   const Robot& robot = checker_.robot();
-  start_ = to_floats(robot.normalized(query_.start));
+  start_ = to_floats(robot, query_.start);
   for (const Configuration& goal : query_.goals) add_goal(goal);
 }
 

@@ -14,7 +14,7 @@
 namespace mneme::internal {
 
 bool is_clear(const CollisionChecker& checker, const Configuration& q) {
-  const std::vector<float> values = to_floats(checker.robot().normalized(q));
+  const std::vector<float> values = to_floats(checker.robot(), q);
   CheckCounters ignored;
   return checker.is_motion_valid(values, values, ignored, {1, kVerificationMargin});
 }

@@ -75,10 +75,6 @@ bool has_few_parts(const Scene& scene) {
   });
 }
 
-std::vector<float> to_row(const Robot& robot, const Configuration& q) {
-  return to_floats(robot.normalized(q));
-}
-
 std::string bytes_of(std::span<const float> from, std::span<const float> to, MotionEnds ends) {
   std::string bytes;
   for (const std::span<const float> row : {from, to}) {
@@ -156,7 +152,7 @@ bool StaticCell::are_clear(const PlanQuery& ends) const {
   const Robot& robot = checker_.robot();
   const auto is_clear = [&](const Configuration& q) {
     if (!robot.is_configuration(q)) return false;
-    const std::vector<float> row = to_row(robot, q);
+    const std::vector<float> row = to_floats(robot, q);
     return clear_.contain(row, row, {});
   };
   return is_clear(ends.start) && std::ranges::all_of(ends.goals, is_clear);
@@ -164,7 +160,7 @@ bool StaticCell::are_clear(const PlanQuery& ends) const {
 
 void StaticCell::add_clear(const PlanQuery& ends) {
   const auto add = [&](const Configuration& q) {
-    const std::vector<float> row = to_row(checker_.robot(), q);
+    const std::vector<float> row = to_floats(checker_.robot(), q);
     clear_.add(row, row, {});
   };
   add(ends.start);

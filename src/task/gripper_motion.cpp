@@ -109,8 +109,8 @@ bool is_motion_clear(const CollisionChecker& checker, const Configuration& from,
   const Robot& robot = checker.robot();
   CheckCounters counters;
   return is_clear(checker, from) &&
-         checker.is_sweep_valid(to_floats(robot.normalized(from)), to_floats(robot.normalized(to)),
-                                counters, {.margin = kVerificationMargin});
+         checker.is_sweep_valid(to_floats(robot, from), to_floats(robot, to), counters,
+                                {.margin = kVerificationMargin});
 }
 
 /// True if the motion only leaves contact at its start, or only enters contact at its end.
