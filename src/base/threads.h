@@ -12,7 +12,9 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <thread>
+#include <type_traits>
 #include <vector>
 
 namespace mneme::internal {
@@ -80,6 +82,20 @@ auto without_ending(const Work& work) -> decltype(work()) {
 /// Returns the value of the flag; false for a null pointer.
 [[nodiscard]] inline bool is_set(const std::atomic<bool>* flag) {
   return flag != nullptr && flag->load(std::memory_order_relaxed);
+}
+
+/// Returns the result of `work`; nothing if `cancel`, which may be null, interrupted it.
+template <class Work>
+[[nodiscard]] std::optional<std::invoke_result_t<Work>> unless_cancelled(
+    const std::atomic<bool>* cancel, const Work& work) {
+  const auto is_cancelled = [&] { return is_set(cancel); };
+  const InterruptScope scope(is_cancelled);
+  try {
+    return work();
+  } catch (const Interrupted&) {
+    if (!is_cancelled()) throw;  // a scope of the caller is over
+    return std::nullopt;
+  }
 }
 
 }  // namespace mneme::internal

@@ -20,17 +20,6 @@
 namespace mneme::internal {
 namespace {
 
-SolveResult refused(const SolveSettings& settings, PlanStatus status, std::string message) {
-  SolveResult result;
-  result.plan.status = status;
-  result.plan.message = std::move(message);
-  result.planner = settings.planner;
-  result.sampler = settings.sampler;
-  result.seed = settings.plan.seed;
-  result.isa = resolve_isa(settings.isa);
-  return result;
-}
-
 /// A straight motion between rest and a given velocity.
 struct EndMotion {
   Configuration from, to;
@@ -63,13 +52,11 @@ Result<std::string> find_fault(const Problem& problem, const SolveSettings& sett
   const QueryChecker made = MNEME_TRY(query_checker_of(
       problem.robot, problem.scene, checker_settings_of(settings, problem.constraints),
       {motion.from, {motion.to}}));
-  const auto to_row = [&](const Configuration& q) {
-    return to_floats(problem.robot.normalized(q));
-  };
   CheckCounters counters;
   const MotionVerifier verifier(made.checker, settings.plan.verification());
-  const bool is_free = verifier.is_free(to_row(motion.from), to_row(motion.to),
-                                        {motion.is_stop, !motion.is_stop}, counters);
+  const bool is_free =
+      verifier.is_free(to_floats(problem.robot, motion.from), to_floats(problem.robot, motion.to),
+                       {motion.is_stop, !motion.is_stop}, counters);
   return is_free ? std::string() : describe_blocked(made.checker, motion);
 }
 
@@ -168,36 +155,81 @@ void add_run_up(const Robot& robot, const std::vector<RunUp>& run_ups, SolveResu
   if (last.from != last.goal) path.push_back(last.goal);
 }
 
+/// Where a moving robot is at rest.
+struct RestingEnds {
+  Rest start;
+  RunUps run_ups;
+};
+
+/// Stops at the first fault.
+Result<RestingEnds> find_resting_ends(const Problem& problem, const SolveSettings& settings,
+                                      const RateLimits& limits) {
+  RestingEnds ends{.start = {problem.start, ""}, .run_ups = {}};
+  if (!problem.start_velocity.empty()) {
+    ends.start = MNEME_TRY(find_rest(problem, settings, limits, problem.start, true));
+  }
+  if (ends.start.fault.empty()) {
+    ends.run_ups = MNEME_TRY(find_run_ups(problem, settings, limits));
+  }
+  return ends;
+}
+
+/// The problem between its resting ends.
+Problem between(const RestingEnds& ends, const Problem& problem) {
+  Problem resting = problem;
+  resting.start_velocity.clear();
+  resting.end_velocity.clear();
+  resting.start = ends.start.q;
+  if (!ends.run_ups.free.empty()) resting.goals.clear();
+  for (const RunUp& run_up : ends.run_ups.free) resting.goals.push_back(run_up.from);
+  return resting;
+}
+
 }  // namespace
+
+SolveResult unplanned(const SolveSettings& settings, PlanStatus status, std::string message,
+                      double preparation_s) {
+  SolveResult result;
+  result.plan.status = status;
+  result.plan.message = std::move(message);
+  result.planner = settings.planner;
+  result.sampler = settings.sampler;
+  result.seed = settings.plan.seed;
+  result.isa = resolve_isa(settings.isa);
+  result.preparation_time_s = result.total_time_s = preparation_s;
+  return result;
+}
 
 Result<SolveResult> solve_moving(
     const Problem& problem, const SolveSettings& settings,
     const std::function<Result<SolveResult>(const Problem&, const SolveSettings&)>& solve_at_rest) {
+  const Stopwatch stopwatch;
   const RateLimits limits = settings.plan.limits != nullptr
                                 ? *settings.plan.limits
                                 : MNEME_TRY(find_rate_limits(problem.robot));
-  Problem resting = problem;
-  resting.start_velocity.clear();
-  resting.end_velocity.clear();
-  if (!problem.start_velocity.empty()) {
-    const Rest stop = MNEME_TRY(find_rest(problem, settings, limits, problem.start, true));
-    if (!stop.fault.empty()) return refused(settings, PlanStatus::invalid_start, stop.fault);
-    resting.start = stop.q;
-  }
-  RunUps run_ups = MNEME_TRY(find_run_ups(problem, settings, limits));
-  if (is_set(settings.plan.cancel)) return refused(settings, PlanStatus::cancelled, "cancelled");
+  auto found = unless_cancelled(settings.plan.cancel,
+                                [&] { return find_resting_ends(problem, settings, limits); });
+  if (found && !*found) return tl::unexpected(found->error());
+  const auto refused = [&](PlanStatus status, std::string message) {
+    return unplanned(settings, status, std::move(message), stopwatch.elapsed_s());
+  };
+  if (!found || is_set(settings.plan.cancel)) return refused(PlanStatus::cancelled, "cancelled");
+  auto& [start, run_ups] = **found;
+  if (!start.fault.empty()) return refused(PlanStatus::invalid_start, std::move(start.fault));
   if (!run_ups.fault.empty()) {
-    return refused(settings, PlanStatus::invalid_goal, std::move(run_ups.fault));
+    return refused(PlanStatus::invalid_goal, std::move(run_ups.fault));
   }
-  if (!run_ups.free.empty()) resting.goals.clear();
-  for (const RunUp& run_up : run_ups.free) resting.goals.push_back(run_up.from);
   SolveSettings rest = settings;
   rest.plan.timeout_s = std::max(0.0, settings.plan.timeout_s - run_ups.used_s);
-  SolveResult result = MNEME_TRY(solve_at_rest(resting, rest));
+  const double ends_s = stopwatch.elapsed_s();
+  SolveResult result = MNEME_TRY(solve_at_rest(between(**found, problem), rest));
+  result.total_time_s += ends_s;
+  result.planning_time_s += run_ups.used_s;
+  result.preparation_time_s += ends_s - run_ups.used_s;
   std::ranges::move(run_ups.notes, std::back_inserter(result.notes));
   if (!run_ups.free.empty()) add_run_up(problem.robot, run_ups.free, result);
   Path& path = result.plan.path;
-  const bool is_stopped = resting.start != problem.start;
+  const bool is_stopped = start.q != problem.start;
   if (!path.empty() && is_stopped) path.insert(path.begin(), problem.start);
   path = unwrapped(problem.robot, std::move(path), problem.start);
   return result;

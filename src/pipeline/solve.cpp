@@ -112,37 +112,16 @@ void add_times(double total_time_s, SolveResult& result) {
                            result.improvement_time_s - result.remembered.time_s;
 }
 
-/// Nothing if the query was cancelled while its scene was prepared.
-std::optional<Result<ResolvedQuery>> resolve_unless_cancelled(const Query& query) {
-  const auto is_cancelled = [&] { return internal::is_set(query.settings.plan.cancel); };
-  const InterruptScope scope(is_cancelled);
-  try {
-    return internal::resolve_goals(query);
-  } catch (const Interrupted&) {
-    if (!is_cancelled()) throw;  // a scope of the caller is over
-    return std::nullopt;
-  }
-}
-
-SolveResult cancelled_result(const Query& query, double time_s) {
-  SolveResult result;
-  result.plan.status = PlanStatus::cancelled;
-  result.plan.message = "cancelled";
-  result.planner = query.planner.name;
-  result.sampler = query.sampler.name;
-  result.seed = query.settings.plan.seed;
-  result.isa = resolve_isa(query.settings.isa);
-  result.preparation_time_s = result.total_time_s = time_s;
-  return result;
-}
-
 Result<SolveResult> solve_as_given(const Problem& problem, Database* database,
                                    const SolveSettings& settings) {
   const Stopwatch stopwatch;
   const Query query = MNEME_TRY(internal::make_query(problem, database, settings));
   const Stopwatch goal_stopwatch;
-  const auto made = resolve_unless_cancelled(query);
-  if (!made) return cancelled_result(query, stopwatch.elapsed_s());
+  const auto made = internal::unless_cancelled(settings.plan.cancel,
+                                               [&] { return internal::resolve_goals(query); });
+  if (!made) {
+    return internal::unplanned(settings, PlanStatus::cancelled, "cancelled", stopwatch.elapsed_s());
+  }
   if (!*made) return tl::unexpected(made->error());
   const ResolvedQuery& resolved = **made;
   SolveResult result = internal::describe(resolved);

@@ -53,14 +53,11 @@ Result<CheckedWorldPtr> check_world(World world, const TaskRun& run) {
 }
 
 Result<CheckedWorldPtr> check_unless_cancelled(World world, const TaskRun& run) {
-  const InterruptScope scope([&] { return run.is_cancelled(); });
-  try {
+  auto made = unless_cancelled(run.settings.solve.plan.cancel, [&] {
     prepare_shapes_of(run.task, run.checker_settings().margin);
     return check_world(std::move(world), run);
-  } catch (const Interrupted&) {
-    if (!run.is_cancelled()) throw;  // a scope of the caller is over
-    return nullptr;
-  }
+  });
+  return made ? *std::move(made) : nullptr;
 }
 
 std::string describe_contact(const CollisionChecker& checker, const Configuration& q) {

@@ -4,6 +4,7 @@
 
 #include "planning/small_worlds.h"
 
+#include <atomic>
 #include <memory>
 
 namespace mneme::test {
@@ -129,6 +130,8 @@ TEST_SUITE("flow") {
     CHECK(blocked->plan.message.starts_with("start velocity: the robot cannot stop in time"));
     CHECK(blocked->plan.message.find("touches '") != std::string::npos);
     CHECK(blocked->plan.path.empty());
+    CHECK(blocked->total_time_s > 0);
+    CHECK(blocked->preparation_time_s == blocked->total_time_s);
 
     const auto fast = solve(arm_beside({}, {100, 0, 0}), nullptr, settings);
     CHECK(fast->plan.status == PlanStatus::invalid_start);
@@ -136,6 +139,27 @@ TEST_SUITE("flow") {
     CHECK(fast->plan.message.find("faster than its limit") != std::string::npos);
     const auto wrong = solve(arm_beside({}, {0.1}), nullptr, settings);
     CHECK(wrong->plan.message.find("got 1 values, expected 3") != std::string::npos);
+  }
+
+  TEST_CASE("a query that is cancelled does not prepare its moving ends") {
+    const Problem into = arm_beside({{2.3, 0.75, 0.3}}, {0.6, 0, 0});
+    SolveSettings settings = settings_within(into.robot);
+    const std::atomic<bool> is_cancelled = true;
+    settings.plan.cancel = &is_cancelled;
+    const auto result = require(solve(into, nullptr, settings));
+    CHECK(result.plan.status == PlanStatus::cancelled);
+    CHECK(result.isa == default_isa());
+  }
+
+  TEST_CASE("the times of a moving problem add up to its total") {
+    Problem problem = arm_beside(kBetween, {-0.4, 0.2, 0});
+    problem.end_velocity = {0.3, -0.2, 0.1};
+    const auto result = require(solve(problem, nullptr, settings_within(problem.robot)));
+    REQUIRE(result.plan.is_solved());
+    CHECK(result.preparation_time_s + result.planning_time_s + result.plan.simplification_time_s +
+              result.plan.verification_time_s + result.improvement_time_s +
+              result.remembered.time_s ==
+          doctest::Approx(result.total_time_s));
   }
 
   TEST_CASE("velocities as small as noise of encoders are planned and timed") {
