@@ -241,10 +241,8 @@ void add_valid_goals(std::size_t first, ResolvedQuery& resolved) {
   const Stopwatch stopwatch;
   std::size_t ignored = 0, next = first;
   for (; next < goals.size(); ++next) {
-    if (next % kBlock == 0) {
-      poll_interrupt();
-      if (stopwatch.elapsed_s() >= limit_s) break;
-    }
+    poll_interrupt();
+    if (stopwatch.elapsed_s() >= limit_s) break;
     if (is_valid_end(resolved.checker, goals[next])) {
       resolved.ends.goals.push_back(goals[next]);
     } else {

@@ -27,7 +27,8 @@ inline constexpr double kLineClearance = 2.5e-4;
                                               const Configuration& q,
                                               double clearance = kSolidClearance);
 
-/// True if refuse_query() accepts `q`, a start or a goal. Names nothing, so it takes microseconds.
+/// True if refuse_query() accepts `q`, a start or a goal. Names nothing: it takes microseconds
+/// where `q` is clear.
 [[nodiscard]] bool is_valid_end(const CollisionChecker& checker, const Configuration& q);
 
 /// As mneme::drop_invalid_goals(). `goals` are those of the query from number `first` on.

@@ -131,14 +131,23 @@ Refusal describe_contacts(const CollisionChecker& checker, const Configuration& 
                                advise_at_rest(checker, contacts)};
 }
 
+/// Returns the contacts of `q`, a configuration within the limits, that forbid it as a start or
+/// goal; none if it is within rounding error of contact. Nothing if `q` is allowed.
+std::optional<std::vector<Contact>> find_contacts(const CollisionChecker& checker,
+                                                  const Configuration& q) {
+  if (internal::is_clear(checker, q)) return std::nullopt;
+  std::vector<Contact> contacts = checker.contacts(q);
+  if (contacts.empty() && checker.is_valid(q)) return std::nullopt;
+  return contacts;
+}
+
 /// Describes the contacts of `q`, a valid configuration, if any.
 std::optional<Refusal> find_contact(const CollisionChecker& checker, const Configuration& q) {
-  if (internal::is_clear(checker, q)) return std::nullopt;
   const Configuration inside = checker.robot().normalized(q);
-  const std::vector<Contact> contacts = checker.contacts(inside);
-  if (!contacts.empty()) return describe_contacts(checker, inside, contacts);
-  if (!checker.is_valid(inside)) return Refusal{" is within rounding error of contact"};
-  return std::nullopt;
+  auto contacts = find_contacts(checker, inside);
+  if (!contacts) return std::nullopt;
+  if (contacts->empty()) return Refusal{" is within rounding error of contact"};
+  return describe_contacts(checker, inside, *std::move(contacts));
 }
 
 /// Describes the constraint that `q` breaks, if any.
@@ -196,7 +205,8 @@ std::optional<PlanResult> refuse_query(const CollisionChecker& checker, const Pl
 }
 
 bool internal::is_valid_end(const CollisionChecker& checker, const Configuration& q) {
-  return checker.robot().is_configuration(q) && !find_tilt(checker, q) && is_clear(checker, q);
+  return checker.robot().is_configuration(q) && !find_tilt(checker, q) &&
+         !find_contacts(checker, checker.robot().normalized(q));
 }
 
 std::vector<std::string> internal::drop_invalid_goals(const CollisionChecker& checker,

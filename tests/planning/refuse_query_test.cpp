@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/spheres.h"
 
+#include "planning/end_contacts.h"
 #include "support/support.h"
 
 #include <fmt/format.h>
@@ -100,6 +101,19 @@ TEST_SUITE("unit") {
                    "(the spheres stick out by up to 15 mm; the exact geometry is 2 mm away). What "
                    "the robot holds may leave contact"));
     CHECK(refused.message.ends_with("`allow: [{pair: [rod, wall], at_ends: METRES}]`"));
+  }
+
+  TEST_CASE("an end is valid if a query with it is not refused, also closer than a path may go") {
+    const std::array<double, 3> kTouching = {5, 1.0003, 1}, kClose = {5, 1.00055, 1},
+                                kFar = {5, 1.1, 1};
+    for (const auto& [circle, is_clear, is_valid] :
+         {std::tuple(kTouching, false, false), {kClose, false, true}, {kFar, true, true}}) {
+      CAPTURE(circle[1]);
+      const CollisionChecker checker = checker_of({circle});
+      CHECK(internal::is_clear(checker, kStraight) == is_clear);
+      CHECK(internal::is_valid_end(checker, kStraight) == is_valid);
+      CHECK(refuse_query(checker, {kUp, {kStraight}}).has_value() != is_valid);
+    }
   }
 
   TEST_CASE("invalid goals are ignored with a note, unless all are") {
