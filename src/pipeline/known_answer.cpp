@@ -37,7 +37,10 @@ bool KnownAnswer::needs_search() {
 }
 
 bool KnownAnswer::may_go_on(std::uint64_t iterations) {
-  if (!is_asked_ && iterations >= query_.ask_after.value_or(0)) ask();
+  if (!is_asked_ && iterations >= query_.ask_after.value_or(0)) {
+    was_asked_within_ = true;
+    ask();
+  }
   return !has_answered();
 }
 
@@ -83,14 +86,14 @@ PlanResult KnownAnswer::take(const PlanResult& search) {
   add_counts(search, answer);
   answer.iterations += search.iterations;
   answer.nodes = search.nodes;
-  // The clock of the search ran while memory was asked.
-  if (query_.ask_after) answer.planning_time_s += search.planning_time_s - report_.time_s;
+  answer.planning_time_s += search.planning_time_s;
+  if (was_asked_within_) answer.planning_time_s -= report_.time_s;
   return answer;
 }
 
 void KnownAnswer::add_work(PlanResult& search) const {
   add_counts(in_vain_, search);
-  if (!query_.ask_after) search.planning_time_s += report_.time_s;
+  if (!was_asked_within_) search.planning_time_s += report_.time_s;
 }
 
 }  // namespace mneme::internal

@@ -39,6 +39,7 @@ class KnownAnswer final : public SearchLimit {
   const ResolvedQuery& resolved_;
   Replay& report_;
   bool is_asked_;
+  bool was_asked_within_ = false;  ///< while the clock of the search ran
   PlanResult in_vain_;  ///< the work without an answer
   std::optional<PlanResult> answer_;
 };

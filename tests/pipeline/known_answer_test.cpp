@@ -88,6 +88,20 @@ TEST_SUITE("flow") {
     }
   }
 
+  TEST_CASE("a search that ends before it is due to ask does so at last, and all time counts") {
+    Remembering hard(long_problem());
+    hard.settings.remember_after.reset();
+    const SolveResult first = hard.solve();
+    hard.remember(first.plan.path);
+    hard.settings.plan.max_iterations = 10;
+    const SolveResult second = hard.solve();
+    REQUIRE(second.replay.is_hit());
+    CHECK(second.plan.iterations == 10);
+    const PlanResult& plan = second.plan;
+    CHECK(plan.planning_time_s + plan.simplification_time_s + plan.verification_time_s >
+          second.replay.time_s);
+  }
+
   TEST_CASE("asking in vain leaves the search as it was") {
     Remembering hard(long_problem());
     const SolveResult alone = hard.solve(nullptr);
