@@ -40,7 +40,7 @@ class KnownAnswer final : public SearchLimit {
   Replay& report_;
   bool is_asked_;
   bool was_asked_within_ = false;  ///< while the clock of the search ran
-  PlanResult in_vain_;  ///< the work without an answer
+  PlanResult in_vain_;             ///< the work without an answer
   std::optional<PlanResult> answer_;
 };
 

@@ -216,9 +216,7 @@ Result<SolveResult> solve_moving(
   if (!found || is_set(settings.plan.cancel)) return refused(PlanStatus::cancelled, "cancelled");
   auto& [start, run_ups] = **found;
   if (!start.fault.empty()) return refused(PlanStatus::invalid_start, std::move(start.fault));
-  if (!run_ups.fault.empty()) {
-    return refused(PlanStatus::invalid_goal, std::move(run_ups.fault));
-  }
+  if (!run_ups.fault.empty()) return refused(PlanStatus::invalid_goal, std::move(run_ups.fault));
   SolveSettings rest = settings;
   rest.plan.timeout_s = std::max(0.0, settings.plan.timeout_s - run_ups.used_s);
   const double ends_s = stopwatch.elapsed_s();
@@ -229,8 +227,7 @@ Result<SolveResult> solve_moving(
   std::ranges::move(run_ups.notes, std::back_inserter(result.notes));
   if (!run_ups.free.empty()) add_run_up(problem.robot, run_ups.free, result);
   Path& path = result.plan.path;
-  const bool is_stopped = start.q != problem.start;
-  if (!path.empty() && is_stopped) path.insert(path.begin(), problem.start);
+  if (!path.empty() && start.q != problem.start) path.insert(path.begin(), problem.start);
   path = unwrapped(problem.robot, std::move(path), problem.start);
   return result;
 }

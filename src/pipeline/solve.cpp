@@ -29,7 +29,6 @@ using internal::KindSettings;
 using internal::KnownAnswer;
 using internal::MemorySampler;
 using internal::Query;
-using internal::RaceResult;
 using internal::Recalled;
 using internal::ResolvedQuery;
 
@@ -64,7 +63,7 @@ void note_motions(const ResolvedQuery& resolved, const internal::FoundMotions& f
 Result<void> search(const ResolvedQuery& resolved, KnownAnswer& known, SolveResult& result) {
   MemorySampler memory(resolved, recall);
   const auto sampler = MNEME_TRY(memory.make());
-  RaceResult planned = MNEME_TRY(internal::race({resolved, *sampler, &known}));
+  internal::RaceResult planned = MNEME_TRY(internal::race({resolved, *sampler, &known}));
   result.plan = std::move(planned.plan);
   result.plan.planning_time_s += memory.time_s();
   if (result.plan.status == PlanStatus::iteration_limit) known.ask_at_last();

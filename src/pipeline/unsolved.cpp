@@ -81,18 +81,20 @@ std::uint64_t digest_of_scene(const Scene& scene) {
   return std::bit_cast<std::uint64_t>(ColumnDigest().add(to_compact_json(unnamed)).value());
 }
 
-/// True if the search has done all that the query allows.
-bool covers(const VainSearch& search, const PlanSettings& limits) {
+/// The limit of the query that the search has reached; nothing if the query allows more.
+std::optional<PlanStatus> limit_reached(const VainSearch& search, const PlanSettings& limits) {
   constexpr double kSlack = 1 + 1e-9;
-  return search.seconds * kSlack >= limits.timeout_s ||
-         (limits.max_iterations &&
-          search.iterations * kSlack >= static_cast<double>(*limits.max_iterations));
+  const double iterations = kSlack * search.iterations, seconds = kSlack * search.seconds;
+  const auto most = limits.max_iterations;
+  if (most && iterations >= static_cast<double>(*most)) return PlanStatus::iteration_limit;
+  if (seconds > 0 && seconds >= limits.timeout_s) return PlanStatus::timeout;
+  return std::nullopt;
 }
 
-PlanResult describe_unsolved(std::int64_t row, const VainSearch& search) {
+PlanResult describe_unsolved(std::int64_t row, const VainSearch& search, PlanStatus reached) {
   PlanResult plan;
-  plan.status = search.seconds > 0 ? PlanStatus::timeout : PlanStatus::iteration_limit;
-  const std::string limit = search.seconds > 0
+  plan.status = reached;
+  const std::string limit = reached == PlanStatus::timeout
                                 ? fmt::format("{:.3g} s", search.seconds)
                                 : fmt::format("{:.0f} iterations", search.iterations);
   plan.message = fmt::format(
@@ -114,8 +116,10 @@ std::optional<PlanResult> find_unsolved(const Query& query) {
   const std::uint64_t scene = digest_of_scene(query.problem.scene);
   for (const KeyMatch& match : *found) {
     const VainSearch search = from_key(match.experience->key);
-    if (search.scene != scene || !covers(search, query.settings.plan)) continue;
-    return describe_unsolved(match.experience->id, search);
+    const auto reached = limit_reached(search, query.settings.plan);
+    if (search.scene == scene && reached) {
+      return describe_unsolved(match.experience->id, search, *reached);
+    }
   }
   return std::nullopt;
 }

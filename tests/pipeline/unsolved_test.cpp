@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "pipeline/unsolved.h"
 #include "support/planar_memory.h"
 
 namespace mneme::test {
@@ -49,6 +50,34 @@ struct Hopeless {
 };
 
 }  // namespace
+
+TEST_SUITE("unit") {
+  TEST_CASE("a search in vain answers with the limit of the query that it has reached") {
+    Hopeless hopeless;
+    hopeless.settings.plan.max_iterations.reset();
+    const auto query = [&] {
+      return require(internal::make_query(hopeless.problem, &hopeless.database, hopeless.settings));
+    };
+    {
+      const internal::Query searched = query();
+      PlanResult in_vain;
+      in_vain.status = PlanStatus::timeout;
+      in_vain.iterations = 20'000;
+      internal::remember_unsolved(require(internal::resolve_goals(searched)), in_vain);
+      REQUIRE(hopeless.database.flush());
+    }
+    hopeless.settings.plan.timeout_s = 500;
+    const PlanResult in_time = require(internal::find_unsolved(query()));
+    CHECK(in_time.status == PlanStatus::timeout);
+    CHECK(contains(in_time.message, "a search of 600 s for"));
+    hopeless.settings.plan.timeout_s = 1000;
+    CHECK_FALSE(internal::find_unsolved(query()).has_value());
+    hopeless.settings.plan.max_iterations = 10'000;
+    const PlanResult in_number = require(internal::find_unsolved(query()));
+    CHECK(in_number.status == PlanStatus::iteration_limit);
+    CHECK(contains(in_number.message, "a search of 20000 iterations for"));
+  }
+}
 
 TEST_SUITE("flow") {
   TEST_CASE("a search in vain is remembered for exactly its problem") {
