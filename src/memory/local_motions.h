@@ -59,7 +59,8 @@ class MotionFinder {
   /// Returns the places where `motion` fits, ascending. Adds to states and work of
   /// `counters`. Cost: 20 to 50 vectors of states.
   [[nodiscard]] std::vector<float> find(const RememberedPath& motion, CheckCounters& counters);
-  /// Returns the waypoints of `motion` at `place`, row by row.
+  /// Returns the waypoints of `motion` at `place`, row by row, brought into the joint limits: the
+  /// motion may have been learned within wider ones.
   [[nodiscard]] std::vector<float> placed(const RememberedPath& motion, float place) const;
 
  private:

@@ -240,10 +240,10 @@ std::vector<float> MotionFinder::find(const RememberedPath& motion, CheckCounter
 
 std::vector<float> MotionFinder::placed(const RememberedPath& motion, float place) const {
   std::vector<float> rows = motion.waypoints;
-  if (carrier_ < 0) return rows;
   const JointSpace space(checker_.robot());
-  for (auto i = static_cast<std::size_t>(carrier_); i < rows.size(); i += joints_) {
-    rows[i] = space.into_limits(carrier_, rows[i] + place);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto joint = static_cast<int>(i % joints_);
+    rows[i] = space.into_limits(joint, joint == carrier_ ? rows[i] + place : rows[i]);
   }
   return rows;
 }

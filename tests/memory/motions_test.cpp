@@ -5,7 +5,10 @@
 #include "support/kinds.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <string>
 
 namespace mneme::test {
 namespace {
@@ -76,6 +79,22 @@ TEST_SUITE("law") {
         if (!checker.is_motion_valid(all.subspan(i - 7, 7), all.subspan(i, 7), counters)) ++blocked;
       }
       CHECK(blocked <= 2);
+    }
+  }
+
+  TEST_CASE("a motion that was learned within wider limits is placed within those of the robot") {
+    const Lesson lesson;
+    std::map<std::string, std::array<double, 2>> limits;
+    for (int j = 0; j < 7; ++j) {
+      const double first = bent_motion().front()[static_cast<std::size_t>(j)];
+      limits[lesson.robot.group_joint(j).name] = {first - 0.1, first + 0.1};
+    }
+    const Robot narrow = lesson.robot.with_limits(limits);
+    const auto checker = make_checker(narrow, Scene{});
+    const auto rows = MotionFinder(checker).placed(lesson.motion, 0.3f);
+    for (std::size_t i = 0; i < rows.size(); i += 7) {
+      const Configuration q(rows.data() + i, rows.data() + i + 7);
+      CHECK_FALSE(narrow.describe_violation(q, "waypoint"));
     }
   }
 
