@@ -126,8 +126,9 @@ struct RepeatedPlan {
 /// Solves each problem several times and inserts the rows of learn_from_paths(), in the order of
 /// the problems, each problem's rows in one transaction. An interrupted call continues when it is
 /// repeated: equal problems learned with the same kind, `max_gap`, number of paths and seed are
-/// skipped. All problems must be of the database's robot. Errors: those of solve_repeatedly(),
-/// learn_from_paths(), Database::insert().
+/// skipped, except those that taught no row, of which the database has no record. All problems must
+/// be of the database's robot. Errors: those of solve_repeatedly(), learn_from_paths(),
+/// Database::insert().
 [[nodiscard]] Result<LearnSummary> learn_from_problems(std::span<const Problem> problems,
                                                        const MemorySettings& memory,
                                                        Database& database,
