@@ -89,7 +89,7 @@ struct QueuedRows {
   std::int64_t waiting = 0;  ///< not stored yet; rows that are still to be made count as one
   std::int64_t stored = 0;   ///< new rows that survive a killed process and a loss of power
   std::int64_t lost = 0;     ///< dropped: not made, refused, or too many were waiting
-  std::string failure = {};  ///< error of the last attempt; empty after a success
+  std::string failure = {};  ///< error of the last attempt; empty once all its rows are stored
 };
 
 /// An append-only set of experience in one SQLite file or on a PostgreSQL server

@@ -103,18 +103,29 @@ bool WriteQueue::insert_some(std::unique_lock<std::mutex>& lock) {
   if (rows_.empty()) return true;
   const auto count = static_cast<std::ptrdiff_t>(std::min(kRowsAtOnce, rows_.size()));
   lock.unlock();
-  const auto added = without_ending([&] {
-    return insert_({rows_.begin(), rows_.begin() + count});
-  });
-  const bool must_retry = !added && added.error().code == ErrorCode::io;
-  if (!must_retry) rows_.erase(rows_.begin(), rows_.begin() + count);
+  Outcome outcome;
+  const bool is_done = insert({rows_.begin(), rows_.begin() + count}, outcome);
+  rows_.erase(rows_.begin(), rows_.begin() + outcome.done);
   lock.lock();
-  counts_.failure = added ? "" : added.error().message;
-  must_retry_ = must_retry;
-  if (must_retry) return false;
-  counts_.waiting -= count;
-  (added ? counts_.stored : counts_.lost) += added ? *added : count;
+  counts_.failure = std::move(outcome.failure);
+  must_retry_ = !is_done;
+  counts_.waiting -= outcome.done;
+  counts_.stored += outcome.stored;
+  counts_.lost += outcome.lost;
   changed_.notify_all();
+  return is_done;
+}
+
+bool WriteQueue::insert(std::span<const Experience> rows, Outcome& outcome) {
+  const auto added = without_ending([&] { return insert_({rows.begin(), rows.end()}); });
+  if (!added) outcome.failure = added.error().message;
+  if (!added && added.error().code == ErrorCode::io) return false;
+  if (!added && rows.size() > 1) {
+    const std::size_t half = rows.size() / 2;
+    return insert(rows.first(half), outcome) && insert(rows.subspan(half), outcome);
+  }
+  outcome.done += std::ssize(rows);
+  (added ? outcome.stored : outcome.lost) += added ? *added : 1;
   return true;
 }
 

@@ -10,13 +10,17 @@
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <span>
+#include <string>
 #include <thread>
+#include <vector>
 
 namespace mneme::internal {
 
 /// Makes rows and inserts them in order, all that arrive within milliseconds in one transaction.
 /// Rows that cannot be inserted for an error of code io are tried again. Rows that are refused for
-/// another error, or cannot be made, are lost. Thread-safe.
+/// another error are tried in halves, and those that are refused alone are lost, as are those that
+/// cannot be made. Thread-safe.
 class WriteQueue {
  public:
   /// Inserts rows and returns the number of new ones. Called by the queue's thread alone.
@@ -42,6 +46,13 @@ class WriteQueue {
     Make make;
   };
 
+  /// What became of the first rows.
+  struct Outcome {
+    std::ptrdiff_t done = 0;  ///< stored, known before, or lost
+    std::int64_t stored = 0, lost = 0;
+    std::string failure = {};  ///< error of the last attempt that failed
+  };
+
   void run();
   void drop(std::int64_t count, std::string failure);
   /// Makes rows of the first lots, with `lock` released meanwhile, until they fill a transaction.
@@ -49,6 +60,8 @@ class WriteQueue {
   /// Tries to insert the first rows, with `lock` released meanwhile. False if they must be tried
   /// again.
   bool insert_some(std::unique_lock<std::mutex>& lock);
+  /// Inserts rows in their order. False from an error of code io on.
+  bool insert(std::span<const Experience> rows, Outcome& outcome);
 
   static constexpr std::int64_t kMostRows = 100000;
   static constexpr std::size_t kRowsAtOnce = 500;

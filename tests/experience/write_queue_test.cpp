@@ -97,6 +97,35 @@ TEST_SUITE("unit") {
     CHECK(queue.counts().failure == "damaged");
   }
 
+  TEST_CASE("a row that is refused loses no other row, and is not tried again") {
+    Rng rng(6);
+    auto rows = random_rows(rng, 7, 1);
+    rows[4].kind.clear();
+    std::atomic<bool> is_open = false;
+    std::vector<std::uint64_t> seeds;
+    bool is_away = true;
+    WriteQueue queue([&](const std::vector<Experience>& batch) -> Result<std::int64_t> {
+      while (!is_open) std::this_thread::yield();
+      if (std::ranges::any_of(batch, [](const Experience& row) { return row.kind.empty(); })) {
+        return fail(ErrorCode::invalid, "no kind");
+      }
+      if (batch.front().provenance.seed == rows[5].provenance.seed &&
+          std::exchange(is_away, false)) {
+        return fail(ErrorCode::io, "away");
+      }
+      for (const Experience& row : batch) seeds.push_back(row.provenance.seed);
+      return std::ssize(batch);
+    });
+    push(queue, rows);
+    is_open = true;
+    REQUIRE(queue.flush(kSoon_s));
+    CHECK(queue.counts().stored == 6);
+    CHECK(queue.counts().lost == 1);
+    rows.erase(rows.begin() + 4);
+    REQUIRE(seeds.size() == 6);
+    for (std::size_t i = 0; i < 6; ++i) CHECK(seeds[i] == rows[i].provenance.seed);
+  }
+
   TEST_CASE("after rows were lost, no more rows are made than a transaction takes") {
     Rng rng(3);
     const Experience row = random_rows(rng, 1, 1).front();
