@@ -7,6 +7,7 @@
 
 #include "memory/planar_chain.h"
 #include "robot/kinematics.h"
+#include "store/row_check.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -130,14 +131,13 @@ class Learner {
 
 /// Rejects keys of other kinds, which would be misread as circles.
 Result<void> check_circles(const PrimitiveKey& key) {
-  constexpr double kFarthest = 1e6;
   // Written so that a NaN is no length.
-  const auto is_length = [](double value) { return std::abs(value) <= kFarthest; };
+  const auto is_length = [](double value) { return std::abs(value) <= internal::kMaxKeyMagnitude; };
   if (key.size() == kCirclePairKeySize && std::ranges::all_of(key, is_length)) return {};
   return fail(ErrorCode::invalid,
               fmt::format("a primitive of a planar arm cannot be learned: its key is ({:.4g}); "
                           "expected the 6 numbers of a pair of circles, metres, at most {}",
-                          fmt::join(key, ", "), kFarthest));
+                          fmt::join(key, ", "), internal::kMaxKeyMagnitude));
 }
 
 }  // namespace
