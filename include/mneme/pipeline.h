@@ -188,7 +188,8 @@ struct Remembered {
   std::string failure = {};  ///< Why nothing could be queued; the path is valid nevertheless.
 };
 
-/// A shorter path found by improvement.
+/// A better path found by improvement: a shorter one, or a faster one if
+/// PlanSettings::minimizes_time().
 struct Improved {
   double time_s = 0;  ///< since improvement began; 0 for the first path
   double path_length = 0;
@@ -199,8 +200,8 @@ struct SolveResult {
   GlSampler gl = {};     ///< empty unless the sampler queried a database
   Replay replay = {};
   Remembered remembered = {};
-  /// From the first path to the plan's path, each shorter than the one before; empty without
-  /// improvement.
+  /// From the first path to the plan's path, each shorter than the one before, or faster if
+  /// PlanSettings::minimizes_time(): such paths may be longer. Empty without improvement.
   std::vector<Improved> improvements = {};
   /// The problem's goals except those in contact, then configurations for `pose_goals`, then the
   /// goal reached.

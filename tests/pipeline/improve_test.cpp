@@ -54,6 +54,23 @@ TEST_SUITE("law") {
     CHECK(result.improvements.back().path_length == path_length(problem.robot, result.plan.path));
   }
 
+  TEST_CASE("the curve of improvements in time ends at the path that comes back") {
+    const Problem problem = planar_problem("threaded_b0");
+    SolveSettings settings;
+    settings.plan.timeout_s = 60;
+    settings.plan.minimize_time = true;
+    settings.plan.improve = 1000;
+    settings.plan.improve_rounds = 6;
+    const SolveResult result = require_solved(problem, nullptr, settings);
+    REQUIRE(!result.improvements.empty());
+    CHECK(result.improvements.back().path_length == path_length(problem.robot, result.plan.path));
+    settings.plan.improve = 0;
+    settings.plan.improve_rounds.reset();
+    const Path first = require_solved(problem, nullptr, settings).plan.path;
+    CHECK(result.improvements.front().path_length == path_length(problem.robot, first));
+    CHECK(path_time(problem.robot, result.plan.path) <= path_time(problem.robot, first));
+  }
+
   TEST_CASE("the same number of rounds leads to the same path") {
     const Problem problem = planar_problem("threaded_b4");
     CHECK(improved(problem, 3).plan.path == improved(problem, 3).plan.path);
