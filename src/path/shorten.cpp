@@ -106,11 +106,11 @@ class Shortener {
       if (is_stopped()) return;
       const std::uint64_t states = counters_.states;
       const float before = waypoints_.length();
-      int tries = kRelaxed;
+      const int tries = step == 0 ? kRelaxed : kBatch;
       if (step == 0) {
         for (int i = 0; i < kRelaxed && waypoints_.count() > 2; ++i) relax();
       } else {
-        tries = take_shortcut(step == 2);
+        take_shortcuts(step == 2);
       }
       // Tries without a state check also cost time.
       const auto cost = static_cast<double>(counters_.states - states + as_index(tries));
@@ -201,7 +201,7 @@ class Shortener {
   bool take_relaxed(const Relaxation& relaxation, int candidate);
   std::uint64_t random_joints();
   std::array<Shortcut, kShortcuts> sample_shortcuts(bool has_all_joints);
-  int take_shortcut(bool has_all_joints);
+  void take_shortcuts(bool has_all_joints);
   void write_rows(const Shortcut& shortcut, PathPoint begin, PathPoint end);
   static void follow(const Shortcut& taken, Shortcut& other);
   bool take(const Shortcut& shortcut);
@@ -327,14 +327,14 @@ std::array<Shortcut, kShortcuts> Shortener::sample_shortcuts(bool has_all_joints
   return shortcuts;
 }
 
-/// Takes free shortcuts of a batch that do not overlap, largest gain first, and returns the batch's
-/// size. A shortcut that is in contact where it is probed costs one lane only.
-int Shortener::take_shortcut(bool has_all_joints) {
+/// Takes free shortcuts of a batch that do not overlap, largest gain first. A shortcut that is in
+/// contact where it is probed costs one lane only.
+void Shortener::take_shortcuts(bool has_all_joints) {
   std::array<Shortcut, kShortcuts> shortcuts = sample_shortcuts(has_all_joints);
   const float least = least_gain_ * waypoints_.length();
   checker_.rate_shortcuts(waypoints_.view(), least, shortcuts);
   const auto gains = [&](const Shortcut& shortcut) { return shortcut.gain >= least; };
-  if (std::ranges::none_of(shortcuts, gains)) return kBatch;
+  if (std::ranges::none_of(shortcuts, gains)) return;
   counters_.states += kBatch;
   const auto end = std::partition(shortcuts.begin(), shortcuts.end(),
                                   [](const auto& shortcut) { return shortcut.is_promising; });
@@ -343,7 +343,6 @@ int Shortener::take_shortcut(bool has_all_joints) {
     if (!taken->is_promising || !take(*taken)) continue;
     for (auto other = taken + 1; other != end; ++other) follow(*taken, *other);
   }
-  return kBatch;
 }
 
 /// Moves a shortcut along with the path after another was taken, or drops it where they overlap.
