@@ -125,19 +125,20 @@ Eigen::MatrixXd BranchFitter::slopes(const TaskBox& box, const Branch& branch) c
   return slopes;
 }
 
-double BranchFitter::slack(const JointVector& q, const Eigen::MatrixXd& slopes) const {
+LimitSlack BranchFitter::slack(const JointVector& q, const Eigen::MatrixXd& slopes) const {
   constexpr double kRoom = 0.01;
-  double least = 1e9;
+  LimitSlack least;
   for (int j = 0; j < chain_.joint_count(); ++j) {
     const double room = std::min(q[j] - chain_.lower()[j], chain_.upper()[j] - q[j]);
-    least = std::min(least, room / (slopes.row(j).cwiseAbs().sum() + kRoom));
+    const double ratio = room / (slopes.row(j).cwiseAbs().sum() + kRoom);
+    if (ratio < least.ratio) least = {ratio, j};
   }
   return least;
 }
 
 double BranchFitter::rate(const TaskBox& box, const JointVector& q) const {
   const Eigen::MatrixXd motion = slopes(box, {q, chain_.response(q)});
-  return std::min(slack(q, motion), 1.5) - 0.25 * motion.cwiseAbs().sum() / parameters_;
+  return std::min(slack(q, motion).ratio, 1.5) - 0.25 * motion.cwiseAbs().sum() / parameters_;
 }
 
 bool BranchFitter::solve(const Transform& pose, const Branch& branch, JointVector& q) const {
@@ -149,7 +150,7 @@ bool BranchFitter::solve(const Transform& pose, const Branch& branch, JointVecto
 
 FitFault BranchFitter::fit(const TaskBox& box, const Branch& branch, GoalShift& shift) const {
   const Eigen::MatrixXd motion = slopes(box, branch);
-  if (slack(branch.q0, motion) < kLeastSlack) return FitFault::limits;
+  if (slack(branch.q0, motion).ratio < kLeastSlack) return FitFault::limits;
   if (motion.rowwise().lpNorm<1>().maxCoeff() > kMostMotion) return FitFault::bends;
   Eigen::MatrixXd values(static_cast<Eigen::Index>(nodes_.size()), chain_.joint_count());
   for (std::size_t i = 0; i < nodes_.size(); ++i) {

@@ -34,6 +34,12 @@ inline constexpr double kShiftStep = 1.0 / 262144;
 /// `bends`: inverse kinematics fails in the box, or is too far from a quadratic.
 enum class FitFault { none, limits, bends };
 
+/// Room of a joint to its limits, as a multiple of what a box needs.
+struct LimitSlack {
+  double ratio = 1e9;
+  int joint = 0;
+};
+
 /// Fits a quadratic to a branch over boxes of tasks.
 class BranchFitter {
  public:
@@ -46,8 +52,8 @@ class BranchFitter {
   [[nodiscard]] FitFault fit(const TaskBox& box, const Branch& branch, GoalShift& shift) const;
   /// Motion of the joints per half width of the box, to first order: a column per parameter.
   [[nodiscard]] Eigen::MatrixXd slopes(const TaskBox& box, const Branch& branch) const;
-  /// Room to the joint limits as a multiple of what the box needs.
-  [[nodiscard]] double slack(const JointVector& q, const Eigen::MatrixXd& slopes) const;
+  /// That of the joint with the least.
+  [[nodiscard]] LimitSlack slack(const JointVector& q, const Eigen::MatrixXd& slopes) const;
   /// Larger is better: room to the limits, little motion.
   [[nodiscard]] double rate(const TaskBox& box, const JointVector& q) const;
   /// Values in [-1, 1] that stand for a box: corners, then random ones.

@@ -163,21 +163,11 @@ class Examination {
   /// Notes which parameters move the joint that is nearest to its limit.
   void blame_limits(const Branch& branch) {
     const Eigen::MatrixXd motion = e_.fitter_->slopes(box_, branch);
-    const double slack = e_.fitter_->slack(branch.q0, motion);
-    if (slack <= tightest_) return;
-    tightest_ = slack;
-    int nearest = 0;
-    double least = 1e9;
-    for (int j = 0; j < e_.chain().joint_count(); ++j) {
-      const double room =
-          std::min(branch.q0[j] - e_.chain().lower()[j], e_.chain().upper()[j] - branch.q0[j]);
-      const double ratio = room / (motion.row(j).cwiseAbs().sum() + 0.01);
-      if (ratio >= least) continue;
-      least = ratio;
-      nearest = j;
-    }
+    const LimitSlack slack = e_.fitter_->slack(branch.q0, motion);
+    if (slack.ratio <= tightest_) return;
+    tightest_ = slack.ratio;
     for (Eigen::Index k = 0; k < motion.cols(); ++k) {
-      limit_blame_[static_cast<std::size_t>(k)] = std::abs(motion(nearest, k));
+      limit_blame_[static_cast<std::size_t>(k)] = std::abs(motion(slack.joint, k));
     }
   }
 
