@@ -108,7 +108,8 @@ TEST_SUITE("unit") {
                                 kFar = {5, 1.1, 1};
     for (const auto& [circle, is_clear, is_valid] :
          {std::tuple(kTouching, false, false), {kClose, false, true}, {kFar, true, true}}) {
-      CAPTURE(circle[1]);
+      const double y = circle[1];
+      CAPTURE(y);
       const CollisionChecker checker = checker_of({circle});
       CHECK(internal::is_clear(checker, kStraight) == is_clear);
       CHECK(internal::is_valid_end(checker, kStraight) == is_valid);
