@@ -107,15 +107,16 @@ void StateCheck::add_mover(int link, std::optional<int> seen_from) {
   movers_.push_back({{robot_, link, seen_from}, bound.center.norm() + bound.radius});
 }
 
-/// Metres, exact up to `enough`; for pairs that are checked by exact geometry a lower bound.
+/// Metres between a pair. Exact up to `enough`, otherwise any larger value; a lower bound where the
+/// spheres of a pair that is checked by exact geometry are apart. Negative in contact.
 double StateCheck::gap(const PosedLinks& posed, const Pair& pair, double enough) const {
   const auto& [first, second, is_exact] = pair.links;
   if (pair.obstacle == nullptr) {
     const double spheres = links_.between_spheres(posed, first, second, enough);
-    return spheres < 0 ? links_.between(posed, pair.links, 0) : spheres;
+    return spheres < 0 ? links_.between(posed, pair.links, enough) : spheres;
   }
   const double spheres = links_.between_spheres(posed, first, *pair.obstacle, enough);
-  return spheres < 0 ? links_.between(posed, first, *pair.obstacle, 0) : spheres;
+  return spheres < 0 ? links_.between(posed, first, *pair.obstacle, enough) : spheres;
 }
 
 bool StateCheck::is_free(const Configuration& from, const Configuration& delta,

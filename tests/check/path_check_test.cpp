@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mneme/report.h"
 
+#include "geometry/box_surface.h"
 #include "report/report_support.h"
 
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <string>
 #include <vector>
 
 namespace mneme {
@@ -58,6 +61,70 @@ TEST_SUITE("unit") {
     CHECK_FALSE(is_path_free(checker.robot(), checker.scene(), {{0, 0}}, 0.01));
     CHECK_FALSE(is_path_free(checker.robot(), checker.scene(), {{0, 0, 0}}, 0));
     CHECK(is_path_free(checker.robot(), checker.scene(), {{0, 0, 0}, {0, 0, 0}}, 0.01));
+  }
+}
+
+/// A box as a mesh, in a sphere that is far larger.
+Link boxed_link(const std::string& name, const Vec3& half_extents) {
+  const double radius = 3 * half_extents.norm();
+  const Mesh surface = {
+      {}, std::make_shared<Parts<Triangle>>(test::surface_of(Box{{}, half_extents})), 0};
+  Link link;
+  link.name = name;
+  link.spheres = {{Vec3::Zero(), radius}};
+  link.approximation = SphereApproximation{surface, 1, 0, radius};
+  return link;
+}
+
+/// Two cubes of 0.2 m with a gap of 0.1 m at 0: the first joint slides one cube from the other, the
+/// second turns it about z.
+Robot sliding_cubes() {
+  Robot::Parts parts;
+  parts.name = "cubes";
+  parts.links = {boxed_link("fixed", Vec3::Constant(0.1)), Link{},
+                 boxed_link("moving", Vec3::Constant(0.1))};
+  parts.links[1].name = "carriage";
+  Joint& slide = parts.joints.emplace_back();
+  slide.name = "slide";
+  slide.type = JointType::prismatic;
+  slide.parent_link = 0;
+  slide.child_link = 1;
+  slide.axis = Vec3::UnitX();
+  slide.origin.translation = {0.3, 0, 0};
+  slide.lower = -0.3;
+  slide.upper = 0.3;
+  Joint& turn = parts.joints.emplace_back();
+  turn.name = "turn";
+  turn.type = JointType::revolute;
+  turn.parent_link = 1;
+  turn.child_link = 2;
+  turn.axis = Vec3::UnitZ();
+  turn.lower = -3;
+  turn.upper = 3;
+  parts.allowed_pairs.emplace();
+  return test::require(make_robot(std::move(parts)));
+}
+
+CollisionChecker checker_of_cubes() {
+  Scene scene;
+  scene.exact_pairs = {{"fixed", "moving"}};
+  return test::require(CollisionChecker::make(sliding_cubes(), scene));
+}
+
+TEST_SUITE("unit") {
+  TEST_CASE("Links checked by exact geometry may approach from millimetres apart into contact") {
+    const CollisionChecker checker = checker_of_cubes();
+    const auto is_free = [&](const Path& path) {
+      return is_path_free(checker.robot(), checker.scene(), path, 0.001);
+    };
+    // The middle state is 0.04 m apart, the last one in contact.
+    CHECK_FALSE(is_free({{0, 0}, {-0.12, 0}}));
+    CHECK(is_free({{0, 0}, {-0.095, 0}}));
+    CHECK(is_free({{-0.098, 0}, {0.3, 0}}));
+    // A corner of the turning cube passes 0.002 m in front of the other, or touches it at 0.45 rad.
+    CHECK(is_free({{-0.0566, 0}, {-0.0566, 1.57}}));
+    CHECK(is_free({{-0.0666, 0}, {-0.0666, 0.43}}));
+    CHECK_FALSE(is_free({{-0.0666, 0}, {-0.0666, 0.6}}));
   }
 }
 
@@ -124,6 +191,25 @@ TEST_SUITE("law") {
       CAPTURE(round);
       const bool is_free = is_path_free(robot, checker.scene(), motion, resolution);
       REQUIRE(is_free == is_free_state_by_state(checker, motion, resolution));
+      free_count += is_free ? 1 : 0;
+    }
+    CHECK(free_count > kMotions / 10);
+    CHECK(free_count < kMotions * 9 / 10);
+  }
+
+  TEST_CASE("Leaving out states changes no answer of links checked by exact geometry") {
+    const CollisionChecker checker = checker_of_cubes();
+    Rng rng(8);
+    int free_count = 0;
+    constexpr int kMotions = 200;
+    for (int round = 0; round < kMotions; ++round) {
+      const auto near_contact = [&]() -> Configuration {
+        return {rng.uniform(-0.1, 0.02), rng.uniform(-1.0, 1.0)};
+      };
+      const Path motion = {near_contact(), near_contact()};
+      CAPTURE(round);
+      const bool is_free = is_path_free(checker.robot(), checker.scene(), motion, 0.02);
+      REQUIRE(is_free == is_free_state_by_state(checker, motion, 0.02));
       free_count += is_free ? 1 : 0;
     }
     CHECK(free_count > kMotions / 10);
