@@ -43,7 +43,9 @@ struct ExactContact {
 
 /// True if states of `path`, at most `resolution` radians apart, are free of contact by exact
 /// distances in double precision. Ignores the same contacts as CollisionChecker. False for an empty
-/// path and for one that leaves the joint limits.
+/// path, for one that leaves the joint limits, and unless `resolution` is positive. A motion
+/// between two states of `path` is checked at no more than 1e9 states, however fine the resolution
+/// is.
 [[nodiscard]] bool is_path_free(const Robot& robot, const Scene& scene,
                                 const std::vector<Configuration>& path, double resolution);
 
@@ -61,7 +63,8 @@ struct EndTolerances {
   double stretch = 0.005;
 };
 /// As above, with exceptions at the ends of the path: contact may only decrease along the first
-/// motion and only increase along the last motion.
+/// motion and only increase along the last motion. Motions with exceptions are checked at no more
+/// than 1e6 states.
 [[nodiscard]] bool is_path_free(const Robot& robot, const Scene& scene,
                                 const std::vector<Configuration>& path, double resolution,
                                 const EndTolerances& tolerances);
@@ -83,12 +86,14 @@ inline constexpr double kTiltMargin = 1e-5;
 /// describe_fault() returns nothing for the constraint.
 [[nodiscard]] double tilt(const Robot& robot, const OrientationConstraint& constraint,
                           std::span<const double> q);
-/// Returns the largest tilt at states of `path` at most `resolution` radians apart; infinite unless
-/// `resolution` is positive.
+/// Returns the largest tilt at states of `path` at most `resolution` radians apart, at no more than
+/// 1e9 states between two of `path`. Infinite unless `resolution` is positive and states are
+/// numbers.
 [[nodiscard]] double largest_tilt(const Robot& robot, const OrientationConstraint& constraint,
                                   const std::vector<Configuration>& path, double resolution);
 /// True if states of `path`, at most `resolution` radians apart, keep the constraint. The tilt of a
-/// start within the tolerances may only decrease along the first motion.
+/// start within the tolerances may only decrease along the first motion. False for an empty path,
+/// and unless `resolution` is positive.
 [[nodiscard]] bool keeps_cone(const Robot& robot, const OrientationConstraint& constraint,
                               const std::vector<Configuration>& path, double resolution,
                               const EndTolerances& tolerances);

@@ -227,7 +227,8 @@ int steps_between(const Robot& robot, const Configuration& from, const Configura
                   double resolution) {
   constexpr double kMostStates = 1e6;
   const double steps = std::ceil(robot.distance(from, to) / resolution);
-  return static_cast<int>(std::clamp(steps, kLeastStates, kMostStates));
+  // In this order of arguments NaN becomes kLeastStates.
+  return static_cast<int>(std::max(kLeastStates, std::min(steps, kMostStates)));
 }
 
 /// Removes a start and a goal that need the tolerances from `path`. Returns false if the motion

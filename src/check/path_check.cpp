@@ -22,6 +22,15 @@ namespace {
 using internal::as_index, internal::LinkDistances, internal::LinkPair, internal::ObstacleShape,
     internal::PosedLinks;
 
+/// Number of equal steps, at most `resolution` > 0 long, of a motion of this length: 1 to 1e9,
+/// where states hardly differ in single precision.
+std::int64_t step_count(double length, double resolution) {
+  constexpr double kMostSteps = 1e9;
+  // In this order of arguments NaN becomes 1.
+  return static_cast<std::int64_t>(
+      std::max(1.0, std::min(std::ceil(length / resolution), kMostSteps)));
+}
+
 /// Calls `visit` for states of the path, at most `resolution` apart, until it returns false.
 /// Returns true if it never did.
 template <class Visit>
@@ -31,8 +40,7 @@ bool visit_states(const Robot& robot, const std::vector<Configuration>& path, do
     if (i > 0) {
       const Configuration& from = path[i - 1];
       const Configuration delta = robot.difference(from, path[i]);
-      const double length = robot.distance(from, path[i]);
-      const auto steps = static_cast<std::int64_t>(std::ceil(length / resolution));
+      const std::int64_t steps = step_count(robot.distance(from, path[i]), resolution);
       Configuration q = from;
       for (std::int64_t step = 1; step < steps; ++step) {
         const double share = static_cast<double>(step) / static_cast<double>(steps);
@@ -171,11 +179,8 @@ bool is_path_free(const Robot& robot, const Scene& scene, const std::vector<Conf
   const Configuration still(path.front().size(), 0.0);
   if (!check.is_free(path.front(), still, 1)) return false;
   for (std::size_t i = 1; i < path.size(); ++i) {
-    const double steps = std::ceil(robot.distance(path[i - 1], path[i]) / resolution);
-    if (!check.is_free(path[i - 1], robot.difference(path[i - 1], path[i]),
-                       std::max<std::int64_t>(1, static_cast<std::int64_t>(steps)))) {
-      return false;
-    }
+    const std::int64_t steps = step_count(robot.distance(path[i - 1], path[i]), resolution);
+    if (!check.is_free(path[i - 1], robot.difference(path[i - 1], path[i]), steps)) return false;
   }
   return true;
 }
@@ -192,8 +197,9 @@ double largest_tilt(const Robot& robot, const OrientationConstraint& constraint,
   if (!(resolution > 0)) return std::numeric_limits<double>::infinity();
   double largest = 0;
   visit_states(robot, path, resolution, [&](const Configuration& q) {
-    largest = std::max(largest, tilt(robot, constraint, q));
-    return true;
+    const double now = tilt(robot, constraint, q);
+    largest = std::isnan(now) ? std::numeric_limits<double>::infinity() : std::max(largest, now);
+    return !std::isnan(now);
   });
   return largest;
 }

@@ -126,6 +126,16 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("states that are no numbers have no largest tilt") {
+    const Robot robot = odd_arm();
+    const OrientationConstraint constraint{"link_9", Vec3::UnitZ(), Vec3::UnitZ(), 0.5};
+    const Configuration q(as_index(robot.joint_count())), none(q.size(), std::nan(""));
+    for (const Path& path : {Path{none}, Path{none, q}, Path{q, none}, Path{q, none, q}}) {
+      CHECK(std::isinf(largest_tilt(robot, constraint, path, 0.1)));
+      CHECK_FALSE(keeps_cone(robot, constraint, path, 0.1, {}));
+    }
+  }
+
   TEST_CASE("a joint that follows another at rate 0 is not driven") {
     Robot::Parts parts = make_bare_chain(2);
     parts.joints[0].type = JointType::prismatic;

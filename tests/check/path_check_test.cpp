@@ -42,6 +42,8 @@ TEST_SUITE("unit") {
     const Path path = {{0, 0, 0}, {1, 0, 0}};
     CHECK(is_path_free(checker.robot(), checker.scene(), path, 0.25));
     CHECK_FALSE(is_path_free(checker.robot(), checker.scene(), path, 0.002));
+    CHECK_FALSE(is_path_free(checker.robot(), checker.scene(), path, 1e-300));
+    CHECK(is_path_free(checker.robot(), checker.scene(), {{0, 0, 0}, {0.2, 0, 0}}, 1e-300));
   }
 
   TEST_CASE("A continuous joint takes the shorter way round") {
