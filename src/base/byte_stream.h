@@ -53,7 +53,7 @@ class ByteWriter {
     number(items.size());
     for (const T& item : items) each(*this, item);
   }
-  [[nodiscard]] static std::size_t bounded(std::size_t count) { return count; }
+  [[nodiscard]] static std::size_t bounded(std::size_t count, std::size_t) { return count; }
   [[nodiscard]] const std::string& bytes() const { return bytes_; }
 
  private:
@@ -95,9 +95,9 @@ class ByteReader {
       each(*this, items.emplace_back());
     }
   }
-  /// A number of items, or 0 if the file is too short for one byte each.
-  [[nodiscard]] std::size_t bounded(std::size_t count) {
-    if (count > bytes_.size()) fail();
+  /// A number of items, or 0 if the file is too short for `least` > 0 bytes each.
+  [[nodiscard]] std::size_t bounded(std::size_t count, std::size_t least) {
+    if (count > bytes_.size() / least) fail();
     return is_good_ ? count : 0;
   }
   [[nodiscard]] bool is_complete() const { return is_good_ && bytes_.empty(); }
@@ -119,7 +119,7 @@ class ByteReader {
     fail();
     return 0;
   }
-  std::size_t count() { return bounded(static_cast<std::size_t>(next())); }
+  std::size_t count() { return bounded(static_cast<std::size_t>(next()), 1); }
   void read(void* to, std::size_t size) {
     if (size > bytes_.size()) {
       fail();

@@ -414,6 +414,10 @@ CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s) 
   }
   look_up(task, answer, start);
   if (answer.tier != CellTier::none) return answer;
+  if (const auto& made = data_->make_tools(); !made) {
+    answer.note = made.error().message;
+    return answer;
+  }
   if (PathBender(*data_, task, start, answer).run()) return answer;
   if (timeout_s > 0) {
     plan_anew(*data_, task, start, timeout_s, answer);

@@ -124,8 +124,8 @@ struct CellData {
 
   /// Made by the first call, which takes milliseconds: certified answers do without. Thread-safe.
   [[nodiscard]] const Result<CellTools>& make_tools() const;
-  /// The tools of a region that make_tools() takes.
-  [[nodiscard]] const CellTools& tools() const { return make_tools().value(); }
+  /// Precondition: make_tools() returns tools. A forged file may hold a region that has none.
+  [[nodiscard]] const CellTools& tools() const { return *make_tools(); }
 
   struct MadeTools {
     std::once_flag once;

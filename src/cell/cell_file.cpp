@@ -94,7 +94,8 @@ template <class File, class BoxOf>
 void visit_box(File& f, BoxOf& box, const BoxShape& shape) {
   std::size_t waypoints = box.path.size();
   f.number(waypoints);
-  resize(box, f.bounded(waypoints), shape);
+  // One value of each joint: the first row is not in the file, but the model's constants are.
+  resize(box, f.bounded(waypoints, std::max<std::size_t>(1, shape.joints)), shape);
   auto& rows = box.path.rows;
   for (std::size_t i = shape.joints; i < rows.size(); ++i) {
     const float before = i < 2 * shape.joints ? 0 : rows[i - shape.joints];
@@ -179,8 +180,10 @@ bool place_boxes(StartCell& start, const TaskFrame& frame) {
   std::vector<bool> is_placed(start.boxes.size());
   for (std::size_t i = 0; i < places.size(); ++i) {
     const SplitNode& node = start.tree.nodes[i];
+    const auto size = std::ssize(start.boxes);
+    if (node.first < 0 || node.first > size - node.count) return false;
     for (int k = node.first; k < node.first + node.count; ++k) {
-      if (k < 0 || as_index(k) >= start.boxes.size() || is_placed[as_index(k)]) return false;
+      if (is_placed[as_index(k)]) return false;
       is_placed[as_index(k)] = true;
       start.boxes[as_index(k)].tasks = places[i];
     }

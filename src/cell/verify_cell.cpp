@@ -62,6 +62,7 @@ class Reprover {
     settings.has_links = !is_known;
     internal::ProofFailure failure;
     CheckCounters counters;
+    if (!is_known && !data_.make_tools()) return false;
     const CollisionChecker& checker = is_known ? *changes_ : data_.tools().checker;
     if (internal::prove(checker, box.path, box.shift, settings, failure, counters)) return true;
     where = failure;

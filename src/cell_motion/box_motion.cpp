@@ -273,6 +273,7 @@ double bow_of(const CollisionChecker& checker, const BoxMotion& motion, const Be
 /// Proves all bent motions: as straight ones between states, with more margin.
 bool prove_motion(const CellData& data, const CellBox& box, const JointVector& widest,
                   const BoxMotion& motion) {
+  if (!data.make_tools()) return false;
   const double duration_s = motion.middle.duration_s();
   const int steps = 1 + static_cast<int>(duration_s / kProofStep);
   const double step_s = duration_s / steps;

@@ -114,7 +114,9 @@ Result<CellMotion> CellMotions::time(const CellAnswer& answer, const RateLimits&
   const Robot& robot = cell.region.problem.robot;
   const auto to_motion = [](Trajectory motion) { return CellMotion{std::move(motion)}; };
   if (answer.tier != CellTier::certified) {
-    const MotionVerifier verifier(cell.tools().checker);
+    const auto& tools = cell.make_tools();
+    if (!tools) return tl::unexpected(tools.error());
+    const MotionVerifier verifier(tools->checker);
     return parameterize(robot, answer.path, limits, settings, &verifier).map(to_motion);
   }
   if (answer.path.front() != start_of(cell, answer) ||

@@ -45,6 +45,17 @@ TEST_SUITE("unit") {
     CHECK(reader.is_complete());
   }
 
+  TEST_CASE("items are no more than the rest of a stream may hold") {
+    constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
+    const std::string bytes(12, '\0');
+    CHECK(ByteReader(bytes).bounded(4, 3) == 4);
+    for (const std::size_t count : {std::size_t{5}, kMost / 3 + 2, kMost}) {
+      ByteReader reader(bytes);
+      CHECK(reader.bounded(count, 3) == 0);
+      CHECK_FALSE(reader.is_complete());
+    }
+  }
+
   TEST_CASE("a short stream ends in zeros and lists no more than it may hold") {
     ByteWriter writer("");
     writer.number(std::numeric_limits<std::uint32_t>::max());

@@ -430,48 +430,17 @@ TEST_SUITE("unit") {
     CHECK(data->made->tools.has_value());
   }
 
-  TEST_CASE("a cell reads back as it was, and a damaged one is refused") {
+  TEST_CASE("a cell whose scene no checker takes has no answers and proves nothing") {
     const TemporaryDirectory directory;
-    const CellRegion region = require_region(directory, region_text());
-    const Cell cell = require_cell(region, 10);
-    const std::string file = directory / "a.cell";
-    require(cell.save(file));
-    const auto loaded = require(load_cell(file));
-    CHECK(loaded.is_of_this_world());
-    CHECK(loaded.box_count() == cell.box_count());
-    CHECK(loaded.margin() == cell.margin());
-    CHECK(loaded.unproven().size() == cell.unproven().size());
-    CHECK(loaded.coverage().proven == cell.coverage().proven);
-    Rng rng(1);
-    for (int i = 0; i < 50; ++i) {
-      const CellTask task = random_task_of(region, rng);
-      CellAnswer first, second;
-      cell.look_up(task, first);
-      loaded.look_up(task, second);
-      CHECK(first.tier == second.tier);
-      CHECK(first.path == second.path);
-    }
-    const std::string bytes = read_file(file);
-    for (int i = 0; i < 40; ++i) {
-      std::string damaged = bytes;
-      const auto place = rng.index(static_cast<std::uint32_t>(bytes.size()));
-      if (i % 4 == 0) {
-        damaged.resize(place);
-      } else {
-        damaged[place] = static_cast<char>(damaged[place] ^ (1 << rng.index(8)));
-      }
-      write_file(file, damaged);
-      CHECK(require_error(load_cell(file)).code == ErrorCode::corrupt);
-    }
-  }
-
-  TEST_CASE("a cell of another version is refused by its number") {
-    const TemporaryDirectory directory;
-    write_file(directory / "old.cell", "mneme cell, version 1\nwhatever there was");
-    const Error error = require_error(load_cell(directory / "old.cell"));
-    CHECK(error.code == ErrorCode::unsupported);
-    CHECK(error.message.ends_with(
-        "old.cell: a cell of version 1, but this mneme reads version 2; build it anew"));
+    CellRegion region = require_region(directory, region_text());
+    region.problem.scene.obstacles[0].shapes.clear();
+    const auto data = require(internal::make_cell_data(region, 5e-4));
+    data->starts.emplace_back().boxes.emplace_back();
+    Cell cell(data);
+    const CellAnswer answer = cell.ask({});
+    CHECK(answer.tier == CellTier::none);
+    CHECK(answer.note == "obstacle 'table' has no shapes");
+    CHECK(cell.verify(0).proven == 0);
   }
 
   TEST_CASE("neighbours that are not proven for one reason are one box") {
