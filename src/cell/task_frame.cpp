@@ -116,7 +116,7 @@ Result<CellTask> task_of(const CellRegion& region, const Transform& pose) {
   for (Eigen::Index k = 0; k < 3; ++k) task[static_cast<std::size_t>(k)] = offset[k];
   for (std::size_t k = 0; k < kTaskSize; ++k) {
     if (std::abs(task[k]) <= region.half_extents[k]) continue;
-    if (std::abs(task[k]) > region.half_extents[k] + kTolerance) {
+    if (!(std::abs(task[k]) <= region.half_extents[k] + kTolerance)) {
       return fail(ErrorCode::invalid,
                   "the pose is {:.6g} {} from the middle of the region along {}; expected at most "
                   "{:.6g}",

@@ -4,6 +4,8 @@
 
 #include <doctest/doctest.h>
 
+#include <limits>
+
 namespace mneme::test {
 namespace {
 
@@ -66,6 +68,14 @@ TEST_SUITE("unit") {
     Transform tilted = link_pose(region, {});
     tilted.rotation = rotation_about(Vec3::UnitX(), 0.01) * tilted.rotation;
     CHECK_FALSE(task_of(region, tilted).has_value());
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      Transform nowhere = link_pose(region, {}), unturned = nowhere;
+      nowhere.translation[k] = nan;
+      CHECK_FALSE(task_of(region, nowhere).has_value());
+      unturned.rotation(k, k) = nan;
+      CHECK_FALSE(task_of(region, unturned).has_value());
+    }
   }
 
   TEST_CASE("what a cell cannot prove is refused by name") {
