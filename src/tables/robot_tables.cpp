@@ -3,6 +3,7 @@
 #include "base/as_index.h"
 #include "tables/joint_reach.h"
 #include "tables/make_tables.h"
+#include "tables/merge_bodies.h"
 #include "geometry/axis_box.h"
 #include "tables/shape_groups.h"
 #include "robot/kinematics.h"
@@ -13,15 +14,11 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <set>
 
 namespace mneme::internal {
 namespace {
 
-/// Typical travel of a body's ball, metres, over the states that are checked together. The number
-/// of obstacles that it meets depends on the ball's radius and on this.
-constexpr double kSweep = 0.15;
-/// Two bodies are merged if their common ball sweeps at most this multiple of their own volumes.
-constexpr double kMergeRatio = 1.0;
 /// Metres; larger than the kernels' rounding where they turn a body's frame into another.
 constexpr double kBoxRounding = 2e-5;
 
@@ -82,10 +79,11 @@ class RobotTablesBuilder {
   }
 
   Result<RobotTables> build() {
+    const std::set<std::pair<int, int>> exact(robot_.exact_pairs().begin(),
+                                              robot_.exact_pairs().end());
     std::vector<std::pair<int, int>> pairs;
-    std::ranges::copy_if(robot_.self_pairs(), std::back_inserter(pairs), [this](const auto& pair) {
-      return std::ranges::find(robot_.exact_pairs(), pair) == robot_.exact_pairs().end();
-    });
+    std::ranges::copy_if(robot_.self_pairs(), std::back_inserter(pairs),
+                         [&](const auto& pair) { return !exact.contains(pair); });
     MNEME_TRY(add_bodies_and(pairs));
     add_limbs();
     add_reaches(tables_);
@@ -139,12 +137,6 @@ class RobotTablesBuilder {
   struct Placement {
     int frame = 0;
     Transform X_frame_link;
-  };
-  /// Links that share a bounding ball.
-  struct Body {
-    int frame = 0;
-    Sphere ball;
-    std::vector<int> links;
   };
   struct Range {
     int begin = 0, end = 0;
@@ -248,35 +240,10 @@ class RobotTablesBuilder {
       const std::vector<Capsule> shapes = shapes_of(link);
       if (!shapes.empty()) bodies.push_back({placements_[i].frame, enclosing_ball(shapes), {link}});
     }
-    while (merge_closest(bodies, bodies.size() > as_index(kMaxBodies))) {
-    }
+    merge_bodies(bodies, as_index(kMaxBodies));
     std::stable_sort(bodies.begin(), bodies.end(),
                      [](const Body& a, const Body& b) { return a.frame > b.frame; });
     for (const Body& body : bodies) add_body(body);
-  }
-
-  /// Merges the two bodies whose volume grows least, if it grows little or `must_merge`.
-  static bool merge_closest(std::vector<Body>& bodies, bool must_merge) {
-    const auto volume = [](const Sphere& ball) { return std::pow(ball.radius + kSweep, 3); };
-    std::size_t first = 0, second = 0;
-    double least = must_merge ? INFINITY : kMergeRatio;
-    for (std::size_t i = 0; i < bodies.size(); ++i) {
-      for (std::size_t k = i + 1; k < bodies.size(); ++k) {
-        if (bodies[i].frame != bodies[k].frame) continue;
-        const double ratio = volume(enclosing_ball(bodies[i].ball, bodies[k].ball)) /
-                             (volume(bodies[i].ball) + volume(bodies[k].ball));
-        if (!(ratio < least)) continue;
-        least = ratio;
-        first = i;
-        second = k;
-      }
-    }
-    if (second == 0) return false;
-    Body& kept = bodies[first];
-    kept.ball = enclosing_ball(kept.ball, bodies[second].ball);
-    kept.links.insert(kept.links.end(), bodies[second].links.begin(), bodies[second].links.end());
-    bodies.erase(bodies.begin() + static_cast<std::ptrdiff_t>(second));
-    return true;
   }
 
   void add_body(const Body& body) {
