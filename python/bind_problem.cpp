@@ -213,8 +213,12 @@ void bind_functions(py::module_& module) {
   module.def(
       "drop_own_points",
       [](Scene& scene, const Robot& robot, const py::object& q, double distance) {
-        return unwrap(
-            drop_own_points(scene, robot, to_vector(q, robot.joint_count(), "q"), distance));
+        const Configuration at = to_vector(q, robot.joint_count(), "q");
+        Scene filtered = scene;
+        auto notes = unwrap(
+            run_interruptible([&] { return drop_own_points(filtered, robot, at, distance); }));
+        scene = std::move(filtered);
+        return notes;
       },
       py::arg("scene"), py::arg("robot"), py::arg("q"), py::arg("distance"),
       "Removes points of the robot itself from the scene's clouds: those within distance, metres,\n"

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/fail.h"
+#include "base/threads.h"
 #include "check/link_distances.h"
 #include "problem/problem_input.h"
 
@@ -9,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <variant>
 
 namespace mneme {
@@ -40,9 +42,12 @@ class Body {
 
 /// Removes points nearer than `distance`, unless that is all. Returns the number of the others.
 std::size_t drop_near(const Body& body, double distance, PointCloud& cloud) {
+  constexpr std::size_t kPointsPerPoll = 256;
   const std::vector<CloudPoint>& all = cloud.parts->list();
   std::vector<CloudPoint> rest;
-  for (const CloudPoint& p : all) {
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i % kPointsPerPoll == 0) internal::poll_interrupt();
+    const CloudPoint& p = all[i];
     const Vec3 center = cloud.pose * Vec3(p[0], p[1], p[2]);
     if (!body.is_nearer({center, cloud.radius}, distance)) rest.push_back(p);
   }
@@ -64,8 +69,9 @@ Result<std::vector<std::string>> drop_own_points(Scene& scene, const Robot& robo
     return fail(ErrorCode::invalid, *violation);
   }
   const Body body(robot, q);
+  Scene filtered = scene;  // clouds are shared; an interrupt leaves the scene as it was
   std::vector<std::string> notes;
-  for (Obstacle& obstacle : scene.obstacles) {
+  for (Obstacle& obstacle : filtered.obstacles) {
     std::size_t dropped = 0;
     std::size_t total = 0;
     std::erase_if(obstacle.shapes, [&](Shape& shape) {
@@ -83,10 +89,11 @@ Result<std::vector<std::string>> drop_own_points(Scene& scene, const Robot& robo
         obstacle.name, dropped, total, distance));
   }
   std::vector<std::string> empty;
-  for (const Obstacle& obstacle : scene.obstacles) {
+  for (const Obstacle& obstacle : filtered.obstacles) {
     if (obstacle.shapes.empty()) empty.push_back(obstacle.name);
   }
-  for (const std::string& name : empty) MNEME_TRY(scene.remove(name));
+  for (const std::string& name : empty) MNEME_TRY(filtered.remove(name));
+  scene = std::move(filtered);
   return notes;
 }
 

@@ -71,6 +71,24 @@ TEST_SUITE("unit") {
     CHECK(problem.scene.obstacles[0].name == "ball");
   }
 
+  TEST_CASE("the filter of a large cloud can be interrupted, and the scene stays as it was") {
+    const Problem problem = require_problem(problem_with(""));
+    Scene scene;
+    std::vector<CloudPoint> points(2000, CloudPoint{0, 0, 3});
+    points.front() = {0, 0, 0.5};
+    Obstacle& cloud = scene.obstacles.emplace_back();
+    cloud.name = "cloud";
+    cloud.shapes = {PointCloud{{}, std::make_shared<Parts<CloudPoint>>(points), 0.01}};
+    for (const int most : {0, 3}) {
+      int polls = 0;
+      const InterruptScope scope([&] { return ++polls > most; });
+      CHECK_THROWS_AS((void)drop_own_points(scene, problem.robot, problem.start, 0), Interrupted);
+      CHECK(points_in(scene) == 2000);
+    }
+    require(drop_own_points(scene, problem.robot, problem.start, 0));
+    CHECK(points_in(scene) == 1999);
+  }
+
   TEST_CASE("points of a scene that others hold stay theirs") {
     Problem problem = require_problem(problem_with(""));
     const Scene before = problem.scene;
