@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 namespace mneme {
 std::optional<int> Robot::find_link(std::string_view name) const {
@@ -165,6 +166,16 @@ Result<internal::LinkPairs> find_allowed(const Robot::Parts& parts, std::span<co
   return pairs;
 }
 
+/// Removes pairs that are not among `self_pairs`.
+void keep_checked(const internal::LinkPairs& self_pairs, internal::LinkPairs& pairs) {
+  const std::set<std::pair<int, int>> wanted(pairs.begin(), pairs.end());
+  std::set<std::pair<int, int>> checked;
+  for (const auto& pair : self_pairs) {
+    if (wanted.contains(pair)) checked.insert(pair);
+  }
+  std::erase_if(pairs, [&](const auto& pair) { return !checked.contains(pair); });
+}
+
 /// Very wide limits are probably degrees.
 void warn_of_wide_limits(std::span<const Joint> joints, std::vector<std::string>& warnings) {
   constexpr double kWidest = 4 * std::numbers::pi;
@@ -241,9 +252,7 @@ Result<Robot> make_robot(Robot::Parts parts, const RobotOptions& options) {
     model.joints = std::move(sorted.joints);
     model.self_pairs =
         internal::derive_self_pairs(model.links, model.joints, model.group, model.allowed_pairs);
-    std::erase_if(model.exact_pairs, [&](const std::pair<int, int>& pair) {
-      return std::ranges::find(model.self_pairs, pair) == model.self_pairs.end();
-    });
+    keep_checked(model.self_pairs, model.exact_pairs);
     model.hash = internal::hash_robot(model.links, model.joints, model.group, model.self_pairs,
                                       model.exact_pairs);
     model.is_planar = internal::moves_in_plane(model.links, model.joints, model.group);

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 
 namespace mneme {
 namespace {
@@ -153,10 +154,11 @@ Result<std::vector<AllowedPair>> derive_allowed_pairs(const Robot::Parts& parts,
   const Robot robot = MNEME_TRY(make_whole(parts));
   const std::vector<Pair> pairs = pairs_with_shapes(robot);
   std::vector<Record> records;
-  const auto adjacent =
+  const auto neighbours =
       internal::find_neighbours(robot.links(), robot.joints(), robot.group(), INT_MAX);
+  const std::set<Pair> adjacent(neighbours.begin(), neighbours.end());
   for (const Pair& pair : robot.self_pairs()) {
-    if (std::ranges::find(adjacent, pair) == adjacent.end()) records.push_back({pair});
+    if (!adjacent.contains(pair)) records.push_back({pair});
   }
   const LinkDistances links(robot);
   const Configuration rest = robot.normalized(Configuration(as_index(robot.joint_count()), 0.0));
