@@ -91,8 +91,7 @@ class SrdfReader {
     xml_.check_attributes(element, {"name"});
     group.name = name(element, "name");
     xml_.set_context(fmt::format("group '{}'", group.name.name));
-    const auto is_same = [&](const SrdfGroup& other) { return other.name.name == group.name.name; };
-    if (std::ranges::any_of(srdf_.groups, is_same)) {
+    if (!group_names_.insert(group.name.name).second) {
       xml_.fail(element.GetLineNum(), "it is defined twice");
     }
     xml_.check_children(element, {}, {"joint", "link", "chain", "group", "passive_joint"});
@@ -158,6 +157,7 @@ class SrdfReader {
 
   XmlReader xml_;
   Srdf srdf_;
+  std::set<std::string> group_names_;
 };
 
 }  // namespace
@@ -247,8 +247,9 @@ class SrdfLookup {
 
   void add_allowed_pairs() {
     std::set<NamedPair> allowed;
+    std::set<std::string_view> disabled;
     for (const SrdfName& name : srdf_.disabled_links) {
-      if (!find_link(name)) continue;
+      if (!find_link(name) || !disabled.insert(name.name).second) continue;
       for (const Link& link : parts_.links) {
         if (link.name != name.name) allowed.insert(ordered(link.name, name.name));
       }
@@ -329,6 +330,12 @@ class SrdfLookup {
   }
 
   /// The joints of a group without those of its subgroups.
+  const std::set<std::string>& own_joints(const SrdfGroup& group) {
+    const auto [found, is_new] = own_joints_.try_emplace(&group);
+    if (is_new) add_joints(group, found->second);
+    return found->second;
+  }
+
   void add_joints(const SrdfGroup& group, std::set<std::string>& joints) {
     for (const SrdfName& joint : group.joints) {
       if (has_joint(joint)) joints.insert(joint.name);
@@ -355,13 +362,15 @@ class SrdfLookup {
   std::set<std::string> all_joints(const SrdfGroup& group) {
     std::set<std::string> joints;
     std::vector<const SrdfGroup*> family{&group};
+    std::set<const SrdfGroup*> seen{&group};
     for (std::size_t i = 0; i < family.size(); ++i) {
-      add_joints(*family[i], joints);
+      const std::set<std::string>& own = own_joints(*family[i]);
+      joints.insert(own.begin(), own.end());
       for (const SrdfName& name : family[i]->subgroups) {
         const auto subgroup = groups_.find(name.name);
         if (subgroup == groups_.end()) {
           warn(name, "group");
-        } else if (std::ranges::find(family, subgroup->second) == family.end()) {
+        } else if (seen.insert(subgroup->second).second) {
           family.push_back(subgroup->second);
         }
       }
@@ -375,6 +384,7 @@ class SrdfLookup {
   std::map<std::string_view, int> links_;
   std::set<std::string_view> joints_;
   std::map<std::string_view, const SrdfGroup*> groups_;
+  std::map<const SrdfGroup*, std::set<std::string>> own_joints_;
   std::set<std::string> warned_;
   std::string first_fault_;
 };

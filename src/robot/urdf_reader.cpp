@@ -446,6 +446,9 @@ class UrdfReader {
 
   void connect_joints() {
     for (std::size_t i = 0; i < parts_.joints.size(); ++i) {
+      joint_indices_.emplace(parts_.joints[i].name, static_cast<int>(i));
+    }
+    for (std::size_t i = 0; i < parts_.joints.size(); ++i) {
       Joint& joint = parts_.joints[i];
       const XmlElement& element = *joint_elements_[i];
       xml_.set_context(fmt::format("joint '{}'", joint.name));
@@ -467,9 +470,9 @@ class UrdfReader {
 
   int find_leader(const XmlElement& mimic) const {
     const std::string name = xml_.text(mimic, "joint");
-    const auto found = std::ranges::find(parts_.joints, name, &Joint::name);
-    if (found == parts_.joints.end()) xml_.fail(mimic, "there is no joint '{}'", name);
-    return static_cast<int>(found - parts_.joints.begin());
+    const auto found = joint_indices_.find(name);
+    if (found == joint_indices_.end()) xml_.fail(mimic, "there is no joint '{}'", name);
+    return found->second;
   }
 
   const std::string& source_;
@@ -479,7 +482,7 @@ class UrdfReader {
   Robot::Parts parts_;
   std::vector<int> link_lines_;
   std::vector<const XmlElement*> joint_elements_;
-  std::map<std::string, int> link_indices_;
+  std::map<std::string, int> link_indices_, joint_indices_;
   std::vector<std::string> standing_;  ///< joints with limits that leave one value
   std::vector<std::string> narrowed_;  ///< "joint [lower, upper]" of soft limits
 };
