@@ -1,13 +1,16 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/threads.h"
 #include "problem/moveit_problem.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <initializer_list>
 #include <map>
 #include <set>
+#include <vector>
 
 namespace mneme::internal {
 namespace {
@@ -169,13 +172,32 @@ class AllowedReader {
       defaults_[name] = values[i].boolean();
     }
     if (defaults_.empty()) return;
+    allow_defaults();
+  }
+
+  /// Allows pairs without an entry by their defaults. Walks only pairs with a name that may be
+  /// touched by default, in the order of the names.
+  void allow_defaults() {
     const std::set<std::string> entered(names_.begin(), names_.end());
+    std::vector<std::size_t> everything, touchable;
     for (std::size_t i = 0; i < known_.size(); ++i) {
-      for (std::size_t j = i + 1; j < known_.size(); ++j) {
-        const bool is_entered = entered.contains(known_[i]) && entered.contains(known_[j]);
-        if (!is_entered && is_default(known_[i], known_[j])) allow(known_[i], known_[j]);
+      everything.push_back(i);
+      if (is_touchable(known_[i])) touchable.push_back(i);
+    }
+    for (std::size_t i = 0; i < known_.size(); ++i) {
+      poll_interrupt();
+      const auto& others = is_touchable(known_[i]) ? everything : touchable;
+      for (auto k = std::ranges::upper_bound(others, i); k != others.end(); ++k) {
+        const std::string& other = known_[*k];
+        const bool is_entered = entered.contains(known_[i]) && entered.contains(other);
+        if (!is_entered && is_default(known_[i], other)) allow(known_[i], other);
       }
     }
+  }
+
+  [[nodiscard]] bool is_touchable(const std::string& name) const {
+    const auto found = defaults_.find(name);
+    return found != defaults_.end() && found->second;
   }
 
   [[nodiscard]] bool is_default(const std::string& a, const std::string& b) const {
