@@ -218,7 +218,8 @@ struct StageBegin {
 /// `stage`: the name of the stage at each time. Without stages, the same text.
 [[nodiscard]] std::string to_csv(const Robot& robot, std::span<const Trajectory::Point> points,
                                  std::span<const StageBegin> stages);
-/// As to_yaml() above, with a comment line for each stage first.
+/// As to_yaml() above, with a comment line for each stage first. Names that are not printable ASCII
+/// are quoted there as in JSON, with escapes.
 [[nodiscard]] std::string to_yaml(const Robot& robot, std::span<const Trajectory::Point> points,
                                   std::span<const StageBegin> stages);
 /// As to_json() above, with the list `stages` of names and begins.

@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -26,6 +25,14 @@ using Begins = std::span<const StageBegin>;
 using Json = nlohmann::ordered_json;
 
 constexpr std::array kQuantities = {"position", "velocity", "acceleration"};
+
+/// A name for a comment: itself if it is printable ASCII, otherwise quoted with escapes. U+0085,
+/// U+2028 and U+2029 end a comment of YAML 1.1, as line feeds do.
+std::string in_comment(const std::string& name) {
+  const auto is_printable = [](char c) { return c >= ' ' && c <= '~'; };
+  if (std::ranges::all_of(name, is_printable)) return name;
+  return Json(name).dump(-1, ' ', true, Json::error_handler_t::replace);
+}
 
 /// The last stage that has begun.
 const std::string& stage_at(Begins stages, double time_s) {
@@ -114,10 +121,7 @@ std::string to_yaml(const Robot& robot, Points points) {
 std::string to_yaml(const Robot& robot, Points points, Begins stages) {
   std::string text;
   for (const StageBegin& stage : stages) {
-    std::string name = stage.name;
-    std::ranges::replace_if(
-        name, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)); }, ' ');
-    text += fmt::format("# stage from {:.6f} s: {}\n", stage.begin_s, name);
+    text += fmt::format("# stage from {:.6f} s: {}\n", stage.begin_s, in_comment(stage.name));
   }
   return text + to_yaml(robot, points);
 }

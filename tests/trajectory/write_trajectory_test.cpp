@@ -38,8 +38,18 @@ TEST_SUITE("unit") {
   }
 
   TEST_CASE("the name of a stage ends no comment") {
-    const std::string text = to_yaml(arm("j"), kPoints, {{{"a\rpoints: []\nb", 0.5}}});
-    CHECK(text.starts_with("# stage from 0.500000 s: a points: [] b\n"));
+    const auto comment_of = [](const std::string& name) {
+      const std::string text = to_yaml(arm("j"), kPoints, {{{name, 0.5}}});
+      return text.substr(0, text.find('\n'));
+    };
+    const std::string begin = "# stage from 0.500000 s: ";
+    CHECK(comment_of("lift #1: \"up\"") == begin + "lift #1: \"up\"");
+    CHECK(comment_of("a\rpoints: []\nb") == begin + "\"a\\rpoints: []\\nb\"");
+    // Line ends of YAML 1.1: U+0085, U+2028, U+2029.
+    CHECK(comment_of("a\xc2\x85z") == begin + "\"a\\u0085z\"");
+    CHECK(comment_of("a\xe2\x80\xa8z") == begin + "\"a\\u2028z\"");
+    CHECK(comment_of("a\xe2\x80\xa9z") == begin + "\"a\\u2029z\"");
+    CHECK(comment_of("a\xff") == begin + "\"a\\ufffd\"");
   }
 
   TEST_CASE("YAML has the fields of trajectory_msgs/JointTrajectory") {
