@@ -191,6 +191,12 @@ std::vector<Input> Input::items() const {
   return result;
 }
 
+bool Input::has_rows() const {
+  return is_list() && std::ranges::any_of(list(), [](const InputValue& item) {
+           return std::holds_alternative<InputValue::List>(item.content);
+         });
+}
+
 std::vector<Input> Input::items(std::string_view key) const {
   const auto list = find_value(key);
   return list ? list->items() : std::vector<Input>();

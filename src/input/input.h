@@ -131,6 +131,10 @@ class Input {
   [[nodiscard]] Input at(std::string_view key) const;
   [[nodiscard]] std::vector<std::pair<std::string, Input>> entries() const;
   [[nodiscard]] std::vector<Input> items() const;
+  /// The number of items of a list. Fails if this is no list.
+  [[nodiscard]] std::size_t size() const { return list().size(); }
+  /// True if this is a list with an item that is a list.
+  [[nodiscard]] bool has_rows() const;
   /// The items of the list `key`; none if the key is missing or has no value.
   [[nodiscard]] std::vector<Input> items(std::string_view key) const;
 

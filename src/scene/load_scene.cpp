@@ -31,7 +31,7 @@ void warn_of_unused(const internal::Input& scene) {
     const auto part = scene.find_value(key);
     auto used = part && part->is_map() ? part->find_value(list) : std::nullopt;
     if (used && used->is_map()) used = used->find_value("name");
-    if (!used || (used->is_list() && used->items().empty())) continue;
+    if (!used || (used->is_list() && used->size() == 0)) continue;
     part->warn("is not used; name scene and request together, as in scene.yaml,request.yaml");
   }
 }

@@ -53,9 +53,8 @@ void warn_of_unit(const Input& file, const std::vector<Part>& parts) {
 /// Numbers of the list `key`, `count` for each part: all in one list, or a list for each part.
 std::vector<double> list_of(const Input& input, std::string_view key, std::size_t count) {
   const Input list = input.at(key);
-  const auto is_row = [](const Input& item) { return item.is_list(); };
   std::vector<double> numbers;
-  if (list.is_list() && std::ranges::any_of(list.items(), is_row)) {
+  if (list.has_rows()) {
     for (const Input& row : list.items()) {
       const std::vector<double> part = row.finite_numbers(count, "numbers of one part");
       numbers.insert(numbers.end(), part.begin(), part.end());
@@ -88,7 +87,7 @@ PointCloud read_points(const Input& input) {
   };
   if (!file) {
     const Input list = input.at("points");
-    if (list.is_list() && list.items().empty()) {
+    if (list.is_list() && list.size() == 0) {
       list.warn("there are no points, and the cloud is left out");
       return compound_of(std::move(points));
     }

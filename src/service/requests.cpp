@@ -208,7 +208,7 @@ void check_attached(const Input& input, const ServiceSettings& limits) {
   std::size_t count = 0;
   for (const Input& object : attached->items()) {
     const auto shapes = object.find("shapes");
-    count += shapes ? shapes->items().size() : 1;
+    count += shapes ? shapes->size() : 1;
   }
   if (count <= static_cast<std::size_t>(limits.attached)) return;
   attached->fail(ErrorCode::invalid,
