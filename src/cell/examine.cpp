@@ -22,9 +22,12 @@ constexpr int kOwnPath = -1;    ///< origin of a box whose path was planned for 
 constexpr int kNeighbours = 6;  ///< paths of other boxes to bend
 constexpr int kFresh = 6;       ///< paths to plan
 constexpr int kSolutions = 10;  ///< of inverse kinematics, to rate
+/// Random steps along the self-motion that a solution tries: the first one's length in radians, its
+/// factor after a step that does not improve the solution, and the number of steps.
+constexpr double kFirstStep = 0.3, kShorter = 0.85;
 constexpr int kImprovements = 12;
 constexpr std::uint64_t kPlanIterations = 4000;
-constexpr double kNever = 1e6;
+constexpr double kNever = 1e6;  ///< seconds
 /// Rating that a radian between start and goal costs: motions to far branches take longer.
 constexpr double kDetour = 1.5;
 /// Boxes of more than this share of the region leave out branches that are farther from the start
@@ -35,6 +38,24 @@ constexpr double kSameBranch = 0.02, kSameSolution = 0.1;
 /// Boxes of less than this share of the region get fewer seeds.
 constexpr double kSmallShare = 1e-3;
 constexpr int kSeeds = 384, kFewSeeds = 128;
+/// Solutions of inverse kinematics to search for, and their least distance, radians.
+constexpr int kFoundSolutions = 16;
+constexpr double kApart = 0.3;
+/// Error of a pose, metres, that counts as reached, and the most steps of Newton's method to it
+/// from solutions of inverse kinematics and from steps along the self-motion.
+constexpr double kReached = 1e-8;
+constexpr int kSolutionSteps = 10, kImprovedSteps = 6;
+/// Equal steps in which the goal of a neighbour's path is moved to the box.
+constexpr int kNeighbourSteps = 4;
+/// Tenths of the tasks not served yet in which a branch must keep the limits, at least: by its
+/// model, and by its linear motion before the model is fitted.
+constexpr std::size_t kUsefulTenths = 3, kMaybeUsefulTenths = 2;
+/// Added to sums of displacements (metres) and to counts, so that nothing is divided by zero.
+constexpr double kAboveZero = 1e-9;
+/// Failures beyond this share of the path are at its goal, where no other profile helps.
+constexpr double kAtGoal = 0.98;
+/// Ratings that solutions gain by the clearance that they keep: one for each of kClearances.
+constexpr std::array kBonus = {0.3, 0.15, 0.05, 0.0};
 
 }  // namespace
 
@@ -113,7 +134,7 @@ class Examination {
 
   void note_contrast() {
     for (std::size_t k = 0; k < e_.frame().varying().size(); ++k) {
-      double below = 0, above = 0, belows = 1e-9, aboves = 1e-9;
+      double below = 0, above = 0, belows = kAboveZero, aboves = kAboveZero;
       for (std::size_t i = 0; i < tasks_.size(); ++i) {
         const bool is_below = e_.fitter_->probes()[i][k] < 0;
         (is_below ? belows : aboves) += 1;
@@ -130,7 +151,7 @@ class Examination {
       const std::vector<double>& u = e_.fitter_->probes()[i];
       if (is_needed_[i] && e_.chain().keeps_limits(branch.q0 + evaluate(shift, u.data()))) ++count;
     }
-    return 10 * count >= 3 * needed_;
+    return 10 * count >= kUsefulTenths * needed_;
   }
 
   /// The same to first order, for a fraction of the cost of a fit.
@@ -143,7 +164,7 @@ class Examination {
       const JointVector q = branch.q0 + motion * at;
       if (is_needed_[i] && e_.chain().keeps_limits(q)) ++count;
     }
-    return 10 * count >= 2 * needed_;
+    return 10 * count >= kMaybeUsefulTenths * needed_;
   }
 
   // One branch.
@@ -172,7 +193,7 @@ class Examination {
   }
 
   void blame(const ProofFailure& failure) {
-    double sum = 1e-9;
+    double sum = kAboveZero;
     for (std::size_t k = 0; k < kMostParameters; ++k) sum += failure.displacements[k + 1];
     for (std::size_t k = 0; k < kMostParameters; ++k) {
       result_.blame[k] += failure.displacements[k + 1] / sum;
@@ -222,7 +243,6 @@ class Examination {
       blame(failure);
       is_too_large_ = failure.is_over_budget;
       // No profile helps at the goal; a proof that takes too long takes a smaller box.
-      constexpr double kAtGoal = 0.98;
       if (failure.along > kAtGoal || failure.is_over_budget) break;
     }
     return false;
@@ -240,7 +260,8 @@ class Examination {
     for (std::size_t i = 0; i < count && tried < kNeighbours; ++i) {
       const CellBox& box = known_[near[i].second];
       JointVector q = box.path.goal();
-      if (!follow(e_.chain(), e_.frame(), box.tasks.center, box_.center, 4, q)) continue;
+      if (!follow(e_.chain(), e_.frame(), box.tasks.center, box_.center, kNeighbourSteps, q))
+        continue;
       if (!is_shortest_turn(q)) continue;
       if (is_among(seen, q, kSameBranch)) continue;
       seen.push_back(q);
@@ -335,15 +356,16 @@ class Examination {
     goal.pose = e_.frame().pose(box_.center);
     IkSettings settings;
     settings.seeds = open_.share < kSmallShare ? kFewSeeds : kSeeds;
-    settings.solutions = 16;
-    settings.apart = 0.3;
+    settings.solutions = kFoundSolutions;
+    settings.apart = kApart;
     settings.seed = rng_.next();
     const IkResult found =
         e_.kinematics_->solve(goal, e_.start_, settings, &e_.levels_.back().checker, e_.margin_);
     std::vector<Candidate> candidates;
     for (const Configuration& solution : found.solutions) {
       JointVector q = to_vector(solution);
-      if (!e_.chain().reach(goal.pose, e_.chain().response(q), 10, 1e-8, q)) continue;
+      if (!e_.chain().reach(goal.pose, e_.chain().response(q), kSolutionSteps, kReached, q))
+        continue;
       if (e_.chain().keeps_limits(q)) candidates.push_back({rate(q), q, 0});
     }
     const auto is_better = [](const Candidate& a, const Candidate& b) {
@@ -385,7 +407,7 @@ class Examination {
     while (candidate.level + 1 < e_.levels_.size() && !is_clear(candidate.q, candidate.level)) {
       ++candidate.level;
     }
-    double step = 0.3;
+    double step = kFirstStep;
     for (int i = 0; i < kImprovements; ++i) {
       Jacobian jacobian;
       (void)e_.chain().place(candidate.q, &jacobian);
@@ -394,15 +416,16 @@ class Examination {
       for (double& value : along) value = step * rng_.normal();
       along -= response * (jacobian * along);
       JointVector q = candidate.q + along;
-      step *= 0.85;
-      if (!e_.chain().reach(pose, response, 6, 1e-8, q) || !e_.chain().keeps_limits(q)) continue;
+      step *= kShorter;
+      if (!e_.chain().reach(pose, response, kImprovedSteps, kReached, q) ||
+          !e_.chain().keeps_limits(q))
+        continue;
       const double rating = rate(q);
       if (rating <= candidate.rating || !is_clear(q, candidate.level)) continue;
       candidate.q = q;
       candidate.rating = rating;
-      step /= 0.85;
+      step /= kShorter;
     }
-    constexpr std::array kBonus = {0.3, 0.15, 0.05, 0.0};
     candidate.rating += kBonus[candidate.level];
   }
 
