@@ -25,10 +25,18 @@
 namespace mneme::app {
 namespace {
 
-/// Text of a scene file, with its frame as a remark.
+/// Text of a scene file, which has no key for a frame: the frame becomes a remark.
 std::string to_scene_yaml(const FramedScene& scene) {
   if (scene.frame.empty()) return to_yaml(scene.scene);
   return fmt::format("# in the frame of {}\n{}", scene.frame, to_yaml(scene.scene));
+}
+
+void note_lost_frame(const std::string& frame) {
+  if (frame.empty()) return;
+  print_note(
+      fmt::format("a scene file has no key for its frame, '{0}': write 'frame: {0}' in the "
+                  "problems that use the scene",
+                  frame));
 }
 
 struct ConvertOptions {
@@ -49,11 +57,17 @@ Result<FramedScene> extract(const std::string& where) {
 }
 
 Result<FramedScene> read_scene(const ConvertOptions& options) {
-  Result<FramedScene> scene = extract(options.input);
-  if (!scene || options.robot.empty()) return scene;
+  FramedScene scene = MNEME_TRY(extract(options.input));
+  if (scene.frame.empty()) {
+    scene.frame = options.frame;
+  } else if (!options.frame.empty() && options.frame != scene.frame) {
+    print_note(fmt::format("--frame {} is ignored: the scene is in the frame of {}", options.frame,
+                           scene.frame));
+  }
+  if (options.robot.empty()) return scene;
   const Robot robot = MNEME_TRY(load_named_robot(options.robot, options.robot_options));
-  return in_root_frame(*scene, robot).map([&](Scene moved) {
-    return FramedScene{std::move(moved), robot.links().front().name, scene->files};
+  return in_root_frame(scene, robot).map([&](Scene moved) {
+    return FramedScene{std::move(moved), robot.links().front().name, scene.files};
   });
 }
 
@@ -63,12 +77,13 @@ Result<std::string> to_text(const FramedScene& scene, const std::string& format)
 }
 
 Result<ExitCode> run_convert(const ConvertOptions& options) {
-  FramedScene scene = MNEME_TRY(read_scene(options));
+  const FramedScene scene = MNEME_TRY(read_scene(options));
   std::vector<ReadFile> inputs;
   add_files("a file of the scene", scene.files, inputs);
   MNEME_TRY(check_outputs(std::array{options.output}, inputs));
-  if (scene.frame.empty()) scene.frame = options.frame;
   const std::string text = MNEME_TRY(to_text(scene, options.format));
+  // Problems without the key `frame` expect the root link's.
+  if (options.format == "scene" && options.robot.empty()) note_lost_frame(scene.frame);
   if (options.output == "-") {
     fmt::print("{}", text);
     return ExitCode::done;
@@ -120,6 +135,7 @@ Result<ExitCode> run_vary(const VaryOptions& options) {
     std::string file = MNEME_TRY(write_one(options, nominal, variations, i));
     files.push_back(std::move(file));
   }
+  note_lost_frame(nominal.frame);
   if (options.is_json) {
     print_json({{"seed", options.seed}, {"files", files}});
   } else {

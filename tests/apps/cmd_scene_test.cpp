@@ -109,6 +109,45 @@ TEST_SUITE("flow") {
     CHECK(contains(run_program({"scene", "convert", files / "a.yaml"}).out, "obstacles:"));
   }
 
+  TEST_CASE("a scene is moved from the frame that it or --frame names") {
+    const PlanarFiles files;
+    write_file(files / "stand.urdf",
+               "<robot name='stand'><link name='floor'/><link name='base'/><link name='arm'/>"
+               "<joint name='leg' type='fixed'><parent link='floor'/><child link='base'/>"
+               "<origin xyz='0 0 0.5'/></joint>"
+               "<joint name='turn' type='continuous'><parent link='base'/><child link='arm'/>"
+               "<axis xyz='0 0 1'/></joint></robot>");
+    write_file(files / "ball.yaml",
+               "obstacles: [{name: ball, type: sphere, position: [1, 0, 0.25], radius: 0.125}]\n");
+    const auto convert = [&](const std::string& scene, const std::string& frame) {
+      return run_program({"scene", "convert", files / scene, "--robot", files / "stand.urdf",
+                          "--frame", frame, "-o", files / "moved.yaml"});
+    };
+    const std::string moved = "position: [1, 0, 0.75]";
+    CHECK(convert("ball.yaml", "base").exit_code == 0);
+    CHECK(contains(read_file(files / "moved.yaml"), moved));
+    CHECK(contains(convert("ball.yaml", "wall").err, "robot stand as frame, got \"wall\""));
+    CHECK(contains(convert("ball.yaml", "arm").err, "which joint turn moves"));
+
+    require_run({"scene", "convert", files / "ball.yaml", "--format", "moveit", "--frame", "base",
+                 "-o", files / "framed.yaml"});
+    CHECK(contains(convert("framed.yaml", "floor").err, "--frame floor is ignored"));
+    CHECK(contains(read_file(files / "moved.yaml"), moved));
+  }
+
+  TEST_CASE("a conversion tells which frame the scene file cannot name") {
+    const PlanarFiles files;
+    const auto notes = [&](const std::vector<std::string>& flags) {
+      std::vector<std::string> arguments = {"scene", "convert", files.problem()};
+      arguments.insert(arguments.end(), flags.begin(), flags.end());
+      return require_run(arguments).err;
+    };
+    CHECK(contains(notes({"--frame", "base"}), "write 'frame: base' in the problems"));
+    CHECK(notes({"--frame", "base", "--format", "compact"}).empty());
+    CHECK(notes({"--robot", "planar8"}).empty());
+    CHECK(notes({}).empty());
+  }
+
   TEST_CASE("what a conversion leaves aside is told") {
     const PlanarFiles files;
     write_file(files / "cloud.yaml",
