@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <set>
+#include <span>
 
 namespace mneme::internal {
 
@@ -42,7 +44,37 @@ std::optional<std::string> AllowedContacts::allow(const std::string& first,
   return std::nullopt;
 }
 
+std::optional<std::string> AllowedContacts::find_ambiguity(const std::string& name) const {
+  if (!is_carried(name) || scene_.find(name) == nullptr) return std::nullopt;
+  return find_attached(name) != nullptr
+             ? fmt::format("\"{}\" is an attached object and an obstacle; rename one of them", name)
+             : fmt::format("\"{}\" is a link of robot {} and an obstacle; rename the obstacle",
+                           name, robot_.name());
+}
+
+std::optional<std::string> AllowedContacts::find_ambiguity() const {
+  const auto find_first = [&](std::span<const std::string> names) {
+    std::optional<std::string> fault;
+    for (const std::string& name : names) {
+      if (!fault) fault = find_ambiguity(name);
+    }
+    return fault;
+  };
+  for (const Obstacle& obstacle : scene_.scene().obstacles) {
+    if (obstacle.may_touch.empty()) continue;
+    if (auto fault = find_ambiguity(obstacle.name)) return fault;
+    if (auto fault = find_first(obstacle.may_touch)) return fault;
+  }
+  for (const EndContact& contact : scene_.scene().end_contacts) {
+    if (auto fault = find_first(std::array{contact.first, contact.second})) return fault;
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string> AllowedContacts::allow(const AllowedPair& pair) {
+  for (const std::string& name : {pair.first, pair.second}) {
+    if (auto fault = find_ambiguity(name)) return fault;
+  }
   if (!pair.at_ends) return allow(pair.first, pair.second);
   if (const auto fault = find_fault(pair.first, pair.second)) return fault;
   scene_.allow_at_ends(pair);
@@ -63,6 +95,10 @@ AttachedObject* AllowedContacts::find_attached(const std::string& name) const {
 }
 
 void read_allowed(const Input& problem, AllowedContacts& contacts) {
+  if (const auto fault = contacts.find_ambiguity()) {
+    problem.find("scene").value_or(problem).fail(
+        ErrorCode::invalid, "contact is allowed of a name with two meanings: {}", *fault);
+  }
   const auto list = problem.find("allow");
   if (!list) return;
   for (const Input& pair : list->items()) {

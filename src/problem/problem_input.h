@@ -168,12 +168,15 @@ class AllowedContacts {
     for (AttachedObject& object : attached) attached_.emplace(object.name, &object);
   }
 
-  /// Allows the pair. Returns its fault, or nothing. A name that a link and an obstacle share means
-  /// the link in first place and the obstacle in second.
+  /// Allows the pair. Returns its fault, or nothing. A name that a link and an obstacle share, as
+  /// MoveIt's matrices may have, means the link in first place and the obstacle in second.
   [[nodiscard]] std::optional<std::string> allow(const std::string& first,
                                                  const std::string& second);
-  /// Allows the pair, always or at the ends of a path. Returns its fault, or nothing.
+  /// Allows the pair, always or at the ends of a path. Returns its fault, or nothing: also if a
+  /// name means an obstacle and a link or an attached object.
   [[nodiscard]] std::optional<std::string> allow(const AllowedPair& pair);
+  /// Returns a fault if contact that the scene allows already is of such a name.
+  [[nodiscard]] std::optional<std::string> find_ambiguity() const;
   /// Returns true for the name of a link, an attached object or an obstacle.
   [[nodiscard]] bool knows(const std::string& name) const;
   /// The allowed pairs of two links, for RobotOptions.
@@ -184,6 +187,7 @@ class AllowedContacts {
  private:
   [[nodiscard]] std::optional<std::string> find_fault(const std::string& first,
                                                       const std::string& second) const;
+  [[nodiscard]] std::optional<std::string> find_ambiguity(const std::string& name) const;
   [[nodiscard]] bool is_carried(const std::string& name) const;
   [[nodiscard]] AttachedObject* find_attached(const std::string& name) const;
 
@@ -193,11 +197,12 @@ class AllowedContacts {
   std::vector<std::pair<std::string, std::string>> link_pairs_;
 };
 
-/// Allows the pairs of the key `allow`, if there is one. Throws InputFailure.
+/// Allows the pairs of the key `allow`, if there is one. Throws InputFailure, also for names with
+/// two meanings that the scene itself allows to touch.
 void read_allowed(const Input& problem, AllowedContacts& contacts);
 
 /// As above, without a robot: pairs of an obstacle and any name, except names of attached objects.
-/// A name in first place may mean an obstacle although a link has it, too.
+/// Names of links are not known, so that one that an obstacle shares is not refused.
 void read_allowed(const Input& problem, Scene& scene);
 
 /// Returns the distance of the options, otherwise of the key `self_filter`. Throws InputFailure.

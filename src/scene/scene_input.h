@@ -116,6 +116,7 @@ struct AllowedPair {
 class ObstacleContacts {
  public:
   explicit ObstacleContacts(Scene& scene);
+  [[nodiscard]] const Scene& scene() const { return scene_; }
   /// Returns null if there is no obstacle of this name.
   [[nodiscard]] Obstacle* find(const std::string& name) const;
   /// Adds a link to Obstacle::may_touch, unless this object has added it before.

@@ -246,6 +246,12 @@ class TaskCheck {
 
   Result<void> check_allow(const Stage& stage) const {
     for (const auto& [first, second] : stage.pairs) {
+      for (const std::string& name : {first, second}) {
+        if (!free_.contains(name) || !is_carried(name)) continue;
+        return fail(ErrorCode::invalid,
+                    "'{}' is a {} and an obstacle; rename the obstacle to allow its contact", name,
+                    links_.contains(name) ? "link" : "held object");
+      }
       const bool fits = (free_.contains(second) && is_carried(first)) ||
                         (free_.contains(first) && is_carried(second));
       if (fits) continue;

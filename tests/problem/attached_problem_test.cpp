@@ -10,6 +10,7 @@
 #include "support/support.h"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <filesystem>
 
@@ -45,6 +46,15 @@ class Files {
     return message.starts_with(prefix) ? message.substr(prefix.size()) : message;
   }
   [[nodiscard]] std::string operator/(const std::string& name) const { return directory_ / name; }
+  /// Gives the link "base" the name of the obstacle "cup".
+  void name_base_as_cup() const {
+    std::string urdf = read_file(directory_ / "lifter.urdf");
+    for (std::size_t at = urdf.find("\"base\""); at != std::string::npos;
+         at = urdf.find("\"base\"")) {
+      urdf.replace(at, 6, "\"cup\"");
+    }
+    write_file(directory_ / "lifter.urdf", urdf);
+  }
 
  private:
   static constexpr const char* kHead = R"(robot: lifter.urdf
@@ -94,26 +104,47 @@ allow: [[arm, table], [cup, box], [base, box], [base, arm]]
     CHECK(require(files.read("allow: [[arm, base]]\n")).robot.self_pairs().empty());
   }
 
-  TEST_CASE(
-      "of a name that a link and an obstacle share, the link is meant where it stands first") {
-    const Files files("base");
-    std::string urdf = read_file(files / "lifter.urdf");
-    for (std::size_t at = urdf.find("\"base\""); at != std::string::npos;
-         at = urdf.find("\"base\"")) {
-      urdf.replace(at, 6, "\"cup\"");
+  TEST_CASE("contact of a name with two meanings is refused") {
+    const Files files;
+    files.name_base_as_cup();
+    const std::string fault =
+        "\"cup\" is a link of robot lifter and an obstacle; rename the obstacle";
+    CHECK(contains(files.refusal("allow: [[cup, arm]]\n"), fault));
+    CHECK(contains(files.refusal("allow: [[arm, cup]]\n"), fault));
+    CHECK(contains(files.refusal("allow: [{pair: [arm, cup], at_ends: 0.01}]\n"), fault));
+    CHECK(require(files.read("allow: [[arm, table]]\n")).scene.obstacles[0].may_touch ==
+          Names{"arm"});
+    CHECK(files.read("").has_value());
+    CHECK(contains(
+        files.refusal("attached: [{name: table, link: arm, type: sphere, position: [0, 0, 0], "
+                      "radius: 0.1}]\nallow: [[finger, table]]\n"),
+        "\"table\" is an attached object and an obstacle; rename one of them"));
+  }
+
+  TEST_CASE("a scene that allows contact of a name with two meanings is refused") {
+    const Files files;
+    files.name_base_as_cup();
+    const Problem problem = require(files.read(""));
+    const auto failure = [&](const std::string& allow) {
+      const std::string source = "request";
+      const internal::InputValue value =
+          internal::parse_yaml("start: [0, 0]\ngoal: [1, 1]\n", source);
+      const internal::Input input(value, source);
+      const Scene scene = require(
+          parse_scene("obstacles: [{name: cup, type: sphere, position: [9, 0, 0], radius: 0.1},\n"
+                      "  {name: table, type: sphere, position: [8, 0, 0], radius: 0.1}]\n" +
+                          allow,
+                      "s"));
+      const auto read = internal::without_throwing([&] {
+        return internal::read_problem_of({"", problem.robot, {}}, {input, input, "p", "", {scene}});
+      });
+      return read ? "" : read.error().message;
+    };
+    for (const char* pair : {"[arm, cup]", "[cup, table]", "{pair: [arm, cup], at_ends: 1}"}) {
+      CHECK(
+          contains(failure(fmt::format("allow: [{}]", pair)), "\"cup\" is a link of robot lifter"));
     }
-    write_file(files / "lifter.urdf", urdf);
-    const Problem as_link = require(files.read("allow: [[cup, arm]]\n"));
-    CHECK(as_link.robot.self_pairs().empty());
-    CHECK(as_link.scene.obstacles[1].may_touch.empty());
-    const Problem as_obstacle = require(files.read("allow: [[arm, cup]]\n"));
-    CHECK(as_obstacle.robot.self_pairs().size() == 1);
-    CHECK(as_obstacle.scene.obstacles[1].may_touch == Names{"arm"});
-    // Neither is mixed up where the problem is written.
-    write_file(files / "again.yaml", to_yaml(as_link, files / "lifter.urdf"));
-    const auto again = require(load_problem(files / "again.yaml"));
-    CHECK(again.robot.self_pairs().empty());
-    CHECK(again.scene.obstacles[1].may_touch.empty());
+    CHECK(failure("allow: [[arm, table]]").empty());
   }
 
   TEST_CASE("pairs of links are refused where the robot is given") {

@@ -86,6 +86,15 @@ TEST_SUITE("unit") {
                    "has 1001 stages, expected at most 1000; plan it as several tasks"));
   }
 
+  TEST_CASE("contact of a name that a link and an obstacle share is refused") {
+    Task task = require(try_task(kCell + stages("{allow: [[panda_hand, table]]}")));
+    task.scene.obstacles[1].name = "panda_link6";
+    CHECK(check_task(task).has_value());
+    task.stages[0].pairs = {{"panda_link6", "table"}};
+    CHECK(contains(require_error(check_task(task)).message,
+                   "'panda_link6' is a link and an obstacle; rename the obstacle"));
+  }
+
   TEST_CASE("constraints of the whole task are checked, too") {
     Task task = require(try_task(kCell + stages("{line: {direction: [0, 0, 1], distance: 0.1}}")));
     REQUIRE(check_task(task).has_value());
