@@ -142,7 +142,22 @@ struct JointGroup {
   /// The group's planar or floating joint between world and robot, which is not planned for. Empty:
   /// none.
   std::string virtual_joint = {};
-  std::string tip = {};  ///< Last link of a group that is one chain; otherwise empty.
+  std::string tip = {};   ///< Last link of a group that is one chain; otherwise empty.
+  std::string base = {};  ///< First link of such a chain, which the first joint need not carry.
+};
+
+/// An end_effector of the SRDF. Texts are as written there, also if the robot has no such link.
+struct EndEffector {
+  std::string name;
+  std::string group;
+  std::string parent_link = {}, parent_group = {};  ///< Empty: none.
+};
+
+/// A virtual_joint of the SRDF, between the world and the robot. Texts are as written there.
+struct VirtualJoint {
+  std::string name;
+  std::string type = "fixed";                      ///< "fixed", "planar" or "floating"
+  std::string parent_frame = {}, child_link = {};  ///< Empty: none.
 };
 
 /// A group_state of the SRDF.
@@ -273,6 +288,10 @@ class Robot {
     /// each pair has a sphere approximation.
     std::vector<std::pair<std::string, std::string>> exact_pairs = {};
     std::string root_frame = {};  ///< see Robot::root_frame()
+    /// For to_srdf(): `groups` and `root_frame` say what they mean for planning.
+    std::vector<EndEffector> end_effectors = {};
+    std::vector<VirtualJoint> virtual_joints = {};
+    std::vector<std::string> passive_joints = {};
   };
 
  private:
@@ -331,9 +350,12 @@ class Robot {
 /// are not part of a URDF. Meshes are written as paths on this machine. `comment` is placed at the
 /// top and must not contain "--". Precondition: the indices in `parts` are valid.
 [[nodiscard]] std::string to_urdf(const Robot::Parts& parts, std::string_view comment = "");
-/// Returns SRDF text with groups as lists of joints, named states, end effectors and allowed pairs.
-/// `reasons` says why each pair is allowed, such as "Adjacent"; missing ones become "User". An SRDF
-/// of parts without allowed pairs allows none, not even neighbours.
+/// Returns SRDF text with groups, named states, end effectors, virtual and passive joints and
+/// allowed pairs. A group is written as a chain if it has `base` and `tip`, otherwise as a list of
+/// joints, also those of its links and subgroups. An end effector's group that `end_effectors`
+/// lacks is written with the name of the group and the link that carries its first joint. `reasons`
+/// says why each pair is allowed, such as "Adjacent"; missing ones become "User". An SRDF of parts
+/// without allowed pairs allows none, not even neighbours.
 [[nodiscard]] std::string to_srdf(const Robot::Parts& parts,
                                   std::span<const std::string> reasons = {},
                                   std::string_view comment = "");

@@ -54,8 +54,10 @@ class SrdfReader {
       read_state(element);
     } else if (kind == "end_effector") {
       xml_.check_attributes(element, {"name", "parent_link", "group", "parent_group"});
-      srdf_.end_effectors.push_back(name(element, "group"));
-      if (element.Attribute("parent_link")) srdf_.holders.push_back(name(element, "parent_link"));
+      const bool is_held = element.Attribute("parent_link") != nullptr;
+      srdf_.end_effectors.push_back(
+          {name(element, "group"), is_held ? name(element, "parent_link") : SrdfName{},
+           text_or_empty(element, "name"), text_or_empty(element, "parent_group")});
     } else if (kind == "virtual_joint") {
       read_virtual_joint(element);
     } else if (kind == "passive_joint") {
@@ -74,15 +76,15 @@ class SrdfReader {
   void read_virtual_joint(const XmlElement& element) {
     xml_.check_attributes(element, {"name", "type", "parent_frame", "child_link"});
     const char* text = element.Attribute("type");
-    const std::string_view type = text == nullptr ? "fixed" : text;
+    std::string type = text == nullptr ? "fixed" : text;
     if (type != "fixed" && type != "planar" && type != "floating") {
       xml_.tolerate(element, fmt::format("the type '{}', which counts as floating", type),
                     fmt::format("type '{}' is unknown; expected fixed, planar or floating", type));
+      type = "floating";
     }
-    const char* frame = element.Attribute("parent_frame");
     const bool has_child = element.Attribute("child_link") != nullptr;
-    srdf_.virtual_joints.push_back({name(element, "name"), type == "fixed",
-                                    frame == nullptr ? "" : frame,
+    srdf_.virtual_joints.push_back({name(element, "name"), std::move(type),
+                                    text_or_empty(element, "parent_frame"),
                                     has_child ? name(element, "child_link") : SrdfName{}});
   }
 
@@ -141,6 +143,11 @@ class SrdfReader {
     return split_words(xml_.text(joint, "value")).size() > 1;
   }
 
+  static std::string text_or_empty(const XmlElement& element, const char* attribute) {
+    const char* text = element.Attribute(attribute);
+    return text == nullptr ? "" : text;
+  }
+
   SrdfName name(const XmlElement& element, const char* attribute) {
     return {xml_.text(element, attribute), element.GetLineNum()};
   }
@@ -195,12 +202,13 @@ class SrdfLookup {
   }
 
   void add_groups() {
-    const std::set<std::string_view> end_effectors = names_of(srdf_.end_effectors);
+    std::set<std::string_view> end_effectors;
+    for (const SrdfEndEffector& each : srdf_.end_effectors) end_effectors.insert(each.group.name);
     const std::set<std::string_view> passive = names_of(srdf_.passive_joints);
     std::set<std::string_view> moving_virtual;
     std::set<std::string> left_out;
     for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
-      if (!joint.is_fixed) moving_virtual.insert(joint.name.name);
+      if (!joint.is_fixed()) moving_virtual.insert(joint.name.name);
     }
     for (const SrdfGroup& group : srdf_.groups) {
       const std::set<std::string> joints = all_joints(group);
@@ -210,7 +218,10 @@ class SrdfLookup {
       if (moving != joints.end()) added.virtual_joint = *moving;
       const bool is_chain = group.chains.size() == 1 && group.joints.empty() &&
                             group.links.empty() && group.subgroups.empty();
-      if (is_chain) added.tip = group.chains.front().second.name;
+      if (is_chain) {
+        added.base = group.chains.front().first.name;
+        added.tip = group.chains.front().second.name;
+      }
       for (const Joint& joint : parts_.joints) {
         if (!is_free(joint) || !joints.contains(joint.name)) continue;
         if (passive.contains(joint.name)) {
@@ -230,8 +241,19 @@ class SrdfLookup {
   void find_root_frame() {
     for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
       const bool is_root = joint.child.name.empty() || joint.child.name == parts_.links[0].name;
-      if (joint.is_fixed && is_root) parts_.root_frame = joint.frame;
+      if (joint.is_fixed() && is_root) parts_.root_frame = joint.frame;
     }
+  }
+
+  void add_other_parts() {
+    for (const SrdfEndEffector& each : srdf_.end_effectors) {
+      parts_.end_effectors.push_back(
+          {each.name, each.group.name, each.holder.name, each.parent_group});
+    }
+    for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
+      parts_.virtual_joints.push_back({joint.name.name, joint.type, joint.frame, joint.child.name});
+    }
+    for (const SrdfName& joint : srdf_.passive_joints) parts_.passive_joints.push_back(joint.name);
   }
 
   void add_states() {
@@ -267,8 +289,10 @@ class SrdfLookup {
   /// if none.
   const std::string& check_other_names() {
     for (const SrdfName& joint : srdf_.passive_joints) has_joint(joint);
-    for (const SrdfName& link : srdf_.holders) find_link(link);
-    for (const SrdfName& group : srdf_.end_effectors) check_group(group);
+    for (const SrdfEndEffector& each : srdf_.end_effectors) {
+      if (!each.holder.name.empty()) find_link(each.holder);
+      check_group(each.group);
+    }
     for (const SrdfVirtualJoint& joint : srdf_.virtual_joints) {
       if (!joint.child.name.empty()) find_link(joint.child);
     }
@@ -402,6 +426,7 @@ Result<void> apply_srdf(std::string_view text, const std::string& source, Robot:
   SrdfLookup lookup(srdf, source, parts);
   lookup.add_groups();
   lookup.add_states();
+  lookup.add_other_parts();
   lookup.find_root_frame();
   lookup.add_allowed_pairs();
   const std::string& fault = lookup.check_other_names();

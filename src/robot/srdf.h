@@ -39,19 +39,26 @@ struct SrdfState {
   std::vector<std::pair<SrdfName, double>> joints;
 };
 
+struct SrdfEndEffector {
+  SrdfName group;
+  SrdfName holder;                 ///< The link that holds it; an empty name if it has none.
+  std::string name, parent_group;  ///< Empty: none.
+};
+
 /// A joint between the world and the robot.
 struct SrdfVirtualJoint {
   SrdfName name;
-  bool is_fixed = true;
+  std::string type;   ///< fixed, planar or floating
   std::string frame;  ///< The frame of the world that it is in; empty if it has none.
   SrdfName child;     ///< The link that it carries; an empty name if it has none.
+
+  [[nodiscard]] bool is_fixed() const { return type == "fixed"; }
 };
 
 struct Srdf {
   SrdfName robot;
   std::vector<SrdfGroup> groups;
-  std::vector<SrdfName> end_effectors;  ///< names of the groups of end effectors
-  std::vector<SrdfName> holders;        ///< links that hold end effectors
+  std::vector<SrdfEndEffector> end_effectors;
   std::vector<SrdfVirtualJoint> virtual_joints;
   std::vector<SrdfName> passive_joints;  ///< joints that cannot be planned for
   std::vector<SrdfPair> disabled;        ///< links that may touch each other
@@ -66,8 +73,8 @@ struct Srdf {
 [[nodiscard]] Result<Srdf> read_srdf(std::string_view text, const std::string& source,
                                      bool strict = false);
 
-/// Adds the groups, states, allowed pairs and warnings of an SRDF to `parts`, which are in tree
-/// order. Each name that the robot lacks is ignored with a warning, or an error if `strict`.
+/// Adds the groups, states, joints, allowed pairs and warnings of an SRDF to `parts`, which are in
+/// tree order. Each name that the robot lacks is ignored with a warning, or an error if `strict`.
 [[nodiscard]] Result<void> apply_srdf(std::string_view text, const std::string& source,
                                       Robot::Parts& parts, bool strict = false);
 

@@ -141,8 +141,20 @@ std::string to_urdf(const Robot::Parts& parts, std::string_view comment) {
 
 namespace {
 
-std::string to_xml(const JointGroup& group) {
+/// Returns ` NAME="TEXT"`, or nothing without a text.
+std::string attribute(std::string_view name, const std::string& text) {
+  return text.empty() ? "" : fmt::format(" {}=\"{}\"", name, xml_escaped(text));
+}
+
+std::string to_xml(const JointGroup& group, const Robot::Parts& parts) {
   std::string text = fmt::format("  <group name=\"{}\">\n", xml_escaped(group.name));
+  if (!group.base.empty() && !group.tip.empty()) {
+    return text + fmt::format("    <chain base_link=\"{}\" tip_link=\"{}\"/>\n  </group>\n",
+                              xml_escaped(group.base), xml_escaped(group.tip));
+  }
+  if (std::ranges::count(parts.virtual_joints, group.virtual_joint, &VirtualJoint::name) > 0) {
+    text += fmt::format("    <joint name=\"{}\"/>\n", xml_escaped(group.virtual_joint));
+  }
   for (const std::string& joint : group.joints) {
     text += fmt::format("    <joint name=\"{}\"/>\n", xml_escaped(joint));
   }
@@ -156,6 +168,18 @@ std::string to_xml(const NamedState& state) {
     text += fmt::format("    <joint name=\"{}\" value=\"{}\"/>\n", xml_escaped(joint), value);
   }
   return text + "  </group_state>\n";
+}
+
+std::string to_xml(const VirtualJoint& joint) {
+  return fmt::format("  <virtual_joint{}{}{}{}/>\n", attribute("name", joint.name),
+                     attribute("type", joint.type), attribute("parent_frame", joint.parent_frame),
+                     attribute("child_link", joint.child_link));
+}
+
+std::string to_xml(const EndEffector& each) {
+  return fmt::format("  <end_effector{}{}{}{}/>\n", attribute("name", each.name),
+                     attribute("parent_link", each.parent_link), attribute("group", each.group),
+                     attribute("parent_group", each.parent_group));
 }
 
 /// The link that carries the first joint of a group; the root of a group without joints.
@@ -172,12 +196,18 @@ const std::string& parent_of(const JointGroup& group, const Robot::Parts& parts)
 std::string to_srdf(const Robot::Parts& parts, std::span<const std::string> reasons,
                     std::string_view comment) {
   std::string text = begin_robot(parts.name, comment);
-  for (const JointGroup& group : parts.groups) text += to_xml(group);
+  for (const VirtualJoint& joint : parts.virtual_joints) text += to_xml(joint);
+  for (const JointGroup& group : parts.groups) text += to_xml(group, parts);
   for (const NamedState& state : parts.states) text += to_xml(state);
   for (const JointGroup& group : parts.groups) {
-    if (!group.is_end_effector) continue;
-    text += fmt::format("  <end_effector name=\"{0}\" parent_link=\"{1}\" group=\"{0}\"/>\n",
-                        xml_escaped(group.name), xml_escaped(parent_of(group, parts)));
+    const bool is_listed =
+        std::ranges::count(parts.end_effectors, group.name, &EndEffector::group) > 0;
+    if (!group.is_end_effector || is_listed) continue;
+    text += to_xml(EndEffector{group.name, group.name, parent_of(group, parts)});
+  }
+  for (const EndEffector& each : parts.end_effectors) text += to_xml(each);
+  for (const std::string& joint : parts.passive_joints) {
+    text += fmt::format("  <passive_joint name=\"{}\"/>\n", xml_escaped(joint));
   }
   for (std::size_t i = 0; parts.allowed_pairs && i < parts.allowed_pairs->size(); ++i) {
     const auto& [first, second] = (*parts.allowed_pairs)[i];

@@ -60,7 +60,8 @@ TEST_SUITE("unit") {
     CHECK(all.chains.at(0).first.name == "l0");
     CHECK(all.chains.at(0).second.name == "l3");
     CHECK(all.subgroups.at(0).name == "hand");
-    CHECK(srdf.end_effectors.at(0).name == "hand");
+    CHECK(srdf.end_effectors.at(0).group.name == "hand");
+    CHECK(srdf.end_effectors.at(0).name == "tool");
     CHECK(srdf.virtual_joints.at(0).name.name == "world");
     CHECK(srdf.passive_joints.at(0).name == "wheel");
     CHECK(srdf.disabled.at(0).second.name == "l1");

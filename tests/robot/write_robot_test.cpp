@@ -205,6 +205,36 @@ TEST_SUITE("unit") {
     }
   }
 
+  TEST_CASE("chains, end effectors, virtual and passive joints read back the same") {
+    const std::string text = R"(<robot name="chain">
+  <virtual_joint name="v" type="fixed" parent_frame="map" child_link="l0"/>
+  <virtual_joint name="p" type="planar" parent_frame="odom" child_link="l0"/>
+  <group name="arm">
+    <chain base_link="l0" tip_link="l2"/>
+  </group>
+  <group name="base">
+    <joint name="p"/>
+  </group>
+  <group name="hand">
+    <joint name="j3"/>
+  </group>
+  <end_effector name="tool" parent_link="l2" group="hand" parent_group="arm"/>
+  <passive_joint name="j1"/>
+</robot>
+)";
+    Robot::Parts parts = test::make_chain(3);
+    require(internal::apply_srdf(text, "text", parts));
+    const std::string written = to_srdf(parts);
+    CHECK(written.substr(written.find("  <")) == text.substr(text.find("  <")));
+    Robot::Parts read = test::make_chain(3);
+    require(internal::apply_srdf(written, "text", read));
+    CHECK(read.root_frame == "map");
+    CHECK(read.groups.at(0).tip == "l2");
+    CHECK(read.groups.at(0).joints == std::vector<std::string>{"j2"});
+    CHECK(read.groups.at(1).virtual_joint == "p");
+    CHECK(read.groups.at(2).is_end_effector);
+  }
+
   TEST_CASE("the reason of each pair, the comment and the parents of end effectors are written") {
     const std::vector<std::string> reasons{"Adjacent"};
     const std::string text = to_srdf(parts_with_groups(), reasons, "made by a test");
