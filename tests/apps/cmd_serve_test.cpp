@@ -91,6 +91,23 @@ TEST_SUITE("flow") {
                        {"p.yaml", "expected a start of 8 values", "got 2", "another robot"}}});
   }
 
+  TEST_CASE("a note says that a problem's constraints do not hold for all requests") {
+    if (run_program({"serve", "--help"}).exit_code != 0) return;
+    const TemporaryDirectory files;
+    const std::string problem =
+        "robot: planar8\nstart: [0, 0, 0, 0, 0, 0, 0, 0]\ngoal: [1, 0, 0, 0, 0, 0, 0, 0]\n"
+        "scene: {obstacles: []}\n";
+    const std::string constraints = "constraints: [{link: link_8, up: [0, 0, 1], angle: 0.2}]\n";
+    for (const bool is_constrained : {false, true}) {
+      write_file(files / "p.yaml", problem + (is_constrained ? constraints : ""));
+      // The database is opened after the problem is read: a directory is none.
+      const ProgramRun run = run_program(
+          {"serve", "--robot", "planar8", "--problem", files / "p.yaml", "--db", files / ""});
+      CHECK(contains(run.err, "is a directory"));
+      CHECK(contains(run.err, "its constraints hold for plans of the page only") == is_constrained);
+    }
+  }
+
   TEST_CASE("a token that no client could send is refused") {
     if (run_program({"serve", "--help"}).exit_code != 0) return;
     const TemporaryDirectory files;
