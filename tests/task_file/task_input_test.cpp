@@ -34,6 +34,16 @@ TEST_SUITE("unit") {
     CHECK((poses[5].translation - Vec3(0, 0.7, 0.5)).norm() < 1e-6);
   }
 
+  TEST_CASE("a pose turns in place where shifts come first") {
+    const Task task = make_task(
+        kCell + stages("{move: {link: panda_hand, to: {vary: [{shift: x, from: 0.5, to: "
+                       "0.5, count: 1}, {turn: z, from: 0, to: 1.5707963, count: 2}]}}}"));
+    const std::vector<Transform>& poses = task.stages[0].poses.poses;
+    REQUIRE(poses.size() == 2);
+    CHECK((poses[1].translation - Vec3(0.5, 0, 0)).norm() < 1e-12);
+    CHECK((poses[1].rotation.col(0) - Vec3(0, 1, 0)).norm() < 1e-6);
+  }
+
   TEST_CASE("a task file is told from a problem file by its stages") {
     const TemporaryDirectory directory;
     write_file(directory / "task.yaml", kCell + stages("{detach: cup}"));
