@@ -65,8 +65,6 @@ void complete(const CLI::App& command, LineOptions& options) {
     }
     options.line.start = pose.pose;
   }
-  if (!command.count("--path-tolerance")) options.trajectory.settings.path_tolerance = 1e-4;
-  if (!command.count("--time-rounds")) options.trajectory.settings.time_rounds = 0;
 }
 
 /// The start, or what branches are near. Error: not a configuration of the robot.
@@ -193,6 +191,9 @@ void add_line_flags(CLI::App& command, LineOptions& options) {
 
 void add_line(CLI::App& program, Action& action) {
   const auto options = std::make_shared<LineOptions>();
+  // The timed motion stays on the line.
+  options->trajectory.settings.path_tolerance = 1e-4;
+  options->trajectory.settings.time_rounds = 0;
   CLI::App& command = add_command(
       program, action, "line", "Move a link along a straight line",
       "line panda --start 0,-0.785,0,-2.356,0,1.571,0.785 --link panda_hand --by 0,0,-0.1", options,

@@ -44,6 +44,16 @@ TEST_SUITE("flow") {
     CHECK(Json::parse(run.out)["branches"] > 0);
   }
 
+  TEST_CASE("the help states the defaults of a line's motion") {
+    const std::string help = require_run({"line", "--help-all"}).out;
+    const auto of_flag = [&](const std::string& flag) {
+      const std::string text = help.substr(help.find(flag));
+      return text.substr(text.find("(default"), 13);
+    };
+    CHECK(of_flag("--path-tolerance X") == "(default 0.00");
+    CHECK(of_flag("--time-rounds N") == "(default 0; 0");
+  }
+
   TEST_CASE("a line that is not possible has an exit code and a reason") {
     const ProgramRun run = run_program(line_of({"--by", "2,0,0"}));
     CHECK(run.exit_code == 3);
