@@ -146,8 +146,8 @@ struct FramedScene {
 [[nodiscard]] std::string to_yaml(const Scene& scene);
 
 /// Returns MoveIt's planning scene as YAML, which load_framed_scene() reads back to the same scene.
-/// Errors: a shape other than spheres, boxes and cylinders; an obstacle with `may_touch`; an empty
-/// `frame`.
+/// Errors: a shape other than spheres, boxes and cylinders; an obstacle with `may_touch`;
+/// `end_contacts`; an empty `frame`.
 [[nodiscard]] Result<std::string> to_moveit_yaml(const FramedScene& framed);
 
 /// Returns a planar scene with a sphere in the plane z = 0 per circle; rows are x, y, radius.

@@ -90,6 +90,13 @@ Result<std::string> to_moveit_yaml(const FramedScene& framed) {
                 "scene \"{}\": the frame has no name, which MoveIt needs; name one (--frame)",
                 framed.scene.name);
   }
+  if (!framed.scene.end_contacts.empty()) {
+    const EndContact& contact = framed.scene.end_contacts.front();
+    return fail(ErrorCode::unsupported,
+                "\"{}\" may touch \"{}\" at the ends of a path; expected a scene without allowed "
+                "contacts: MoveIt has none of these",
+                contact.first, contact.second);
+  }
   std::string text = fmt::format("name: {}\nworld:\n  collision_objects:{}\n",
                                  internal::yaml_string(framed.scene.name),
                                  framed.scene.obstacles.empty() ? " []" : "");

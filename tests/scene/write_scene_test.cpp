@@ -115,6 +115,10 @@ TEST_SUITE("unit") {
     CHECK(load_framed_scene(directory / "s.yaml").value().frame == "");
     CHECK(to_moveit_yaml({{"s", {{"bar", {Capsule{}}}}}, "base"}).error().message ==
           "obstacle \"bar\" has the type capsule; expected spheres, boxes and cylinders alone");
+    Scene touching{"s", {{"can", {Sphere{}}}}};
+    touching.end_contacts = {{"hand", "can", 0.01}};
+    CHECK(contains(require_error(to_moveit_yaml({touching, "base"})).message,
+                   "\"hand\" may touch \"can\" at the ends of a path"));
     CHECK(to_moveit_yaml({{"s", {}}, ""}).error().message ==
           "scene \"s\": the frame has no name, which MoveIt needs; name one (--frame)");
   }
