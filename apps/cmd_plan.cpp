@@ -285,7 +285,9 @@ PathMeasures measure_in_time(const Robot& robot, const Scene& scene, const Path&
         [&] { return interrupt_flag()->load() || stopwatch.elapsed_s() > kLongest_s; });
     return measure_path(robot, scene, path);
   } catch (const Interrupted&) {
-    print_note("the least clearance is not measured: that takes too long in this scene");
+    print_note(interrupt_flag()->load()
+                   ? "the least clearance is not measured: interrupted"
+                   : "the least clearance is not measured: that takes too long in this scene");
     return measure_path(robot, {}, path);
   }
 }

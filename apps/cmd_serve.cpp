@@ -144,9 +144,10 @@ Result<std::shared_ptr<const Problem>> load_shown(const ServeOptions& options) {
                             options.problem, joints, problem.robot.name(), problem.start.size()));
   }
   if (!problem.constraints.empty()) {
-    print_note(fmt::format("--problem {}: its constraints hold for plans of the page only; other "
-                           "requests name their own",
-                           options.problem));
+    print_note(
+        fmt::format("--problem {}: its constraints hold for plans of the page only; other "
+                    "requests name their own",
+                    options.problem));
   }
   return std::make_shared<const Problem>(std::move(problem));
 }
