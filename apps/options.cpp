@@ -235,6 +235,11 @@ CLI::Option* add_upright(CLI::App& app, std::vector<OrientationConstraint>& cons
         throw CLI::ValidationError("--upright",
                                    fmt::format("'{}': expected LINK:ANGLE, in radians", text));
       }
+      if (!(*angle >= kLeastTilt && std::isfinite(*angle))) {
+        throw CLI::ValidationError(
+            "--upright",
+            fmt::format("'{}': expected an angle of at least {} radians", text, kLeastTilt));
+      }
       constraints.emplace_back().link = text.substr(0, colon);
       constraints.back().angle = *angle;
     }

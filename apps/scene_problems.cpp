@@ -36,6 +36,8 @@ constexpr int kMostEnclosed = 100000;
 constexpr int kMaxBoxes = 100000;
 constexpr std::uint64_t kProofIterations = 100000;
 constexpr double kMostMetres = 10;
+constexpr int kMostLinks = 1000;
+constexpr int kMostPassages = 8;
 
 /// Options of all commands.
 struct GeneratorOptions {
@@ -118,17 +120,21 @@ struct ThreadedOptions : GeneratorOptions {
   ThreadedSettings settings;
 };
 
-/// The range as whole numbers from 1 to 1000; otherwise an error with this message.
-Result<std::array<int, 2>> whole_range(const std::array<double, 2>& range,
-                                       const std::string& message) {
-  std::array<int, 2> whole = {};
-  for (std::size_t i = 0; i < 2; ++i) {
-    if (!(range[i] >= 1 && range[i] <= 1000) || range[i] != std::floor(range[i])) {
-      return fail(ErrorCode::invalid, message);
-    }
-    whole[i] = static_cast<int>(range[i]);
+/// The range as whole numbers from 1 to `most`; otherwise a usage error.
+std::array<int, 2> whole_range(const std::string& flag, const std::array<double, 2>& range,
+                               int most) {
+  const auto is_whole = [](double value) { return value == std::floor(value); };
+  const bool is_range = range[0] >= 1 && range[0] <= range[1] && range[1] <= most;
+  if (!is_range || !std::ranges::all_of(range, is_whole)) {
+    throw CLI::ValidationError(
+        flag, fmt::format("{}:{} is no range LEAST:MOST of whole numbers from 1 to {}", range[0],
+                          range[1], most));
   }
-  return whole;
+  return {static_cast<int>(range[0]), static_cast<int>(range[1])};
+}
+
+void check_threaded(const CLI::App&, ThreadedOptions& options) {
+  options.settings.depth = whole_range("--depth", options.depth, kMostLinks);
 }
 
 Json to_json(const ThreadedOptions& options, const ThreadedInstances& made) {
@@ -154,8 +160,6 @@ Json to_json(const ThreadedOptions& options, const ThreadedInstances& made) {
 
 Result<ExitCode> run_threaded(const ThreadedOptions& given) {
   ThreadedOptions options = given;
-  options.settings.depth = MNEME_TRY(
-      whole_range(options.depth, "--depth: expected whole numbers of links, such as 3:5"));
   const Robot robot = MNEME_TRY(load_named_robot(options.robot, {}, std::array{options.output}));
   Progress progress("threading");
   watch(options, progress, options.settings);
@@ -235,6 +239,16 @@ struct ComposedOptions : GeneratorOptions {
   ComposedSettings settings;
 };
 
+void check_composed(const CLI::App&, ComposedOptions& options) {
+  ComposedSettings& settings = options.settings;
+  settings.passages = whole_range("--passages", options.passages, kMostPassages);
+  if (settings.modules < settings.passages[1]) {
+    throw CLI::ValidationError("--modules",
+                               fmt::format("{} are fewer than the {} of --passages in one problem",
+                                           settings.modules, settings.passages[1]));
+  }
+}
+
 Json to_json(const ComposedInstance& instance) {
   Json parts = Json::array();
   for (const ComposedPart& part : instance.parts) {
@@ -280,8 +294,6 @@ Json modules_to_json(const ComposedOptions& options, const Robot& robot,
 
 Result<ExitCode> run_composed(const ComposedOptions& given) {
   ComposedOptions options = given;
-  options.settings.passages =
-      MNEME_TRY(whole_range(options.passages, "--passages: expected whole numbers, such as 1:3"));
   std::vector<std::string> outputs = {options.output};
   for (const std::string& file : {options.lessons, options.foreign}) {
     if (!file.empty()) outputs.push_back(file);
@@ -390,8 +402,9 @@ template <class Options>
 CLI::App& add_generator(CLI::App& group, Action& action, const std::string& name,
                         const std::string& sentence, const std::string& example,
                         const std::shared_ptr<Options>& options,
-                        Result<ExitCode> (*run)(const Options&), int most) {
-  CLI::App& command = add_command(group, action, name, sentence, example, options, run);
+                        Result<ExitCode> (*run)(const Options&), int most,
+                        void (*check)(const CLI::App&, Options&) = nullptr) {
+  CLI::App& command = add_command(group, action, name, sentence, example, options, run, check);
   command.add_option("-o,--output", options->output, "compact file to write, - to print it")
       ->required();
   add_seed(command, options->seed, "seed; problem number n depends on it and on n only");
@@ -411,7 +424,7 @@ void add_scene_threaded(CLI::App& group, Action& action) {
   CLI::App& command = add_generator(
       group, action, "threaded", "Write random problems of a planar arm in a gap, proven feasible",
       "scene threaded --robot planar8 --seed 1 -n 100 --gap 0.1:0.3 --depth 3:5 -o threaded.json",
-      options, run_threaded, kMostProblems);
+      options, run_threaded, kMostProblems, check_threaded);
   command.add_option("--robot", options->robot, "planar arm: URDF file or name (default planar8)");
   add_range(command, "--gap", options->settings.gap, "distance of the two circles, metres");
   add_range(command, "--depth", options->depth,
@@ -448,7 +461,7 @@ void add_scene_composed(CLI::App& group, Action& action) {
       "Write random problems that consist of passages, and the passages alone",
       "scene composed --robot panda --seed 1 -n 30 --modules 12 --passages 1:3 -o composed.json "
       "--lessons lessons.json",
-      options, run_composed, kMostEnclosed);
+      options, run_composed, kMostEnclosed, check_composed);
   command.add_option("--robot", options->robot, "URDF file or name (default panda)");
   add_robot_flags(command, options->robot_options);
   ComposedSettings& settings = options->settings;

@@ -203,6 +203,10 @@ TEST_SUITE("unit") {
         {{"scene", "convert", files.problem(), "--format", "dae"}, 2, {"--format", "dae"}},
         {{"scene", "convert", files.problem(), "--format", "moveit"}, 1, {"frame"}},
         {{"scene", "convert", files.problem(), "-o", files / "no/s.yaml"}, 1, {"no/s.yaml"}},
+        {{"scene", "composed", "-o", "-", "--modules", "2"}, 2, {"--modules", "2 are fewer than"}},
+        {{"scene", "composed", "-o", "-", "--passages", "1:9"}, 2, {"--passages", "from 1 to 8"}},
+        {{"scene", "composed", "-o", "-", "--passages", "nan"}, 2, {"--passages"}},
+        {{"scene", "threaded", "-o", "-", "--depth", "3:4.5"}, 2, {"--depth", "3:4.5 is no range"}},
     });
   }
 }
