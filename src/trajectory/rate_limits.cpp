@@ -54,7 +54,9 @@ std::optional<double> read_limit(const Input& joint, const std::string& quantity
   if (!most) return std::nullopt;
   if (most->is_number() && std::isinf(most->number()) && most->number() > 0) return kUnlimited;
   const bool is_below_zero = quantity == "deceleration" && most->finite_number() < 0;
-  return is_below_zero ? -most->finite_number() : most->positive_number();
+  const double limit = is_below_zero ? -most->finite_number() : most->positive_number();
+  if (limit < kLeastRate) most->fail_expecting("a limit of at least {}", kLeastRate);
+  return limit;
 }
 
 /// The map with the key joint_limits: the root, or below keys of ROS parameters.

@@ -124,6 +124,7 @@ joint_limits:
              {"joint_limits:\n  a: {max_velocity: -1}", ":2: key joint_limits.a.max_velocity"},
              {"joint_limits:\n  a: {max_velocity: 0}", "expected a number above 0, got 0"},
              {"joint_limits:\n  a: {max_velocity: .nan}", "expected a finite number"},
+             {"joint_limits:\n  a: {max_velocity: 1e-7}", "a limit of at least 1e-06"},
              {"joint_limits:\n  a: {max_acceleration: fast}", "expected a number, got \"fast\""},
              {"joint_limits:\n  a: {has_velocity_limits: true}", "the key max_velocity"},
              {"limits: {}", "the key joint_limits"},
