@@ -89,11 +89,8 @@ void narrow_about_middle_axis(PoseGoal& goal) {
   goal.cone = std::atan(std::tan(std::min(goal.cone, kWidest)) * std::cos(goal.turn));
 }
 
-void read_orientation(const Input& constraint, const Transform& X_RF, PoseGoal& goal) {
-  constraint.allow_keys({"header", "orientation", "link_name", "absolute_x_axis_tolerance",
-                         "absolute_y_axis_tolerance", "absolute_z_axis_tolerance",
-                         "parameterization", "weight"});
-  goal.pose.rotation = X_RF.rotation * read_moveit_rotation(constraint.at("orientation"));
+/// Tolerances about x, y and z, radians, at most pi.
+std::array<double, 3> read_tolerances(const Input& constraint) {
   std::array<double, 3> tolerance = {};
   for (int i = 0; i < 3; ++i) {
     const std::string key = fmt::format("absolute_{}_axis_tolerance", "xyz"[i]);
@@ -103,6 +100,15 @@ void read_orientation(const Input& constraint, const Transform& X_RF, PoseGoal& 
     if (value < 0) given->fail_expecting("a tolerance of 0 or more");
     tolerance[static_cast<std::size_t>(i)] = std::min(value, std::numbers::pi);
   }
+  return tolerance;
+}
+
+void read_orientation(const Input& constraint, const Transform& X_RF, PoseGoal& goal) {
+  constraint.allow_keys({"header", "orientation", "link_name", "absolute_x_axis_tolerance",
+                         "absolute_y_axis_tolerance", "absolute_z_axis_tolerance",
+                         "parameterization", "weight"});
+  goal.pose.rotation = X_RF.rotation * read_moveit_rotation(constraint.at("orientation"));
+  const std::array<double, 3> tolerance = read_tolerances(constraint);
   const auto widest = std::ranges::max_element(tolerance) - tolerance.begin();
   goal.axis = static_cast<Axis>(widest);
   goal.turn = tolerance[static_cast<std::size_t>(widest)];
@@ -154,8 +160,8 @@ OrientationConstraint read_moveit_path_constraint(const Input& constraint,
   if (region.turn < std::numbers::pi) {
     constraint.fail(ErrorCode::unsupported,
                     "expected a path constraint with a tolerance of pi about one axis, "
-                    "got {:.5g} at most",
-                    region.turn);
+                    "got {:.5g}",
+                    fmt::join(read_tolerances(constraint), ", "));
   }
   OrientationConstraint result;
   result.link = constraint.at("link_name").text();
