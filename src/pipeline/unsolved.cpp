@@ -99,7 +99,7 @@ PlanResult describe_unsolved(std::int64_t row, const VainSearch& search, PlanSta
                                 : fmt::format("{:.0f} iterations", search.iterations);
   plan.message = fmt::format(
       "no path: row {} remembers a search of {} for exactly this problem in vain; a longer limit "
-      "or `memory: off` searches again",
+      "or the setting replay at 0 (`--replay 0`) searches again",
       row, limit);
   return plan;
 }
