@@ -68,10 +68,12 @@ Transform MoveitFrames::pose_in_root(const std::string& frame, const Input& plac
   const auto known = X_PF_.find(name);
   const bool is_planning_frame = !name.empty() && name == planning_frame_;
   if (!is_planning_frame && known == X_PF_.end()) {
-    place.fail(ErrorCode::invalid,
-               "expected a frame that is a link of the robot, the planning frame \"{}\" "
-               "or one of the fixed_frame_transforms, got \"{}\"",
-               planning_frame_, name);
+    place.fail(
+        ErrorCode::invalid,
+        "expected a frame that is a link of the robot{} or one of the "
+        "fixed_frame_transforms, got \"{}\"",
+        planning_frame_.empty() ? "" : fmt::format(", the planning frame \"{}\"", planning_frame_),
+        name);
   }
   Transform X_RP = X_PR_ ? X_PR_->inverse() : Transform{};
   if (const auto link = X_PR_ ? std::nullopt : find_link(planning_frame_, place)) X_RP = *link;

@@ -346,6 +346,9 @@ TEST_SUITE("unit") {
         origin(kBase, "table").error().message ==
         "f:1: expected a frame that is a link of the robot, the planning frame \"world\" or one of "
         "the fixed_frame_transforms, got \"table\"");
+    CHECK(origin("{}", "table").error().message ==
+          "f:1: expected a frame that is a link of the robot or one of the fixed_frame_transforms, "
+          "got \"table\"");
     CHECK_FALSE(origin("{}", "").has_value());
     CHECK(origin(kCamera +
                      "robot_state: {multi_dof_joint_state: {header: {frame_id: moon}, joint_names: "
