@@ -269,7 +269,8 @@ class UrdfReader {
     }
     constexpr std::string_view kExpected = "expected fixed, revolute, continuous or prismatic";
     if (type != "planar" && type != "floating") {
-      xml_.fail(element, "type '{}' is unknown; {}", type, kExpected);
+      xml_.fail(element, "type '{}' is unknown; {}, or planar or floating, which keep their values",
+                type, kExpected);
     }
     xml_.tolerate(
         element,

@@ -192,7 +192,7 @@ TEST_SUITE("unit") {
         {"xyz=\"0 1 0\"", "xyz=\"0 1e-10 0\"", 11, "joint 'turn': its axis"},
         {"xyz=\"0 1 0\"", "xyz=\"0 1 1 0\"", 15, "joint 'turn': <axis>: xyz is '0 1 1 0'"},
         {"xyz=\"0 1 0\"", "", 15, "<axis>: attribute 'xyz' is missing"},
-        {"type=\"revolute\"", "type=\"revolut\"", 11, "type 'revolut' is unknown"},
+        {"type=\"revolute\"", "type=\"revolut\"", 11, "prismatic, or planar or floating"},
         {"type=\"revolute\"", "", 11, "attribute 'type' is missing"},
         {"<parent link=\"base\"/>", "<parent link=\"bass\"/>", 12, "there is no link 'bass'"},
         {"<parent link=\"base\"/>", "", 11, "joint 'turn': <joint>: the element <parent>"},
