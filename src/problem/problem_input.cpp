@@ -47,7 +47,11 @@ std::string describe_obstruction(const Robot& robot, const std::string& name) {
     if (joint.held && held_values(joint, {}).contains(name)) return "";
   }
   const auto joint = std::ranges::find(robot.joints(), name, &Joint::name);
-  if (joint == robot.joints().end()) return "no such joint";
+  if (joint == robot.joints().end()) {
+    std::vector<std::string> names;
+    for (const Joint& each : robot.joints()) names.push_back(each.name);
+    return "no such joint" + did_you_mean(name, names);
+  }
   if (joint->held) return joint->held->is_planar ? "a planar joint" : "a floating joint";
   if (std::ranges::count(robot.group(), joint - robot.joints().begin()) > 0) return "planned for";
   if (joint->mimic) return "follows another joint";

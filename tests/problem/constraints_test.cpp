@@ -72,7 +72,7 @@ TEST_SUITE("unit") {
     const MoveitFiles narrow(kMoveitScene,
                              kMoveitRequest + kMoveitPath + "absolute_z_axis_tolerance: 0.1}\n");
     CHECK(contains(narrow.failure(),
-                   "expected a path constraint with a tolerance of pi about one axis, got 0.2, "
+                   "expected a path constraint with a tolerance of pi about one axis, got 0.3, "
                    "0.2, 0.1"));
   }
 }

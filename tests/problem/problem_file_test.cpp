@@ -117,6 +117,14 @@ TEST_SUITE("unit") {
           "fixed joint), wheel (no such joint)");
   }
 
+  TEST_CASE("a fixed joint that the robot lacks gets the name that may be meant") {
+    const Lifter lifter;
+    const auto read = require(
+        lifter.read("robot: lifter.urdf\njoints: [turn, lift]\nfixed_joints: {gripp: 0.03}"));
+    REQUIRE(read.warnings.size() == 1);
+    CHECK(read.warnings[0].ends_with("gripp (no such joint; did you mean 'grip'?)"));
+  }
+
   TEST_CASE("of many values that are left aside the first are named") {
     const Lifter lifter;
     const auto read = require(lifter.read(
