@@ -324,7 +324,10 @@ void read_fixed(std::string_view text, std::map<std::string, double>& values) {
       throw CLI::ValidationError(
           "--fix", fmt::format("expected JOINT=VALUE such as lift=0.2, got '{}'", item));
     }
-    values[std::string(item.substr(0, equals))] = *value;
+    const std::string joint(item.substr(0, equals));
+    if (!values.emplace(joint, *value).second) {
+      throw CLI::ValidationError("--fix", fmt::format("'{}' has two values", joint));
+    }
     if (end == text.size()) return;
     text.remove_prefix(end + 1);
   }

@@ -3,6 +3,7 @@
 #include "problem/moveit_problem.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

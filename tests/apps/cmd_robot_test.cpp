@@ -109,6 +109,9 @@ TEST_SUITE("unit") {
     check_bad_inputs({
         {{"robot", "check", cart, "--q", "0", "--fix", "base/x"}, 2, {"--fix", "JOINT=VALUE"}},
         {{"robot", "check", cart, "--q", "0", "--fix", "base/x=one"}, 2, {"base/x=one"}},
+        {{"robot", "check", cart, "--q", "0", "--fix", "base/x=1,base/x=2"},
+         2,
+         {"--fix", "'base/x' has two values"}},
         {{"robot", "check", cart, "--q", "0", "--fix", "lift=1"}, 1, {"there is no joint 'lift'"}},
     });
   }
