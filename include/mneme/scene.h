@@ -108,7 +108,8 @@ struct Scene {
   [[nodiscard]] Result<void> add_shape(const std::string& obstacle, Shape shape);
   /// Removes an obstacle and what `end_contacts` says of it.
   [[nodiscard]] Result<void> remove(std::string_view obstacle);
-  /// Moves an obstacle by X in the frame of the root link: each pose becomes X * pose.
+  /// Moves an obstacle by X in the frame of the root link: each pose becomes X * pose. Rounding
+  /// does not accumulate in rotations. Error: X is not a rigid motion.
   [[nodiscard]] Result<void> move(std::string_view obstacle, const Transform& X);
   /// Replaces the points of a cloud from index `first` on, in the cloud's frame. `points` must not
   /// alias the cloud's own. The checkers' grid is updated in place, or copied first if another

@@ -9,6 +9,7 @@
 #include "scene/compound_files.h"
 #include "scene/scene_input.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,6 +31,19 @@ template <class Obstacles>
 auto* find_in(Obstacles& obstacles, std::string_view name) {
   const auto found = std::ranges::find(obstacles, name, &Obstacle::name);
   return found == obstacles.end() ? nullptr : &*found;
+}
+
+/// Removes the rounding that products of rotations accumulate.
+void straighten(Shape& shape) {
+  std::visit(
+      [](auto& own) {
+        if constexpr (requires { own.pose; }) {
+          Eigen::Matrix3d& rotation = own.pose.rotation;
+          if ((rotation.transpose() * rotation).isIdentity(1e-12)) return;
+          rotation = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
+        }
+      },
+      shape);
 }
 
 }  // namespace
@@ -130,7 +144,13 @@ Result<void> Scene::remove(std::string_view obstacle) {
 Result<void> Scene::move(std::string_view obstacle, const Transform& X) {
   Obstacle* found = find(obstacle);
   if (found == nullptr) return refuse_unknown(*this, obstacle);
-  for (Shape& shape : found->shapes) shape = transformed(X, shape);
+  if (!X.translation.allFinite() || !internal::is_rotation(X.rotation)) {
+    return refuse_edit(obstacle, "expected a rigid motion of finite numbers");
+  }
+  for (Shape& shape : found->shapes) {
+    shape = transformed(X, shape);
+    straighten(shape);
+  }
   return {};
 }
 

@@ -169,6 +169,35 @@ TEST_SUITE("unit") {
     CHECK(scene.end_contacts == std::vector<EndContact>{{"hand", "b", 0.01}});
   }
 
+  TEST_CASE("rotations stay rotations after a thousand moves to a pose") {
+    Scene scene{"s", {}};
+    require(scene.add({"b", {Box{{}, Vec3(0.1, 0.2, 0.3)}, Cylinder{{}, 0.1, 0.2}}}));
+    const auto pose = [&](std::size_t i) {
+      return std::visit(
+          [](const auto& own) {
+            if constexpr (requires { own.pose; }) return own.pose;
+            return Transform();
+          },
+          scene.find("b")->shapes[i]);
+    };
+    for (int i = 1; i <= 1000; ++i) {
+      const Transform after{rotation_about(Vec3(0.6, 0, 0.8), 0.7 * i), Vec3(0.1 * (i % 7), 0, 0)};
+      require(scene.move("b", after * pose(0).inverse()));
+      for (const std::size_t shape : {0U, 1U}) {
+        const Transform reached = pose(shape);
+        CHECK((reached.rotation - after.rotation).norm() < 1e-9);
+        CHECK((reached.translation - after.translation).norm() < 1e-9);
+      }
+    }
+    const Scene before = scene;
+    for (const Transform& wrong : {Transform{2 * Eigen::Matrix3d::Identity(), Vec3::Zero()},
+                                   Transform{Eigen::Matrix3d::Identity(), Vec3(NAN, 0, 0)}}) {
+      CHECK(edit_message(scene.move("b", wrong)) ==
+            "obstacle \"b\": expected a rigid motion of finite numbers");
+    }
+    CHECK(scene == before);
+  }
+
   TEST_CASE("shapes of one name are one body, also after obstacles were changed by hand") {
     Scene scene{"s", {}};
     require(scene.add_shape("a", Sphere{Vec3::Zero(), 1}));
