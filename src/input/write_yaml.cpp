@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
+#include "base/threads.h"
 #include "input/input.h"
 
 #include <fmt/format.h>
@@ -45,8 +46,10 @@ std::string yaml_flow(const nlohmann::ordered_json& value) {
   if (value.is_number_float()) return yaml_number(value.get<double>());
   if (value.is_string()) return yaml_string(value.get_ref<const std::string&>());
   if (!value.is_structured()) return value.dump();
+  constexpr std::size_t kPollInterval = 4096;
   std::vector<std::string> items;
   for (const auto& [key, item] : value.items()) {
+    if (items.size() % kPollInterval == kPollInterval - 1) poll_interrupt();
     items.push_back(value.is_object() ? fmt::format("{}: {}", yaml_string(key), yaml_flow(item))
                                       : yaml_flow(item));
   }
