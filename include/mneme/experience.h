@@ -168,7 +168,8 @@ class Database {
   /// if rows still wait then; the message says how many.
   Result<void> flush(double timeout_s = 1e6);
   [[nodiscard]] QueuedRows queued_rows() const;
-  /// Ends calls that wait for a server within 20 ms, and lets all later calls fail. Without
+  /// Ends calls that wait for a server, or for another process that locks the file, within 20 ms,
+  /// and lets all later calls that must wait fail. Without
   /// stop_waiting(), the destructor waits up to 30 s for queued rows.
   void stop_waiting();
 

@@ -17,8 +17,8 @@ namespace {
 /// A store whose file is created with its first row, by this process or another one.
 class NewStore final : public Store {
  public:
-  NewStore(std::string name, RobotSignature robot)
-      : name_(std::move(name)), path_(lasting_url(name_)), robot_(std::move(robot)) {}
+  NewStore(std::string name, RobotSignature robot, const std::atomic<bool>* stop)
+      : name_(std::move(name)), path_(lasting_url(name_)), robot_(std::move(robot)), stop_(stop) {}
 
   const std::string& name() const override { return name_; }
   Result<int> schema_version() override {
@@ -55,7 +55,8 @@ class NewStore final : public Store {
   /// Opens the file, and creates it unless another process already did.
   Result<void> open() {
     if (file_ != nullptr) return {};
-    auto file = MNEME_TRY(open_sqlite_store(path_, OpenMode::create));
+    auto file = MNEME_TRY(
+        open_sqlite_store(path_, OpenMode::create, LossCheck::refuse, kMigrationTimeoutMs, stop_));
     MNEME_TRY(file->create(robot_));
     const auto found = MNEME_TRY(file->signature());
     if (!is_same_robot(found, robot_)) return refuse_robot(name_, found, robot_);
@@ -66,6 +67,7 @@ class NewStore final : public Store {
   std::string name_;
   std::string path_;
   RobotSignature robot_;
+  const std::atomic<bool>* stop_;
   std::unique_ptr<Store> file_;  // null until there is a file
   std::optional<std::string> loss_;
 };
@@ -73,14 +75,15 @@ class NewStore final : public Store {
 }  // namespace
 
 Result<std::unique_ptr<Store>> new_sqlite_store(const std::string& path,
-                                                const RobotSignature& robot) {
+                                                const RobotSignature& robot,
+                                                const std::atomic<bool>* stop) {
   MNEME_TRY(check_files(path));
   const auto directory = std::filesystem::path(lasting_url(path)).parent_path();
   if (::access(directory.c_str(), W_OK | X_OK) != 0) {
     return fail(ErrorCode::io, "{}: cannot be created in {}: {}; expected a writable directory",
                 path, directory.string(), std::generic_category().message(errno));
   }
-  return std::make_unique<NewStore>(path, robot);
+  return std::make_unique<NewStore>(path, robot, stop);
 }
 
 }  // namespace mneme::internal

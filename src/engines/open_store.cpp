@@ -91,7 +91,10 @@ Result<OpenedStore> identified(std::unique_ptr<Store> store) {
 Result<std::unique_ptr<Store>> open_store(const std::string& url, OpenMode mode,
                                           const OpenOptions& options) {
   const auto engine = MNEME_TRY(engine_of(url));
-  if (engine == Engine::sqlite) return open_sqlite_store(url, mode, options.loss_check);
+  if (engine == Engine::sqlite) {
+    return open_sqlite_store(url, mode, options.loss_check, kMigrationTimeoutMs,
+                             options.patience.stop);
+  }
 #ifdef MNEME_HAS_POSTGRESQL
   return open_postgres_store(url, mode, options.patience);
 #else
@@ -110,7 +113,7 @@ Result<OpenedStore> open_store_of(const std::string& url, const RobotSignature& 
   const bool is_new = engine == Engine::sqlite && mode == OpenMode::create && !url.empty() &&
                       !std::filesystem::exists(std::filesystem::symlink_status(url, error));
   if (is_new) {
-    auto store = MNEME_TRY(new_sqlite_store(url, signature));
+    auto store = MNEME_TRY(new_sqlite_store(url, signature, options.patience.stop));
     return OpenedStore{std::move(store), signature, 0};
   }
   auto opened = open_store(url, mode, options).and_then(identified);

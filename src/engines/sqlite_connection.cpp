@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace mneme::internal {
@@ -164,7 +165,8 @@ Result<Connection> Connection::open(const std::string& path, const std::string& 
   if (status != SQLITE_OK) return sqlite_error(path, handle, status);
   if (const char* file = sqlite3_db_filename(handle, "main")) connection.lasting_path_ = file;
   sqlite3_extended_result_codes(handle, 1);
-  sqlite3_busy_timeout(handle, kBusyTimeoutMs);
+  connection.waiting_ = std::make_unique<Waiting>();
+  sqlite3_busy_handler(handle, &wait_for_others, connection.waiting_.get());
   // An untrusted file must not run code through views, triggers or a manipulated schema.
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
@@ -173,9 +175,21 @@ Result<Connection> Connection::open(const std::string& path, const std::string& 
   return connection;
 }
 
-void Connection::set_busy_timeout(int milliseconds) {
-  sqlite3_busy_timeout(handle_.get(), milliseconds);
+int Connection::wait_for_others(void* waiting, int attempts) {
+  constexpr int kShortest_ms = 1, kLongest_ms = 20;
+  auto& own = *static_cast<Waiting*>(waiting);
+  if (attempts == 0) own.waited_ms = 0;
+  const bool is_over = own.waited_ms >= own.timeout_ms || (own.stop != nullptr && *own.stop);
+  if (is_over) return 0;
+  const int pause_ms = std::clamp(attempts, kShortest_ms, kLongest_ms);
+  sqlite3_sleep(pause_ms);
+  own.waited_ms += pause_ms;
+  return 1;
 }
+
+void Connection::set_busy_timeout(int milliseconds) { waiting_->timeout_ms = milliseconds; }
+
+void Connection::set_stop(const std::atomic<bool>* stop) { waiting_->stop = stop; }
 
 Result<Connection> Connection::copy_in_memory() {
   auto copy = MNEME_TRY(open(*path_, ":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_MEMORY));

@@ -9,6 +9,7 @@ struct sqlite3_stmt;
 
 #include "mneme/base.h"
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -75,6 +76,9 @@ class Connection {
 
   static constexpr int kBusyTimeoutMs = 10000;
   void set_busy_timeout(int milliseconds);
+  /// Statements that wait for other processes fail within 20 ms after `*stop` is true. It must
+  /// outlive the connection.
+  void set_stop(const std::atomic<bool>* stop);
 
   /// The path as given, for messages.
   [[nodiscard]] const std::string& path() const { return *path_; }
@@ -105,8 +109,16 @@ class Connection {
   };
   [[nodiscard]] static Result<Connection> open(const std::string& path, const std::string& name,
                                                int flags);
-  // On the heap, because statements point to it and the connection may move.
+  /// How statements wait for other processes.
+  struct Waiting {
+    int timeout_ms = kBusyTimeoutMs;
+    const std::atomic<bool>* stop = nullptr;
+    int waited_ms = 0;
+  };
+  static int wait_for_others(void* waiting, int attempts);
+  // Both on the heap, because statements and SQLite point to them and the connection may move.
   std::unique_ptr<const std::string> path_;
+  std::unique_ptr<Waiting> waiting_;
   std::unique_ptr<sqlite3, Close> handle_;
   std::map<std::string, Statement, std::less<>> kept_;
   std::string lasting_path_;

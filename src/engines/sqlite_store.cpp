@@ -377,7 +377,8 @@ Result<Connection> migrated(Connection connection, bool is_writer, int timeout_m
 }  // namespace
 
 Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, OpenMode mode,
-                                                 LossCheck check, int migration_timeout_ms) {
+                                                 LossCheck check, int migration_timeout_ms,
+                                                 const std::atomic<bool>* stop) {
   const bool is_writer = mode != OpenMode::read_only;
   MNEME_TRY(check_files(path));
   std::error_code error;
@@ -399,6 +400,7 @@ Result<std::unique_ptr<Store>> open_sqlite_store(const std::string& path, OpenMo
   }
   // A new file needs its page size before it enters WAL mode, which fixes it.
   if (is_writer && version != 0) MNEME_TRY(prepare_for_writing(connection));
+  connection.set_stop(stop);
   return std::make_unique<SqliteStore>(std::move(connection), mode, std::move(loss), record_flaw);
 }
 

@@ -10,6 +10,7 @@
 #include "engines/sqlite_connection.h"
 #include "store/store.h"
 
+#include <atomic>
 #include <cstdint>
 
 namespace mneme::internal {
@@ -61,14 +62,16 @@ inline constexpr int kMigrationTimeoutMs = 600000;
 
 /// Opens and identifies `path`. Migrates a file of kOldSchema; a reader migrates a copy in memory.
 /// Reading also works in a read-only directory. Errors: io; corrupt, also if acknowledged rows are
-/// missing, unless `check` says otherwise; unsupported for another schema.
+/// missing, unless `check` says otherwise; unsupported for another schema. `stop`, if not null,
+/// ends later waits for other processes (Connection::set_stop()).
 [[nodiscard]] Result<std::unique_ptr<Store>> open_sqlite_store(
     const std::string& path, OpenMode mode, LossCheck check = LossCheck::refuse,
-    int migration_timeout_ms = kMigrationTimeoutMs);
+    int migration_timeout_ms = kMigrationTimeoutMs, const std::atomic<bool>* stop = nullptr);
 
 /// A store in a file that does not exist yet: the first writing transaction creates it, so that
-/// a process that stores nothing leaves no file. Errors: io if its directory is not writable.
-[[nodiscard]] Result<std::unique_ptr<Store>> new_sqlite_store(const std::string& path,
-                                                              const RobotSignature& robot);
+/// a process that stores nothing leaves no file. `stop` as in open_sqlite_store(). Errors: io if
+/// its directory is not writable.
+[[nodiscard]] Result<std::unique_ptr<Store>> new_sqlite_store(
+    const std::string& path, const RobotSignature& robot, const std::atomic<bool>* stop = nullptr);
 
 }  // namespace mneme::internal

@@ -462,7 +462,7 @@ Result<void> Database::flush(double timeout_s) {
   if (state_->queue.flush(timeout_s)) return {};
   const QueuedRows rows = state_->queue.counts();
   return fail(ErrorCode::io, "{}: {} rows are not stored yet: {}", state_->url, rows.waiting,
-              rows.failure);
+              rows.failure.empty() ? "the first attempt has not ended" : rows.failure);
 }
 
 QueuedRows Database::queued_rows() const { return state_->queue.counts(); }

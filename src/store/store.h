@@ -91,11 +91,11 @@ enum class LossCheck {
   note,    ///< open it nevertheless; Store::loss() describes what is missing
 };
 
-/// How long calls wait for a server.
+/// How long calls wait for a server, or for another process that locks a file.
 struct ServerPatience {
   double answer_s = 10;  ///< seconds from the begin of a call to its answer, of streams to each row
-  /// Set by another thread to end waiting calls within 20 ms, and all later ones at once; may be
-  /// null.
+  /// Set by another thread to end waiting calls within 20 ms, and all later ones that would wait at
+  /// once; may be null.
   const std::atomic<bool>* stop = nullptr;
 };
 

@@ -3,6 +3,7 @@
 #include "mneme/upkeep.h"
 
 #include "engines/fixtures.h"
+#include "engines/sqlite_connection.h"
 #include "support/kinds.h"
 
 #include <atomic>
@@ -247,6 +248,27 @@ TEST_SUITE("unit") {
     CHECK(error.code == ErrorCode::io);
     CHECK(contains(error.message, "takes no more rows"));
     CHECK(database.queued_rows().waiting == 0);
+  }
+
+  TEST_CASE("nothing waits for a lock of another process once the database need not wait") {
+    const TemporaryDirectory directory;
+    Rng rng(57);
+    Database database = open_database(directory / "a.db");
+    REQUIRE(database.insert(random_rows(rng, 1)));
+    internal::Connection other = require(
+        internal::Connection::open(directory / "a.db", internal::Connection::Access::read_write));
+    const auto lock =
+        require(internal::Transaction::begin(other, internal::Transaction::Kind::write));
+    REQUIRE(database.insert_later(random_rows(rng, 1)));
+    CHECK(contains(require_error(database.flush(0.01)).message,
+                   ": 1 rows are not stored yet: the first attempt has not ended"));
+    database.stop_waiting();
+    const Stopwatch stopwatch;
+    const Error error = require_error(database.insert(random_rows(rng, 1)));
+    CHECK(error.code == ErrorCode::io);
+    CHECK(contains(error.message, "locked by another process"));
+    // It waited ten seconds for the lock.
+    CHECK(stopwatch.elapsed_s() < 5);
   }
 
   TEST_CASE("an empty file counts as an empty database") {
