@@ -13,13 +13,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <ios>
 #include <memory>
 #include <string>
-#include <string_view>
-#include <system_error>
 #include <vector>
 
 namespace mneme::app {
@@ -28,7 +24,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// How files of cells begin, of any version.
-constexpr std::string_view kCellFormat = "mneme cell, version ";
 
 Json coverage_json(const CellCoverage& coverage) {
   Json gaps = Json::object();
@@ -102,21 +97,6 @@ Result<Cell> build_or_resume(const CellRegion& region, const CellBuildOptions& o
   return cell;
 }
 
-/// Refuses to replace a file that is no cell.
-Result<void> check_replaced(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return {};
-  if (std::filesystem::file_size(path, ignored) == 0) return {};
-  std::string head(kCellFormat.size(), '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  if (file && head == kCellFormat) return {};
-  return fail(ErrorCode::invalid,
-              fmt::format("{}: the output exists and is no cell; choose another file, or remove "
-                          "this one",
-                          path));
-}
-
 /// Says why nothing is proven, in any start.
 void print_nothing_proven(const Cell& cell) {
   const auto is_out_of_reach = [&](std::size_t start) {
@@ -140,7 +120,7 @@ Result<ExitCode> run_cell_build(const CellBuildOptions& options) {
   std::vector<ReadFile> inputs = {{"the region", options.region}};
   add_files("a file of the problem", region.problem.files, inputs);
   MNEME_TRY(check_outputs(std::array{options.output}, inputs));
-  MNEME_TRY(check_replaced(options.output));
+  MNEME_TRY(check_cell_output(options.output));
   for (const std::string& warning : region.problem.warnings) print_warning(warning);
   if (!options.is_resumed) {
     if (const auto fault = MNEME_TRY(find_invalid_start(region, options.settings.margin))) {

@@ -201,9 +201,9 @@ class Cell {
   void look_up(const CellTask& task, CellAnswer& answer, std::size_t start = 0) const;
   /// As look_up(). Without a certified answer, deforms the nearest boxes' paths to the task and
   /// verifies them; then plans for at most `timeout_s` seconds. A path of any tier is proven free
-  /// before it is returned.
-  [[nodiscard]] CellAnswer ask(const CellTask& task, std::size_t start = 0,
-                               double timeout_s = 1) const;
+  /// before it is returned. `cancel`, unless null, ends planning soon after another thread sets it.
+  [[nodiscard]] CellAnswer ask(const CellTask& task, std::size_t start = 0, double timeout_s = 1,
+                               const std::atomic<bool>* cancel = nullptr) const;
 
   [[nodiscard]] CellCoverage coverage(std::size_t start = 0, int samples = 10000) const;
   /// Compares the paths of tasks on both sides of the faces between boxes. Jumps are changes of at
@@ -223,7 +223,8 @@ class Cell {
       const CellSettings& settings = {},
       const std::function<void(const CellProgress&)>& on_progress = {});
 
-  /// Writes a file that load_cell() reads back to the same cell.
+  /// Writes a file that load_cell() reads back to the same cell. Errors: io; those of
+  /// check_cell_output().
   [[nodiscard]] Result<void> save(const std::string& path) const;
 
   /// For build_cell() and load_cell().
@@ -261,5 +262,8 @@ class Cell {
 /// from. Errors: io; corrupt for a damaged file; wrong_robot.
 [[nodiscard]] Result<Cell> load_cell(const std::string& path, const std::string& region_path = {},
                                      const ProblemOptions& options = {});
+/// Checks a path for Cell::save(). Error: invalid, if it is a file that is neither empty nor a
+/// cell.
+[[nodiscard]] Result<void> check_cell_output(const std::string& path);
 
 }  // namespace mneme

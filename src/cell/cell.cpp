@@ -7,6 +7,7 @@
 #include "mneme/sampling.h"
 
 #include "base/as_index.h"
+#include "base/threads.h"
 #include "cell/branch.h"
 #include "cell/cell_data.h"
 
@@ -367,7 +368,7 @@ class PathBender {
 
 /// Plans to all configurations of the task that inverse kinematics finds.
 void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t start,
-               double timeout_s, CellAnswer& answer) {
+               double timeout_s, const std::atomic<bool>* cancel, CellAnswer& answer) {
   const Robot& robot = data.region.problem.robot;
   PoseGoal goal;
   goal.link = data.region.middle().link;
@@ -375,7 +376,7 @@ void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t
   const Configuration& from = data.region.starts[start].q;
   const Stopwatch stopwatch;
   IkSettings ik;
-  ik.is_over = [&] { return stopwatch.elapsed_s() > timeout_s; };
+  ik.is_over = [&] { return stopwatch.elapsed_s() > timeout_s || (cancel != nullptr && *cancel); };
   const internal::CellTools& tools = data.tools();
   const IkResult found =
       tools.kinematics.solve(goal, from, ik, &tools.checker, kVerificationMargin);
@@ -387,6 +388,7 @@ void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t
   if (PathBender(data, task, start, answer).run(found.solutions)) return;
   PlanSettings settings;
   settings.timeout_s = std::max(0.0, timeout_s - stopwatch.elapsed_s());
+  settings.cancel = cancel;
   const PlanResult planned = plan_with(rrt_connect, tools.checker, {from, found.solutions},
                                        *make_uniform_sampler(robot), settings);
   answer.note = planned.message;
@@ -397,7 +399,8 @@ void plan_anew(const internal::CellData& data, const CellTask& task, std::size_t
 
 }  // namespace
 
-CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s) const {
+CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s,
+                     const std::atomic<bool>* cancel) const {
   CellAnswer answer;
   answer.start = start;
   answer.cell = data_->hash;
@@ -420,7 +423,7 @@ CellAnswer Cell::ask(const CellTask& task, std::size_t start, double timeout_s) 
   }
   if (PathBender(*data_, task, start, answer).run()) return answer;
   if (timeout_s > 0) {
-    plan_anew(*data_, task, start, timeout_s, answer);
+    plan_anew(*data_, task, start, timeout_s, cancel, answer);
   } else {
     answer.note =
         "no proven box and no path of a near box leads to the task, and without time it is not "
@@ -472,7 +475,9 @@ CellCoverage Cell::coverage(std::size_t start, int samples) const {
   CellAnswer answer;
   std::array<int, kCellGaps> gap_counts = {};
   int proven = 0;
+  constexpr int kPollInterval = 1024;
   for (int i = 0; i < samples; ++i) {
+    if (i % kPollInterval == 0) internal::poll_interrupt();
     const CellTask task = data_->frame.whole().sample(data_->frame.varying(), rng);
     look_up(task, answer, start);
     if (answer.tier == CellTier::certified) {

@@ -15,8 +15,11 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace mneme {
@@ -280,7 +283,21 @@ std::uint64_t hash_cell(const CellData& data) {
 
 }  // namespace internal
 
+Result<void> check_cell_output(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return {};
+  if (std::filesystem::file_size(path, ignored) == 0) return {};
+  std::string head(internal::kFormat.size(), '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  if (file && head == internal::kFormat) return {};
+  return internal::fail(
+      ErrorCode::invalid,
+      "{}: the output exists and is no cell; choose another file, or remove this one", path);
+}
+
 Result<void> Cell::save(const std::string& path) const {
+  MNEME_TRY(check_cell_output(path));
   internal::ByteWriter writer(internal::kMagic);
   internal::CellHead head{std::filesystem::absolute(data_->region.path).lexically_normal().string(),
                           internal::hash_tasks(data_->region),

@@ -129,6 +129,19 @@ TEST_SUITE("flow") {
     CHECK_FALSE(answer_from(cell, problem).has_value());
   }
 
+  TEST_CASE("files that are no cells are not replaced") {
+    const TemporaryDirectory directory;
+    const CellRegion region = require_region(directory, region_text());
+    const Cell cell = require_cell(region, 1);
+    const std::string file = directory / "region.yaml";
+    const Error error = require_error(cell.save(file));
+    CHECK(error.code == ErrorCode::invalid);
+    CHECK(contains(error.message, "the output exists and is no cell"));
+    CHECK(load_region(file).has_value());
+    write_file(directory / "a.cell", "");
+    for (int i = 0; i < 2; ++i) require(cell.save(directory / "a.cell"));
+  }
+
   TEST_CASE("where nothing is proven, near paths are bent, and then tasks are planned") {
     const TemporaryDirectory directory;
     const CellRegion region = require_region(directory, region_text());
