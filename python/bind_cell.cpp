@@ -73,7 +73,9 @@ py::dict to_dict(const CellCoverage& coverage) {
 
 py::dict coverage_of(const Cell& cell, const std::string& start, int samples) {
   if (samples < 1) raise_invalid(fmt::format("samples: expected at least 1, got {}", samples));
-  return to_dict(cell.coverage(start_of(cell.region(), start), samples));
+  const std::size_t index = start_of(cell.region(), start);
+  return to_dict(run_interruptible(
+      [&, copy = cell] { return copy.coverage(index, samples); }));  // verify() may edit the cell
 }
 
 py::dict verify(Cell& cell, int samples, std::uint64_t seed, int threads) {
@@ -93,6 +95,30 @@ py::dict verify(Cell& cell, int samples, std::uint64_t seed, int threads) {
   return result;
 }
 
+struct BoundAnswer : CellAnswer {
+  int joint_count = 0;
+};
+
+BoundAnswer ask(const Cell& cell, const py::object& task, const std::string& start,
+                double timeout) {
+  constexpr double kLongest_s = 1e6;
+  const CellTask offsets = to_task(task);
+  const std::size_t index = start_of(cell.region(), start);
+  // A NaN is out of range, too.
+  if (!(timeout >= 0 && timeout <= kLongest_s)) {
+    raise_invalid(fmt::format("timeout: expected 0 to 1e6 seconds, got {}", timeout));
+  }
+  const Cell asked = cell;  // verify() may replace what it holds
+  const int joints = asked.region().problem.robot.joint_count();
+  CellAnswer known;
+  asked.look_up(offsets, known, index);
+  // Another thread would take longer than the answer.
+  if (known.tier == CellTier::certified) return {asked.ask(offsets, index, 0), joints};
+  std::atomic<bool> cancel = false;
+  return {run_interruptible(cancel, [&] { return asked.ask(offsets, index, timeout, &cancel); }),
+          joints};
+}
+
 /// Motions of a cell's answers, and the robot that moves.
 struct BoundMotions {
   Robot robot;
@@ -101,7 +127,7 @@ struct BoundMotions {
   explicit BoundMotions(const Cell& cell) : robot(cell.region().problem.robot), motions(cell) {}
 };
 
-TimedPlan time_answer(const BoundMotions& self, const CellAnswer& answer, const py::object& dt,
+TimedPlan time_answer(const BoundMotions& self, const BoundAnswer& answer, const py::object& dt,
                       const py::object& limits, const py::kwargs& arguments) {
   const TrajectorySettings timing =
       read_trajectory_settings("CellMotions.trajectory", dt, arguments);
@@ -132,21 +158,17 @@ void bind_motions(py::module_& module) {
 }
 
 void bind_answer(py::module_& module) {
-  py::class_<CellAnswer>(module, "CellAnswer", "The path of a task.")
+  py::class_<BoundAnswer>(module, "CellAnswer", "The path of a task.")
       .def_property_readonly(
-          "tier", [](const CellAnswer& self) { return to_text(to_string(self.tier)); },
+          "tier", [](const BoundAnswer& self) { return to_text(to_string(self.tier)); },
           "\"certified\": proven beforehand. \"verified\": a path of the cell, bent and verified\n"
           "now. \"planned\": a new plan. \"none\": no path.")
-      .def_readonly("box", &CellAnswer::box, "Index of the box whose path it is, or -1.")
+      .def_readonly("box", &BoundAnswer::box, "Index of the box whose path it is, or -1.")
       .def_property_readonly(
-          "path",
-          [](const CellAnswer& self) {
-            const std::size_t joints = self.path.empty() ? 0 : self.path.front().size();
-            return to_array(self.path, static_cast<int>(joints));
-          },
+          "path", [](const BoundAnswer& self) { return to_array(self.path, self.joint_count); },
           "Waypoints, shape (n, joint_count).")
       .def_property_readonly(
-          "message", [](const CellAnswer& self) { return to_text(self.note); },
+          "message", [](const BoundAnswer& self) { return to_text(self.note); },
           "Why there is no path.");
 }
 
@@ -168,21 +190,9 @@ void bind_cell(py::module_& module) {
           },
           py::arg("path"), py::arg("region") = "",
           "Reads a cell, and its region's file: `region`, or the one that it was built from.")
-      .def(
-          "ask",
-          [](const Cell& self, const py::object& task, const std::string& start, double timeout) {
-            const CellTask offsets = to_task(task);
-            const std::size_t index = start_of(self.region(), start);
-            if (!(timeout >= 0)) {
-              raise_invalid(fmt::format("timeout: expected seconds, 0 or more, got {}", timeout));
-            }
-            const Cell asked = self;  // verify() may replace what it holds
-            const py::gil_scoped_release released;
-            return asked.ask(offsets, index, timeout);
-          },
-          py::arg("task"), py::arg("start") = "start", py::arg("timeout") = 1.0,
-          "Returns the path of a task: offsets x, y, z, yaw from the region's middle. Bends near\n"
-          "paths where nothing is proven, then plans for at most `timeout` seconds.")
+      .def("ask", &ask, py::arg("task"), py::arg("start") = "start", py::arg("timeout") = 1.0,
+           "Returns the path of a task: offsets x, y, z, yaw from the region's middle. Bends near\n"
+           "paths where nothing is proven, then plans for at most `timeout` seconds.")
       .def("coverage", &coverage_of, py::arg("start") = "start", py::arg("samples") = 10000,
            "Returns shares of the region, by samples: what is proven, and why the rest is not.")
       .def("verify", &verify, py::arg("samples") = 1000, py::arg("seed") = 1,
@@ -193,7 +203,7 @@ void bind_cell(py::module_& module) {
           [](const Cell& self, const std::filesystem::path& path) {
             unwrap(self.save(path.string()));
           },
-          py::arg("path"))
+          py::arg("path"), "Writes a file for load(). A file that is no cell is not replaced.")
       .def_property_readonly("box_count", &Cell::box_count)
       .def_property_readonly("proven_count", &Cell::proven_count,
                              "Boxes that are proven for the present scene.")

@@ -62,8 +62,12 @@ Line make_line(std::string link, const py::object& by, const std::optional<PoseG
   return line;
 }
 
-LineResult plan_on_line(const Robot& robot, const Line& line, const py::object& start,
-                        const Scene& scene, const std::string& isa, const py::kwargs& arguments) {
+struct BoundLine : LineResult {
+  int joint_count = 0;
+};
+
+BoundLine plan_on_line(const Robot& robot, const Line& line, const py::object& start,
+                       const Scene& scene, const std::string& isa, const py::kwargs& arguments) {
   auto settings = read_keywords<LineSettings>("plan_line", arguments);
   const Configuration zero(static_cast<std::size_t>(robot.joint_count()), 0.0);
   if (start.is_none() && !line.start) raise_invalid("start: expected one, or a line with from_");
@@ -72,19 +76,16 @@ LineResult plan_on_line(const Robot& robot, const Line& line, const py::object& 
   const CheckerSettings checking{std::nullopt, 0, unwrap(parse_isa(isa))};
   std::atomic<bool> cancel = false;
   settings.cancel = &cancel;
-  return unwrap(run_interruptible(cancel, [&, copy = scene] {
+  LineResult result = unwrap(run_interruptible(cancel, [&, copy = scene] {
     return CollisionChecker::make(robot, copy, checking)
         .and_then([&](const CollisionChecker& checker) {
           return plan_line(checker, line, from, settings);
         });
   }));
+  return {std::move(result), robot.joint_count()};
 }
 
-py::array_t<double> path_array(const LinePath& line) {
-  return to_array(line.path, line.path.empty() ? 0 : static_cast<int>(line.path.front().size()));
-}
-
-std::string describe_line(const LineResult& result) {
+std::string describe_line(const BoundLine& result) {
   return result.is_whole()
              ? fmt::format("<mneme.LineResult of {} configurations>", result.line.path.size())
              : fmt::format("<mneme.LineResult of {:.1f} %: {}>", 100 * result.line.fraction(),
@@ -92,39 +93,39 @@ std::string describe_line(const LineResult& result) {
 }
 
 void bind_result(py::module_& module) {
-  py::class_<LineResult>(module, "LineResult",
-                         "A path along a line, or along the longest part that was found.")
-      .def_property_readonly("is_whole", &LineResult::is_whole)
+  py::class_<BoundLine>(module, "LineResult",
+                        "A path along a line, or along the longest part that was found.")
+      .def_property_readonly("is_whole", &BoundLine::is_whole)
       .def_property_readonly(
-          "fraction", [](const LineResult& self) { return self.line.fraction(); },
+          "fraction", [](const BoundLine& self) { return self.line.fraction(); },
           "Share of the line that the path reaches, 0 to 1.")
       .def_property_readonly(
-          "path", [](const LineResult& self) { return path_array(self.line); },
+          "path", [](const BoundLine& self) { return to_array(self.line.path, self.joint_count); },
           "Shape (n, joint_count), radians.")
       .def_property_readonly(
-          "fractions", [](const LineResult& self) { return to_array(self.line.fractions); },
+          "fractions", [](const BoundLine& self) { return to_array(self.line.fractions); },
           "Share of the line at each configuration, shape (n,).")
       .def_property_readonly(
           "others",
-          [](const LineResult& self) {
+          [](const BoundLine& self) {
             py::list all;
             for (const LinePath& line : self.others) {
-              all.append(path_array(line));
+              all.append(to_array(line.path, self.joint_count));
             }
             return all;
           },
           "Whole paths of further branches, if `line_paths` is more than 1.")
       .def_property_readonly(
-          "position_deviation", [](const LineResult& self) { return self.line.position_deviation; },
+          "position_deviation", [](const BoundLine& self) { return self.line.position_deviation; },
           "Proven bound on the distance from the line, also between configurations, metres.")
       .def_property_readonly(
-          "rotation_deviation", [](const LineResult& self) { return self.line.rotation_deviation; },
+          "rotation_deviation", [](const BoundLine& self) { return self.line.rotation_deviation; },
           "Proven bound on the deviation of the rotation, radians.")
-      .def_readonly("reason", &LineResult::reason,
+      .def_readonly("reason", &BoundLine::reason,
                     "Why the rest of the line is not possible; empty for a whole line.")
-      .def_readonly("branches", &LineResult::branches, "Number of start configurations.")
-      .def_readonly("steps", &LineResult::steps)
-      .def_readonly("is_timed_out", &LineResult::is_timed_out)
+      .def_readonly("branches", &BoundLine::branches, "Number of start configurations.")
+      .def_readonly("steps", &BoundLine::steps)
+      .def_readonly("is_timed_out", &BoundLine::is_timed_out)
       .def("__repr__", &describe_line);
 }
 

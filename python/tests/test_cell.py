@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
 """Certified cells."""
+import signal
+import threading
+
 import numpy as np
 import pytest
 
@@ -61,6 +64,15 @@ def test_answers_of_another_cell_have_no_motion(region, tmp_path):
         mneme.CellMotions(cell).trajectory(other.ask([0.01, -0.02, 0, 0]))
 
 
+def test_control_c_ends_long_calls_of_a_cell(region):
+    cell = mneme.Cell.build(region, boxes=1)
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        cell.coverage(samples=2_000_000_000)
+    timer.join()
+
+
 def test_wrong_words_of_a_cell_raise(region, tmp_path):
     cell = mneme.Cell.build(region, boxes=1)
     with pytest.raises(mneme.Error, match="start: expected one of start"):
@@ -68,8 +80,14 @@ def test_wrong_words_of_a_cell_raise(region, tmp_path):
     assert cell.ask([1, 0, 0, 0]).message.startswith("the task is beyond the region: x is 1,")
     with pytest.raises(mneme.Error, match="task: z is nan, expected a finite number"):
         cell.ask([0, 0, float("nan"), 0])
-    with pytest.raises(mneme.Error, match="timeout: expected seconds, 0 or more, got nan"):
-        cell.ask([0, 0, 0, 0], timeout=float("nan"))
+    for timeout in ("nan", "inf", "-1"):
+        with pytest.raises(mneme.Error, match=f"timeout: expected 0 to 1e6 seconds, got {timeout}"):
+            cell.ask([0, 0, 0, 0], timeout=float(timeout))
+    assert cell.ask([1, 0, 0, 0]).path.shape == (0, 7)
+    with pytest.raises(mneme.Error, match="the output exists and is no cell"):
+        cell.save(region)
+    with open(region) as text:
+        assert text.read() == REGION
     with pytest.raises(mneme.Error, match="samples: expected at least 1, got -1"):
         cell.coverage(samples=-1)
     with pytest.raises(mneme.Error, match="samples: expected 0 or more, got -1"):

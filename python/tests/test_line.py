@@ -45,6 +45,13 @@ def test_a_line_ends_before_an_obstacle_and_says_why(panda):
     assert "'shelf'" in result.reason
 
 
+def test_a_line_without_a_path_has_rows_of_the_robots_joints(panda):
+    to = mneme.PoseGoal("panda_hand", [3, 0, 0.5])
+    far = mneme.Line(from_=mneme.PoseGoal("panda_hand", [2, 0, 0.5], TURN), to=to)
+    result = mneme.plan_line(panda, far)
+    assert not result.is_whole and result.path.shape == (0, 7)
+
+
 def test_wrong_lines_are_errors(panda):
     with pytest.raises(mneme.Error, match="by, to: expected one of both"):
         mneme.Line("panda_hand")
