@@ -10,6 +10,7 @@
 #include "interruptible.h"
 #include "origins.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -49,19 +50,16 @@ Transform pose_of(const py::object& position, const py::object& quat_xyzw) {
   return pose;
 }
 
-/// Makes what the first plan would have to make.
-void prepare(const Scene& scene, const std::string& name) {
-  Scene own;  // other threads may edit the scene meanwhile
-  own.obstacles = {*scene.find(name)};
-  static_cast<void>(run_interruptible([&] {
-    own.prepare(name);
-    return true;
-  }));
+/// Python takes bytes for text.
+void check_text(const std::string& text, const char* what) {
+  PyObject* decoded =
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), nullptr);
+  if (decoded != nullptr) return Py_DECREF(decoded);
+  static_cast<void>(drop_exception());
+  raise_invalid(fmt::format("{}: expected UTF-8 text, got '{}'", what, text));
 }
 
-/// Shapes of one name are one body.
-void add(Scene& scene, const std::string& name, const Shape& shape) {
-  if (name.empty()) raise_invalid("name: expected one that is not empty");
+void check_place(const std::string& name, const Shape& shape) {
   const Sphere bounds = bounding_sphere(shape);
   if (!bounds.center.allFinite()) {
     raise_invalid(fmt::format("obstacle '{}': expected finite coordinates", name));
@@ -70,7 +68,25 @@ void add(Scene& scene, const std::string& name, const Shape& shape) {
     raise_invalid(fmt::format("obstacle '{}': expected a shape within {} m of the origin", name,
                               kFarthestShape));
   }
+}
+
+/// Shapes of one name are one body.
+void add(Scene& scene, const std::string& name, const Shape& shape) {
+  if (name.empty()) raise_invalid("name: expected one that is not empty");
+  check_text(name, "name");
+  check_place(name, shape);
   unwrap(scene.add_shape(name, shape));
+}
+
+/// Adds a shape with what the first plan would have to make. Control-C leaves the scene unchanged.
+void add_prepared(Scene& scene, const std::string& name, const Shape& shape) {
+  Scene own;  // other threads may edit the scene meanwhile
+  add(own, name, shape);
+  static_cast<void>(run_interruptible([&] {
+    own.prepare(name);
+    return true;
+  }));
+  add(scene, name, shape);
 }
 
 Obstacle& find(Scene& scene, const std::string& name) {
@@ -105,8 +121,7 @@ std::size_t add_points(Scene& scene, const std::string& name, const py::object& 
     return ignored;
   }
   const auto parts = std::make_shared<Parts<CloudPoint>>(std::move(finite));
-  add(scene, name, PointCloud{pose_of(position, quat_xyzw), parts, radius});
-  prepare(scene, name);
+  add_prepared(scene, name, PointCloud{pose_of(position, quat_xyzw), parts, radius});
   return ignored;
 }
 
@@ -135,8 +150,7 @@ void add_mesh(Scene& scene, const std::string& name, const py::object& vertices,
   }
   if (list.empty()) raise_invalid("triangles: expected at least one with an area above 0");
   const auto parts = std::make_shared<Parts<Triangle>>(std::move(list));
-  add(scene, name, Mesh{pose_of(position, quat_xyzw), parts, 0});
-  prepare(scene, name);
+  add_prepared(scene, name, Mesh{pose_of(position, quat_xyzw), parts, 0});
 }
 
 void replace_points(Scene& scene, const std::string& name, py::ssize_t first,
@@ -144,8 +158,13 @@ void replace_points(Scene& scene, const std::string& name, py::ssize_t first,
   if (first < 0) raise_invalid(fmt::format("first: expected 0 or more, got {}", first));
   const Array array = to_matrix(points, 3, "points");
   const auto rows = array.unchecked<2>();
+  const Obstacle& obstacle = find(scene, name);
+  const auto* cloud =
+      obstacle.shapes.size() == 1 ? std::get_if<PointCloud>(&obstacle.shapes.front()) : nullptr;
   std::vector<CloudPoint> list(static_cast<std::size_t>(rows.shape(0)));
   for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
+    const Vec3 p(rows(i, 0), rows(i, 1), rows(i, 2));
+    if (cloud != nullptr) check_place(name, Sphere{cloud->pose * p, cloud->radius});
     list[static_cast<std::size_t>(i)] = {static_cast<float>(rows(i, 0)),
                                          static_cast<float>(rows(i, 1)),
                                          static_cast<float>(rows(i, 2))};
@@ -153,14 +172,59 @@ void replace_points(Scene& scene, const std::string& name, py::ssize_t first,
   unwrap(scene.replace_points(name, static_cast<std::size_t>(first), list));
 }
 
-/// Returns the pose of a shape, or its centre if it has no pose.
-Transform place_of(const Shape& shape) {
-  return std::visit(
-      [&](const auto& own) {
+/// Returns axes for a body without a shape with a pose: z from the first of `points` to the next at
+/// another place, x towards the first beside that line. A body is symmetric about axes that this
+/// leaves open.
+Eigen::Matrix3d axes_of(const std::vector<Vec3>& points) {
+  constexpr double kApart = 1e-9;  // metres
+  const auto first_with = [&](const auto& part) -> Vec3 {
+    for (const Vec3& p : points) {
+      const Vec3 off = part(Vec3(p - points.front()));
+      if (off.norm() > kApart) return off.normalized();
+    }
+    return Vec3::Zero();
+  };
+  const Vec3 z = first_with([](const Vec3& off) { return off; });
+  if (z.isZero()) return Eigen::Matrix3d::Identity();
+  Vec3 x = first_with([&](const Vec3& off) -> Vec3 { return off - off.dot(z) * z; });
+  if (x.isZero()) x = z.unitOrthogonal();
+  Eigen::Matrix3d axes;
+  axes << x, z.cross(x), z;
+  return axes;
+}
+
+/// Returns the pose that move() replaces: the place of the first shape, and the rotation of the
+/// first shape with a pose.
+Transform pose_of(const Obstacle& obstacle) {
+  std::vector<Vec3> points;
+  std::optional<Eigen::Matrix3d> rotation;
+  std::optional<Vec3> place;
+  for (const Shape& shape : obstacle.shapes) {
+    std::visit(
+        [&](const auto& own) {
+          if constexpr (requires { own.pose; }) {
+            if (!rotation) rotation = own.pose.rotation;
+            if (!place) place = own.pose.translation;
+          } else if constexpr (requires { own.center; }) {
+            points.push_back(own.center);
+          } else {
+            points.insert(points.end(), {own.a, own.b});
+          }
+          if (!place) place = bounding_sphere(own).center;
+        },
+        shape);
+  }
+  return {rotation ? *rotation : axes_of(points), place.value()};
+}
+
+/// Sets the pose of a shape that has one, without the rounding of a motion.
+void set_pose(Shape& shape, const Transform& pose) {
+  std::visit(
+      [&](auto& own) {
         if constexpr (requires { own.pose; }) {
-          return own.pose;
-        } else {
-          return Transform{Eigen::Matrix3d::Identity(), bounding_sphere(own).center};
+          own.pose = pose;
+        } else if constexpr (requires { own.center; }) {
+          own.center = pose.translation;
         }
       },
       shape);
@@ -169,12 +233,20 @@ Transform place_of(const Shape& shape) {
 void move(Scene& scene, const std::string& name, const py::object& position,
           const py::object& quat_xyzw) {
   Obstacle& obstacle = find(scene, name);
-  const Transform before = place_of(obstacle.shapes.at(0));
+  const Transform before = pose_of(obstacle);
   Transform after = pose_of(position, quat_xyzw);
   if (!after.translation.allFinite()) raise_invalid("position: expected finite coordinates");
   if (quat_xyzw.is_none()) after.rotation = before.rotation;
-  const Transform motion = after * before.inverse();
-  for (Shape& shape : obstacle.shapes) shape = transformed(motion, shape);
+  if (after == before) return;
+  const Transform motion = quat_xyzw.is_none() ? Transform{Eigen::Matrix3d::Identity(),
+                                                           after.translation - before.translation}
+                                               : after * before.inverse();
+  Scene moved;
+  moved.obstacles = {obstacle};
+  unwrap(moved.move(name, motion));
+  set_pose(moved.obstacles.front().shapes.front(), after);
+  for (const Shape& shape : moved.obstacles.front().shapes) check_place(name, shape);
+  obstacle = std::move(moved.obstacles.front());
 }
 
 void bind_edits(SceneClass& scene) {
@@ -187,9 +259,13 @@ void bind_edits(SceneClass& scene) {
       py::arg("name"), "Removes an obstacle. Raises mneme.Error if there is none of this name.");
   scene.def("replace_points", &replace_points, py::arg("name"), py::arg("first"), py::arg("points"),
             "Replaces points of a cloud from index first on. points: shape (n, 3), metres.");
-  scene.def("move", &move, py::arg("name"), py::arg("position"), py::arg("quat_xyzw") = py::none(),
-            "Moves all shapes of an obstacle together. position, quat_xyzw: the new pose of its\n"
-            "first shape, as for add_box; without quat_xyzw the orientation does not change.");
+  scene.def(
+      "move", &move, py::arg("name"), py::arg("position"), py::arg("quat_xyzw") = py::none(),
+      "Moves all shapes of an obstacle together. position: of its first shape, as for\n"
+      "add_box; of a capsule, its middle. quat_xyzw: of its first shape that takes one; without\n"
+      "quat_xyzw the orientation does not change. If there are spheres and capsules only, z\n"
+      "runs from the first centre or end to the next, as from a to b of a capsule, and x points\n"
+      "to the first beside that line.");
   const auto copy = [](const std::shared_ptr<Scene>& self) {
     auto made = std::make_shared<Scene>(*self);
     set_origin(made, origin_of(self));
@@ -275,14 +351,20 @@ std::shared_ptr<Scene> load_file(const std::filesystem::path& path,
   return scene;
 }
 
+Scene parse_text(const std::string& yaml, const std::string& source) {
+  return unwrap(run_interruptible([&] { return parse_scene(yaml, source); }));
+}
+
+std::string write_yaml(const Scene& scene) {
+  return run_interruptible([copy = scene] { return to_yaml(copy); });
+}
+
 void bind_text(SceneClass& scene) {
-  scene.def(
-      "to_yaml", [](const Scene& self) { return to_yaml(self); },
-      "Returns text that Scene.parse reads back to the same scene.");
+  scene.def("to_yaml", &write_yaml, "Returns text that Scene.parse reads back to the same scene.");
   scene.def(
       "to_compact_json",
       [](const Scene& self) {
-        return to_compact_json({self, ""});
+        return run_interruptible([copy = FramedScene{self, ""}] { return to_compact_json(copy); });
       },
       "Returns the text of a compact file with this scene, without start and goal.");
   scene.def("_part_count", [](const Scene& self) {
@@ -299,9 +381,9 @@ void bind_text(SceneClass& scene) {
     }
     return count;
   });
-  scene.def(py::pickle([](const Scene& self) { return py::make_tuple(to_yaml(self)); },
+  scene.def(py::pickle([](const Scene& self) { return py::make_tuple(write_yaml(self)); },
                        [](const py::tuple& state) {
-                         return unwrap(parse_scene(state[0].cast<std::string>(), "pickled scene"));
+                         return parse_text(state[0].cast<std::string>(), "pickled scene");
                        }));
 }
 
@@ -342,18 +424,16 @@ void bind_scene(py::module_& module) {
   scene.def_static("load", &load_file, py::arg("path"), py::arg("robot") = py::none(),
                    "Reads a scene file of mneme or a planning scene of MoveIt (YAML). robot:\n"
                    "a Robot that has the frame of a planning scene as a link.");
-  scene.def_static(
-      "parse",
-      [](const std::string& yaml, const std::string& source) {
-        return unwrap(run_interruptible([&] { return parse_scene(yaml, source); }));
-      },
-      py::arg("yaml"), py::arg("source") = "scene", "Reads YAML text. source names it in errors.");
+  scene.def_static("parse", &parse_text, py::arg("yaml"), py::arg("source") = "scene",
+                   "Reads YAML text. source names it in errors.");
   scene.def_static(
       "from_circles",
       [](const py::object& circles, std::string name) {
         std::vector<std::array<double, 3>> rows;
         for (const Configuration& row : to_rows(circles, 3, "circles")) {
           check_size("radius", row[2]);
+          check_place(fmt::format("circle_{}", rows.size() + 1),
+                      Sphere{Vec3(row[0], row[1], 0), row[2]});
           rows.push_back({row[0], row[1], row[2]});
         }
         return make_circle_scene(std::move(name), rows);

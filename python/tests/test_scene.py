@@ -1,5 +1,7 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
+import re
+import signal
 import tracemalloc
 
 import numpy as np
@@ -95,6 +97,89 @@ def test_obstacles_are_moved_removed_and_copied(robot):
         code, message = raised(edit)
         assert code == "invalid" and "'chair'" in message
     assert raised(scene.move, "table", [0, np.nan, 0])[0] == "invalid"
+
+
+def test_a_thousand_moves_leave_a_body_rigid(robot):
+    def turn(k):
+        return np.array([0, 0.6, 0.8, 0]) * np.sin(0.1 * k) + [0, 0, 0, np.cos(0.1 * k)]
+
+    scene = mneme.Scene("s")
+    scene.add_box("b", [0, 0, 0], [0.1, 0.2, 0.3], turn(3))
+    scene.add_cylinder("b", [0.5, 0, 0], 0.1, 0.2, turn(5))
+    first = mneme.Scene.parse(scene.to_yaml())
+    for k in range(1000):
+        scene.move("b", [0.001 * k, 0, 0.3], turn(k) if k % 2 else None)
+    scene.move("b", [0, 0, 0], turn(3))
+    assert_same(scene, first)
+    mneme.CollisionChecker(robot, scene)
+
+
+def assert_same(scene, other):
+    """Checks that two scenes differ by rounding only."""
+    numbers = [np.array(re.findall(r"-?\d[\d.e-]*", one.to_yaml()), float) for one in (scene, other)]
+    np.testing.assert_allclose(numbers[0], numbers[1], atol=1e-9)
+
+
+def test_a_move_to_where_a_body_is_changes_nothing():
+    turn = [0, 0, 0.5**0.5, 0.5**0.5]
+
+    def box(scene):
+        scene.add_box("o", [1, 0, 0], [0.2, 0.4, 0.6])
+
+    def ball(scene):
+        scene.add_sphere("o", [0, 1, 0], 0.1)
+
+    def bar(scene):
+        scene.add_capsule("o", [0, 0, 0], [1, 0, 0], 0.1)
+
+    for shapes in ([box], [ball], [bar], [ball, box], [bar, box], [ball, bar], [bar, ball], [ball, ball]):
+        scene = mneme.Scene()
+        for add in shapes:
+            add(scene)
+        scene.move("o", [1, 2, 3], turn)
+        once = scene.copy()
+        scene.move("o", [1, 2, 3], turn)
+        assert_same(scene, once)
+    scene = mneme.Scene()
+    bar(scene)
+    scene.move("o", [0, 0, 0], [0.5**0.5, 0, 0, 0.5**0.5])
+    along_y = mneme.Scene()
+    along_y.add_capsule("o", [0, 0.5, 0], [0, -0.5, 0], 0.1)
+    assert_same(scene, along_y)
+
+
+def test_edits_beyond_what_planning_takes_are_refused():
+    scene = mneme.Scene()
+    scene.add_box("box", [0, 0, 0], [1, 1, 1])
+    scene.add_points("cloud", [[0, 0, 0]], 0.1, position=[1, 0, 0])
+    before = scene.to_yaml()
+    for edit in (lambda: scene.move("box", [1e5, 0, 0]), lambda: scene.replace_points("cloud", 0, [[1e9, 0, 0]]),
+                 lambda: mneme.Scene.from_circles([[1e5, 0, 1]])):
+        assert "expected a shape within 10000 m" in raised(edit)[1]
+    for edit in (lambda: scene.replace_points("cloud", 0, [[np.nan, 0, 0]]),
+                 lambda: mneme.Scene.from_circles([[np.nan, 0, 1]])):
+        assert "expected finite coordinates" in raised(edit)[1]
+    assert raised(scene.add_sphere, b"\xff", [0, 0, 0], 1) == ("invalid", r"name: expected UTF-8 text, got '\xff'")
+    assert scene.to_yaml() == before
+
+
+def test_an_interrupted_addition_adds_nothing():
+    scene = mneme.Scene()
+    cloud = np.random.default_rng(1).uniform(-2, 2, (1_000_000, 3)).astype(np.float32)
+
+    def interrupt(*_):
+        if len(scene) == 0:
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, 0.2, 0.01)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            scene.add_points("cloud", cloud, 0.001)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert len(scene) == 0
 
 
 def test_problems_vary_and_share_robot_and_scene(problem):
