@@ -181,18 +181,19 @@ void bind_variations(py::class_<SharedProblem>& problem) {
       },
       py::arg("start"), py::arg("start_velocity") = py::none(),
       "Returns this problem with another start, at rest unless there is a velocity. Robot and "
-      "scene\nare shared.");
+      "scene\nare shared. Pose goals stay where they are, also those with a frame.");
   problem.def(
       "with_goal",
       [=](SharedProblem self, const py::object& goal, const py::object& velocity) {
         self.rest().goals = to_goals(goal, joints(self), {});
+        self.rest().pose_goals.clear();
         self.rest().end_velocity = to_velocity(velocity, joints(self), "end_velocity");
         return self;
       },
       py::arg("goal"), py::arg("end_velocity") = py::none(),
-      "Returns this problem with another goal, or goals of shape (k, joint_count), reached at "
-      "rest\n"
-      "unless there is a velocity. Robot and scene are shared.");
+      "Returns this problem with another goal, or goals of shape (k, joint_count), instead of all\n"
+      "goals and pose_goals; reached at rest unless there is a velocity. Robot and scene are "
+      "shared.");
   problem.def(
       "with_constraints",
       [](SharedProblem self, Constraints constraints) {
@@ -283,7 +284,7 @@ void bind_problem(py::module_& module) {
       .def(
           "to_yaml",
           [](const SharedProblem& self, const std::string& robot) {
-            return to_yaml(self.get(), robot);
+            return run_interruptible([&, copy = self.get()] { return to_yaml(copy, robot); });
           },
           py::arg("robot"),
           "Returns the text of a problem file that contains the scene. robot: a name or the path "
@@ -292,7 +293,8 @@ void bind_problem(py::module_& module) {
       .def(
           "to_compact_json",
           [](const SharedProblem& self, const std::string& robot) {
-            return to_compact_json(self.get(), robot);
+            return run_interruptible(
+                [&, copy = self.get()] { return to_compact_json(copy, robot); });
           },
           py::arg("robot"), "As to_yaml(), as a compact file, which is JSON.")
       .def("__repr__", [](const SharedProblem& self) {

@@ -146,6 +146,16 @@ def test_control_c_ends_a_search(panda):
     timer.join()
 
 
+def test_another_goal_replaces_poses_too(panda):
+    pose = mneme.PoseGoal("panda_hand", POSITION, TURN)
+    problem = mneme.Problem(panda, mneme.Scene(), READY, pose_goals=[pose], end_velocity=np.full(7, 0.1))
+    there = READY + 0.3
+    other = problem.with_goal(there)
+    assert other.pose_goals == [] and other.goals.shape == (1, 7) and other.end_velocity.shape == (0,)
+    np.testing.assert_array_equal(mneme.plan(other).path[-1], there)
+    assert len(problem.pose_goals) == 1 and len(problem.with_start(there).pose_goals) == 1
+
+
 def test_a_problem_without_any_goal_is_an_error(panda):
     with pytest.raises(mneme.Error, match="at least one configuration"):
         mneme.Problem(panda, mneme.Scene(), READY)
