@@ -245,16 +245,20 @@ void bind_experience(py::module_& module) {
       .def(
           "flush",
           [](const Memory& self, double timeout) {
+            if (!(timeout >= 0)) {
+              raise_invalid(fmt::format("timeout: expected seconds, 0 or more, got {}", timeout));
+            }
             const std::shared_ptr<Database> database = self.get();
-            const py::gil_scoped_release release;
-            unwrap(database->flush(timeout));
+            unwrap(Memory::flush(*database, timeout));
           },
           py::arg("timeout") = 30.0,
           "Waits, at most timeout seconds, until what plan() has remembered is stored. Raises\n"
           "mneme.Error if rows still wait then.")
-      .def("close", &Memory::close,
-           "Stores what plan() has remembered and closes the file. Results that refer to it stay\n"
-           "valid.")
+      .def(
+          "close", &Memory::close,
+          "Stores what plan() has remembered, for up to 30 s, and closes the file. Plans made "
+          "with\n"
+          "it stay valid. Raises mneme.Error if rows could not be stored; Control-C gives them up.")
       .def("__len__", [](const Memory& self) { return self.get()->size(); })
       .def("__getitem__", &get, py::arg("position"),
            "Returns a row: id, kind, key, means of shape (components, joint_count), float32, and "
@@ -263,6 +267,7 @@ void bind_experience(py::module_& module) {
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](Memory& self, const py::args&) { self.close(); })
       .def("__repr__", [](const Memory& self) {
+        if (self.is_closed()) return std::string("<mneme.Database, closed>");
         const DatabaseInfo held = self.get()->info();
         return fmt::format("<mneme.Database '{}' of robot '{}', {} samplers>", held.url,
                            held.signature.robot_name, held.samplers);

@@ -196,7 +196,8 @@ std::int64_t learn_paths(const Robot& robot, const Memory& memory, const Scene& 
     row.provenance = {fmt::format("mneme {}", version()), "paths from Python", seed, {}};
   }
   std::vector<bool> is_new;
-  static_cast<void>(unwrap(database->insert(std::move(learned), &is_new)));
+  static_cast<void>(
+      unwrap(run_interruptible([&] { return database->insert(std::move(learned), &is_new); })));
   return std::ranges::count(is_new, true);
 }
 

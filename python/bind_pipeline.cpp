@@ -45,12 +45,11 @@ RateLimits find_limits(const Robot& robot, const TrajectorySettings& timing,
 
 namespace {
 
-/// Input and result of a call of solve(). Owns the database, because the retrieved mixture refers
-/// to it.
+/// Input and result of a call of solve().
 struct Plan {
   SharedProblem shared;
   Problem problem;  ///< a copy at the time of the call
-  std::shared_ptr<Database> database;
+  std::vector<ReadFile> memory_files;  ///< of the database
   SolveSettings settings;
   std::shared_ptr<PlanRecorder> recorder;  ///< null unless the search was recorded
   SolveResult result;
@@ -78,19 +77,20 @@ Plan plan(const SharedProblem& problem, const Memory* memory, const std::string&
           const std::optional<std::string>& sampler, const std::string& isa, bool is_recorded,
           const py::object& trajectory, const py::kwargs& arguments) {
   const std::string source = sampler.value_or(memory == nullptr ? "uniform" : "gl");
+  const std::shared_ptr<Database> database = memory == nullptr ? nullptr : memory->get();
   Plan made{problem,
             problem.get(),
-            memory == nullptr ? nullptr : memory->get(),
+            origin_of(database),
             read_solve_settings("plan", planner, source, isa, arguments),
             is_recorded ? std::make_shared<PlanRecorder>() : nullptr,
             {}};
-  if (made.database == nullptr) check_without_memory("plan", made.settings);
+  if (database == nullptr) check_without_memory("plan", made.settings);
   if (!trajectory.is_none()) read_timing(trajectory, made);
   std::atomic<bool> cancel = false;
   made.settings.plan.cancel = &cancel;
   made.settings.plan.observer = made.recorder.get();
   auto result = run_interruptible(
-      cancel, [&] { return solve(made.problem, made.database.get(), made.settings); });
+      cancel, [&] { return solve(made.problem, database.get(), made.settings); });
   made.settings.plan.cancel = nullptr;
   made.settings.plan.observer = nullptr;
   made.result = unwrap(std::move(result));
@@ -371,7 +371,7 @@ void bind_pipeline(py::module_& module) {
       .def("to_page", &page_of, "Returns an HTML page that shows the plan without a network.")
       .def("_check_output",
            [](const Plan& self, const std::string& path) {
-             check_output(path, {&self.shared, 1}, self.database, "a file of the problem");
+             check_output(path, {&self.shared, 1}, self.memory_files, "a file of the problem");
            })
       .def("to_row", &row_of, py::arg("set") = "",
            "Returns the row of a benchmark. Independent code checks the path again.")

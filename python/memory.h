@@ -1,29 +1,70 @@
 // SPDX-FileCopyrightText: The mneme authors
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// mneme.Database: shared ownership, so that results may outlive the Python object.
+/// mneme.Database: shared with the calls that use it, which may end after it was closed.
 #pragma once
 
 #include "mneme/memory.h"
 #include "mneme/pipeline.h"
 
 #include "errors.h"
+#include "interruptible.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 namespace mneme::python {
 
 class Memory {
  public:
-  explicit Memory(Database database) : database_(std::make_shared<Database>(std::move(database))) {}
+  explicit Memory(Database database)
+      : database_(new Database(std::move(database)), &Memory::destroy) {}
 
   /// Returns the open database. Raises mneme.Error if it was closed.
   [[nodiscard]] std::shared_ptr<Database> get() const {
     if (!database_) raise_invalid("the database was closed");
     return database_;
   }
-  void close() { database_.reset(); }
+  [[nodiscard]] bool is_closed() const { return database_ == nullptr; }
+  /// Waits for queued rows, without the interpreter lock. Ends at Control-C.
+  [[nodiscard]] static Result<void> flush(Database& database, double timeout_s) {
+    constexpr double kStep_s = 0.02;
+    std::atomic<bool> cancel = false;
+    return run_interruptible(cancel, [&] {
+      const Stopwatch stopwatch;
+      for (;;) {
+        const double left_s = timeout_s - stopwatch.elapsed_s();
+        auto flushed = database.flush(std::clamp(left_s, 0.0, kStep_s));
+        if (flushed || left_s <= kStep_s || cancel) return flushed;
+      }
+    });
+  }
+  /// Stores queued rows and closes the file, also if rows could not be stored: raises mneme.Error
+  /// then. Control-C gives them up, with a warning.
+  void close() {
+    if (is_closed()) return;
+    constexpr double kLongest_s = 30;
+    const std::shared_ptr<Database> database = std::exchange(database_, nullptr);
+    Result<void> stored;
+    try {
+      stored = flush(*database, kLongest_s);
+    } catch (const py::error_already_set&) {
+      database->stop_waiting();
+      const std::int64_t waiting = database->queued_rows().waiting;
+      if (waiting > 0) warn(fmt::format("{}: {} rows are lost", database->info().url, waiting));
+      throw;
+    }
+    if (stored) return;
+    database->stop_waiting();
+    stored.error().message += "; they are lost, because the database was closed";
+    unwrap(std::move(stored));
+  }
   /// Completes the kind to learn: the requested one, the kind of the rows or the robot's default,
   /// in this order.
   [[nodiscard]] MemorySettings to_learn(MemorySettings settings) const {
@@ -34,6 +75,13 @@ class Memory {
   }
 
  private:
+  /// May wait for rows and locks: other Python threads go on meanwhile.
+  static void destroy(Database* database) {
+    std::optional<py::gil_scoped_release> released;
+    if (PyGILState_Check() != 0) released.emplace();
+    delete database;
+  }
+
   std::shared_ptr<Database> database_;
 };
 

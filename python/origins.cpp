@@ -47,8 +47,8 @@ std::vector<ReadFile> origin_of(const std::weak_ptr<const void>& object) {
 }
 
 void check_output(const std::string& output, std::span<const SharedProblem> problems,
-                  const std::shared_ptr<Database>& memory, std::string_view what) {
-  Files inputs = origin_of(memory);
+                  std::vector<ReadFile> memory_files, std::string_view what) {
+  Files inputs = std::move(memory_files);
   for (const SharedProblem& problem : problems) {
     add_problem_files(what, problem.rest(), "", inputs);
     append(origin_of(problem.rest().robot.without_attached().identity()), inputs);

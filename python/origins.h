@@ -5,7 +5,6 @@
 /// Thread-safe.
 #pragma once
 
-#include "mneme/experience.h"
 #include "mneme/report.h"
 
 #include "problem.h"
@@ -22,9 +21,9 @@ void set_origin(const std::weak_ptr<const void>& object, std::vector<ReadFile> f
 /// Returns the files of `object`; none if it was not read from files.
 [[nodiscard]] std::vector<ReadFile> origin_of(const std::weak_ptr<const void>& object);
 
-/// Raises the error of check_outputs() if `output` is a file of the problems or of the memory,
-/// which may be null. `what`: the role of the problems' files in messages.
+/// Raises the error of check_outputs() if `output` is a file of the problems or one of
+/// `memory_files`. `what`: the role of the problems' files in messages.
 void check_output(const std::string& output, std::span<const SharedProblem> problems,
-                  const std::shared_ptr<Database>& memory, std::string_view what);
+                  std::vector<ReadFile> memory_files, std::string_view what);
 
 }  // namespace mneme::python

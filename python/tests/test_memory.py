@@ -1,8 +1,11 @@
 # SPDX-FileCopyrightText: The mneme authors
 # SPDX-License-Identifier: BSD-3-Clause
+import contextlib
 import re
 import signal
+import sqlite3
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -239,6 +242,42 @@ def test_results_outlive_the_database(problem, learned):
     assert len(plan.means) > 0
     code, message = raised(mneme.plan, problem, learned)
     assert code == "invalid" and "closed" in message
+
+
+def test_closing_stores_what_was_remembered_while_plans_are_alive(robot, problem, tmp_path):
+    path = tmp_path / "paths.db"
+    with mneme.Database.open(path, robot, mode="create") as database:
+        plan = mneme.plan(problem, database, kind="paths", remember_after=0)
+    assert len(mneme.Database.open(path, robot)) == 1
+    assert plan.is_solved and repr(database) == "<mneme.Database, closed>"
+    assert raised(len, database) == ("invalid", "the database was closed")
+    database.close()
+    with pytest.raises(mneme.Error, match="paths.db"):
+        plan.view(path)
+
+
+def test_control_c_ends_the_wait_for_a_locked_file(robot, problem, tmp_path):
+    database = mneme.Database.open(tmp_path / "paths.db", robot, mode="create")
+    mneme.plan(problem, database, kind="paths", remember_after=0)
+    database.flush()
+    other = sqlite3.connect(tmp_path / "paths.db", isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    back = mneme.Problem(robot, problem.scene, problem.goals[0], problem.start)
+    mneme.plan(back, database, kind="paths", remember_after=0)
+    code, message = raised(database.flush, 0.1)
+    assert code == "io" and "1 rows are not stored yet: the first attempt has not ended" in message
+    assert raised(database.flush, np.nan)[0] == raised(database.flush, -1)[0] == "invalid"
+    begin = time.monotonic()
+    for wait, warning in ((lambda: database.flush(60), contextlib.nullcontext()),
+                          (database.close, pytest.warns(UserWarning, match="1 rows are lost"))):
+        timer = threading.Timer(0.2, signal.raise_signal, [signal.SIGINT])
+        timer.start()
+        with warning, pytest.raises(KeyboardInterrupt):
+            wait()
+        timer.join()
+    assert time.monotonic() - begin < 8
+    other.execute("ROLLBACK")
+    assert len(mneme.Database.open(tmp_path / "paths.db", robot)) == 1
 
 
 def test_wrong_databases_are_errors(robot, tmp_path):
