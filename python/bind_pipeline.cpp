@@ -48,12 +48,13 @@ namespace {
 /// Input and result of a call of solve().
 struct Plan {
   SharedProblem shared;
-  Problem problem;  ///< a copy at the time of the call
+  Problem problem;                     ///< a copy at the time of the call
   std::vector<ReadFile> memory_files;  ///< of the database
   SolveSettings settings;
   std::shared_ptr<PlanRecorder> recorder;  ///< null unless the search was recorded
   SolveResult result;
   TrajectorySettings timing = {};  ///< of the trajectory that was announced, or defaults
+  std::string limits_file = {};    ///< of the trajectory that was announced; may be empty
 };
 
 /// Takes a dict of keywords of Plan.trajectory() for the trajectory that will be made.
@@ -68,7 +69,10 @@ void read_timing(const py::object& keywords, Plan& plan) {
   py::object limits = py::none();
   if (arguments.contains("limits")) limits = arguments.attr("pop")("limits");
   plan.timing = read_keywords<TrajectorySettings>("Plan.trajectory", arguments);
-  plan.problem.robot = unwrap(narrow_positions(plan.problem.robot, file_name(limits)));
+  if (!limits.is_none()) {
+    plan.limits_file = file_name(py::module_::import("os.path").attr("abspath")(limits));
+  }
+  plan.problem.robot = unwrap(narrow_positions(plan.problem.robot, plan.limits_file));
   plan.settings.plan.limits =
       std::make_shared<const RateLimits>(find_limits(plan.problem.robot, plan.timing, limits));
 }
@@ -89,8 +93,8 @@ Plan plan(const SharedProblem& problem, const Memory* memory, const std::string&
   std::atomic<bool> cancel = false;
   made.settings.plan.cancel = &cancel;
   made.settings.plan.observer = made.recorder.get();
-  auto result = run_interruptible(
-      cancel, [&] { return solve(made.problem, database.get(), made.settings); });
+  auto result =
+      run_interruptible(cancel, [&] { return solve(made.problem, database.get(), made.settings); });
   made.settings.plan.cancel = nullptr;
   made.settings.plan.observer = nullptr;
   made.result = unwrap(std::move(result));
@@ -150,15 +154,17 @@ py::list begins_of(const TimedPlan& timed) {
 
 TimedPlan time_plan(const Plan& plan, const py::object& dt, const py::object& limits,
                     const py::kwargs& arguments) {
-  const bool is_announced = limits.is_none() && arguments.empty() && plan.settings.plan.limits;
-  const TrajectorySettings timing = read_trajectory_settings(
-      "Plan.trajectory", dt, arguments, is_announced ? plan.timing : TrajectorySettings());
+  const TrajectorySettings timing =
+      read_trajectory_settings("Plan.trajectory", dt, arguments, plan.timing);
   if (!plan.result.plan.is_solved()) {
     raise_invalid("trajectory: there is no path: " + plan.result.plan.message);
   }
   const Robot& robot = plan.problem.robot;
+  const bool is_announced = limits.is_none() && arguments.empty() && plan.settings.plan.limits;
+  py::object file = limits;
+  if (limits.is_none()) file = py::bytes(plan.limits_file);
   const RateLimits rates =
-      is_announced ? *plan.settings.plan.limits : find_limits(robot, timing, limits);
+      is_announced ? *plan.settings.plan.limits : find_limits(robot, timing, file);
   auto points = run_interruptible([&] {
     return make_trajectory(plan.problem, plan.settings, plan.result.plan.path, rates, timing)
         .and_then([&](const Trajectory& timed) { return timed.sample(timing.dt); });
@@ -284,7 +290,8 @@ void bind_numbers(py::class_<Plan>& type) {
 std::string trajectory_help() {
   return "Returns the time-optimal motion along the path with rounded corners, sampled every dt "
          "seconds.\n\nlimits: a YAML file of velocity and acceleration limits, as MoveIt's\n"
-         "joint_limits.yaml. Default: the limits of the URDF.\n\n" +
+         "joint_limits.yaml. Default: the limits of the URDF.\n"
+         "What plan(trajectory=) announced is the default of each keyword.\n\n" +
          describe_keywords<TrajectorySettings>();
 }
 
@@ -337,8 +344,8 @@ std::string plan_help() {
          "sampler: one of sampler_names(). Default: 'gl' with a database, 'uniform' without.\n"
          "isa: instruction set of the kernels.\n"
          "memory: str = 'auto', or 'off', or 'paper': all settings as in the paper.\n"
-         "trajectory: a dict of keywords of Plan.trajectory(), which then needs none: the path is "
-         "the\n    fastest within these limits, not the shortest.\n"
+         "trajectory: a dict of keywords of Plan.trajectory(), which become its defaults: the path "
+         "is\n    the fastest within these limits, not the shortest.\n"
          "record: keep samples and edges for view(). Costs a little time.\n\n" +
          describe_keywords<SolveSettings>() + describe_keywords<PlanSettings>() +
          describe_memory_keywords() + describe_keywords<LearnSettings>() +

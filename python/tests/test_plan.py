@@ -97,12 +97,25 @@ def test_a_trajectory_that_is_announced_decides_what_is_shortened(problem):
     announced = plan.trajectory()
     np.testing.assert_array_equal(announced.positions, plan.trajectory(**limits).positions)
     assert announced.times[1] == pytest.approx(0.05)
+    for change in ({"velocity_scale": 0.5}, {"dt": 0.02}):
+        changed = plan.trajectory(**change)
+        np.testing.assert_array_equal(changed.positions, plan.trajectory(**limits | change).positions)
     with pytest.raises(TypeError, match=r"^Plan.trajectory\(\) got an unexpected"):
         mneme.plan(problem, trajectory={"acceleration": 5})
     with pytest.raises(TypeError, match="plan: trajectory=True: expected a dict of keywords"):
         mneme.plan(problem, trajectory=True)
     with pytest.raises(TypeError, match=r"help\(mneme.Plan.trajectory\)"):
         plan.trajectory(xyzzy=1)
+
+
+def test_announced_limits_hold_whatever_else_is_given(problem, tmp_path, monkeypatch):
+    (tmp_path / "limits.yaml").write_text("joint_limits: {joint_1: {max_velocity: 0.1}}")
+    monkeypatch.chdir(tmp_path)
+    plan = mneme.plan(problem, trajectory={"limits": "limits.yaml"})
+    monkeypatch.chdir("/")
+    for change in ({}, {"dt": 0.1}, {"velocity_scale": 0.5}, {"path_tolerance": 0.1}):
+        fastest = np.abs(plan.trajectory(**change).velocities[:, 0]).max()
+        assert fastest <= 0.1 * change.get("velocity_scale", 1) + 1e-9
 
 
 def test_a_moving_start_is_timed_from_its_velocity(problem):
