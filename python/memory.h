@@ -4,6 +4,7 @@
 /// mneme.Database: shared with the calls that use it, which may end after it was closed.
 #pragma once
 
+#include "mneme/benchmark.h"
 #include "mneme/memory.h"
 #include "mneme/pipeline.h"
 
@@ -85,9 +86,13 @@ class Memory {
   std::shared_ptr<Database> database_;
 };
 
-/// Raises mneme.Error for settings that need a database. `function`: the name of the call in
-/// messages.
+/// Raises mneme.Error for settings that need a database, TypeError for such a sampler. `function`:
+/// the name of the call in messages.
 inline void check_without_memory(const std::string& function, const SolveSettings& settings) {
+  if (needs_memory(settings.sampler)) {
+    throw py::type_error(fmt::format("{}: the sampler '{}' needs a database to sample from",
+                                     function, settings.sampler));
+  }
   if (settings.learn_budget_s > 0) {
     raise_invalid(function + ": learn_budget needs a database for the learned rows");
   }

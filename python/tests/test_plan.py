@@ -118,6 +118,13 @@ def test_announced_limits_hold_whatever_else_is_given(problem, tmp_path, monkeyp
         assert fastest <= 0.1 * change.get("velocity_scale", 1) + 1e-9
 
 
+def test_samplers_of_memory_need_a_database(problem):
+    for sampler in (name for name in mneme.sampler_names() if name != "uniform"):
+        if mneme._mneme._needs_memory(sampler):
+            with pytest.raises(TypeError, match=f"plan: the sampler '{sampler}' needs a database to sample from"):
+                mneme.plan(problem, sampler=sampler)
+
+
 def test_a_moving_start_is_timed_from_its_velocity(problem):
     velocity = np.zeros(problem.robot.joint_count)
     velocity[0] = -0.1
