@@ -71,10 +71,9 @@ PoseGoal make_pose_goal(std::string link, const py::object& position, const py::
   } else if (cone != Angle(0.0) || turn != Angle(0.0)) {
     raise_invalid("cone, turn: expected quat_xyzw, too, got none");
   }
-  const bool is_number = py::isinstance<py::float_>(position_tolerance) ||
-                         py::isinstance<py::int_>(position_tolerance);
-  goal.position_tolerance = is_number ? Vec3(Vec3::Constant(position_tolerance.cast<double>()))
-                                      : to_point(position_tolerance, "position_tolerance");
+  const Array tolerance = to_numbers(position_tolerance, "position_tolerance");
+  goal.position_tolerance = tolerance.ndim() == 0 ? Vec3(Vec3::Constant(*tolerance.data()))
+                                                  : to_point(tolerance, "position_tolerance");
   return goal;
 }
 

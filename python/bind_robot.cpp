@@ -138,8 +138,8 @@ void bind_properties(py::class_<Robot>& robot) {
                              "Lower and upper limits, shape (joint_count, 2): radians, or metres "
                              "for prismatic joints; -pi and pi for continuous ones.")
       .def_property_readonly("hash", &Robot::hash,
-                             "16 hexadecimal digits over all data that decide whether a "
-                             "configuration is valid.")
+                             "16 hexadecimal digits over all data of the robot that decide whether "
+                             "a\nconfiguration is valid. Attached objects do not count.")
       .def_property_readonly("kinematics_hash", &Robot::kinematics_hash,
                              "16 hexadecimal digits over the joints of the group, their frames and "
                              "limits. Memory applies to all robots with the same value.")

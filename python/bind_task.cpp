@@ -50,20 +50,18 @@ Task make_task(const Robot& robot, const Scene& scene, const py::object& start,
   return task;
 }
 
-PlannedTask plan_task(const Task& task, const py::object& database, const std::string& planner,
+PlannedTask plan_task(const Task& task, const Memory* memory, const std::string& planner,
                       const std::optional<std::string>& sampler, const std::string& isa,
                       py::kwargs arguments) {
   auto settings = take_keywords<TaskSettings>("plan_task", arguments);
-  const bool has_database = !database.is_none();
   settings.solve = read_solve_settings(
-      "plan_task", planner, sampler.value_or(has_database ? "gl" : "uniform"), isa, arguments);
-  std::shared_ptr<Database> memory;
-  if (has_database) memory = database.cast<const Memory&>().get();
+      "plan_task", planner, sampler.value_or(memory == nullptr ? "uniform" : "gl"), isa, arguments);
+  const std::shared_ptr<Database> database = memory == nullptr ? nullptr : memory->get();
   if (memory == nullptr) check_without_memory("plan_task", settings.solve);
   std::atomic<bool> cancel = false;
   settings.solve.plan.cancel = &cancel;
   TaskResult result =
-      unwrap(run_interruptible(cancel, [&] { return solve_task(task, memory.get(), settings); }));
+      unwrap(run_interruptible(cancel, [&] { return solve_task(task, database.get(), settings); }));
   settings.solve.plan.cancel = nullptr;
   return {task, settings.solve, std::move(result)};
 }

@@ -133,6 +133,12 @@ def test_a_goal_tells_what_it_is():
     goal = mneme.PoseGoal("panda_hand", POSITION, TURN, position_tolerance=[0.1, 0, 0.2], axis="x", cone=0.3, turn=0.4)
     assert (goal.axis, goal.cone, goal.turn) == ("x", 0.3, 0.4)
     np.testing.assert_array_equal(goal.position_tolerance, [0.1, 0, 0.2])
+    for one in (0.25, np.float32(0.25), np.array(0.25), [0.25] * 3, np.int64(2), 2):
+        goal = mneme.PoseGoal("panda_hand", POSITION, position_tolerance=one)
+        np.testing.assert_array_equal(goal.position_tolerance, np.broadcast_to(one, 3))
+    for wrong in (True, 10**400, "1", None, 1j):
+        with pytest.raises(TypeError, match="position_tolerance: expected an array of real numbers"):
+            mneme.PoseGoal("panda_hand", POSITION, position_tolerance=wrong)
     free = mneme.PoseGoal("panda_hand", POSITION, TURN, cone=1, turn="free")
     assert (free.cone, free.turn) == (1, np.pi)
 
