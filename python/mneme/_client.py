@@ -27,6 +27,9 @@ class Busy(Exception):
     def retry_after_s(self):
         return self._retry_after_s
 
+    def __reduce__(self):
+        return Busy, (str(self), self._retry_after_s)
+
 
 class _Answer(dict):
     """An answer of the service, whose missing keys are errors of the service."""
@@ -65,10 +68,10 @@ def _pause(retry_after):
     return pause if 0 <= pause < math.inf else 1.0
 
 
-def _array(rows):
-    """Returns received rows of numbers as an array, of shape (0, 0) without rows."""
+def _array(rows, joint_count):
+    """Returns received rows of numbers as an array, of shape (0, joint_count) without rows."""
     try:
-        return np.array(rows, dtype=float) if rows else np.empty((0, 0))
+        return np.array(rows, dtype=float) if rows else np.empty((0, joint_count))
     except (TypeError, ValueError) as failure:
         raise make_error("io", f"expected rows of numbers from `mneme serve`, got {_excerpt(str(rows))}") from failure
 
@@ -76,9 +79,10 @@ def _array(rows):
 class RemotePlan:
     """The result of Client.plan(), with the names of Plan for the attributes that are sent."""
 
-    def __init__(self, answer, client):
+    def __init__(self, answer, client, joint_count=0):
         self._answer = answer
         self._client = client
+        self._joint_count = joint_count  # of a path without rows
 
     @property
     def answer(self):
@@ -99,12 +103,26 @@ class RemotePlan:
 
     @property
     def path(self):
-        return _array(self._answer["path"])
+        return _array(self._answer["path"], self._joint_count)
 
     @property
     def remembered(self):
         """True if the service is storing the path meanwhile."""
         return bool(self._answer["remembered"])
+
+    @property
+    def remember_failure(self):
+        return self._answer.get("remember_failure", "")
+
+    @property
+    def replayed(self):
+        """The row of the service's database whose path was replayed; 0 if none was."""
+        return self._answer.get("replay", {}).get("row", 0)
+
+    @property
+    def replay(self):
+        """Says whether a known task was replayed, and if not, why. Empty if no memory of whole paths was queried."""
+        return self._answer.get("replay", {}).get("explanation", "")
 
     def to_json(self):
         """Returns the JSON that `mneme plan --json` prints."""
@@ -121,8 +139,8 @@ class RemotePlan:
                 f"{1e3 * self.planning_time_s:.3f} ms>")
 
 
-for _name in ("status", "path_length", "total_time_s", "planning_time_s", "retrieval_time_s", "learning_time_s",
-              "simplification_time_s", "verification_time_s", "iterations", "states_checked", "motions_checked",
+for _name in ("status", "path_length", "total_time_s", "preparation_time_s", "planning_time_s", "retrieval_time_s",
+              "learning_time_s", "simplification_time_s", "verification_time_s", "iterations", "states_checked", "motions_checked",
               "planner", "sampler", "seed", "isa"):
     setattr(RemotePlan, _name, property(lambda self, name=_name: self._answer[name]))
 
@@ -147,14 +165,22 @@ def _scene_keys(scene):
     """Returns a Scene, or a dict with keys of compact files, as keys of a request."""
     if isinstance(scene, dict):
         return dict(scene)
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene: expected a Scene or a dict with keys of compact files, got {scene!r:.80}")
     members = _members(scene.to_compact_json())
     return {key: members[key] for key in _SCENE_KEYS if key in members}
 
 
 def _json(key, value):
-    """Returns the text of a value, which `key` names in errors."""
+    """Returns the text of a value, which `key` names in errors. NumPy's arrays and numbers may be within."""
+
+    def plain(part):
+        if isinstance(part, (np.ndarray, np.generic)):
+            return part.tolist()
+        raise TypeError(f"{key}: {part!r:.80} is no number, text, list, dict or array")
+
     try:
-        return value if isinstance(value, _Json) else json.dumps(value, allow_nan=False)
+        return value if isinstance(value, _Json) else json.dumps(value, allow_nan=False, default=plain)
     except ValueError:
         raise make_error("invalid", f"{key}: expected finite numbers") from None
 
@@ -172,9 +198,20 @@ def _check_size(scene, end):
                            "the time limit; upload the scene with put_scene() and name its id")
 
 
-def _configuration(q):
+def _numbers(values, name):
+    """Returns an array of float64. Raises TypeError, which names the argument, as this module's functions do."""
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        array = None
+    if array is None or (array.size > 0 and array.dtype.kind not in "fiu"):
+        raise TypeError(f"{name}: expected an array of real numbers, got {values!r:.80}")
+    return array.astype(float)
+
+
+def _configuration(q, name):
     """Returns JSON: values of all joints, a dict by name, or the name of a state."""
-    return q if isinstance(q, (str, dict)) else np.asarray(q, dtype=float).tolist()
+    return q if isinstance(q, (str, dict)) else _numbers(q, name).tolist()
 
 
 def _goals(goals):
@@ -182,8 +219,17 @@ def _goals(goals):
     if isinstance(goals, (PoseGoal, str, dict)):
         goals = [goals]
     if not any(isinstance(goal, (PoseGoal, str, dict)) for goal in goals):
-        return np.atleast_2d(np.asarray(goals, dtype=float)).tolist()
-    return [json.loads(goal.to_json()) if isinstance(goal, PoseGoal) else _configuration(goal) for goal in goals]
+        return np.atleast_2d(_numbers(goals, "goals")).tolist()
+    return [json.loads(goal.to_json()) if isinstance(goal, PoseGoal) else _configuration(goal, "goals")
+            for goal in goals]
+
+
+def _seconds(name, value):
+    """Checks a setting that is a time or None."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.generic, type(None))):
+        raise TypeError(f"Client.plan: {name}={value!r} is not a number of seconds")
+    if value is not None and not value >= 0:
+        raise make_error("invalid", f"Client.plan: {name}={value!r} is out of range: expected 0 or more")
 
 
 def _settings(settings):
@@ -244,8 +290,7 @@ class Client:
         limit_s = math.inf
         if settings.get("timeout") is not None:
             for name in ("timeout", "improve"):
-                if not isinstance(settings.get(name), (int, float, np.generic, type(None))):
-                    raise TypeError(f"Client.plan: {name}={settings[name]!r} is not a number of seconds")
+                _seconds(name, settings.get(name))
             limit_s = settings["timeout"] + (settings.get("improve") or 0) + _GRACE_S
         for sent in (scene, None if problem is None else problem.scene):
             if isinstance(sent, Scene):
@@ -258,7 +303,7 @@ class Client:
             body = {key: body[key] for key in body if key not in _SCENE_KEYS}
             body.update(self._place(scene))
         if start is not None:
-            body["start"] = _configuration(start)
+            body["start"] = _configuration(start, "start")
         if goals is not None:
             body["goals"] = _goals(goals)
         if attached is not None:
@@ -267,14 +312,16 @@ class Client:
             body["constraints"] = [_constraint(each) for each in constraints]
         for key, velocity in (("start_velocity", start_velocity), ("end_velocity", end_velocity)):
             if velocity is not None:
-                body[key] = np.asarray(velocity, dtype=float).tolist()
+                body[key] = _numbers(velocity, key).tolist()
         if trajectory is not None:
-            if not isinstance(trajectory, dict):
+            if not isinstance(trajectory, dict) or not all(isinstance(key, str) for key in trajectory):
                 raise TypeError(f"Client.plan: trajectory={trajectory!r}: expected a dict of keywords of Plan.trajectory(), "
                                 "such as {} or {'dt': 0.01}")
             body["trajectory"] = _settings(trajectory)
         body.update(settings=_settings(settings), trace=trace, clearance=clearance, remember=remember)
-        return RemotePlan(self.ask("POST", "/v1/plan", body, timeout_s=begin + limit_s - time.monotonic()), self)
+        answer = self.ask("POST", "/v1/plan", body, timeout_s=begin + limit_s - time.monotonic())
+        known = start if problem is None else problem.start
+        return RemotePlan(answer, self, 0 if answer.get("path") else self._joint_count(known))
 
     def inverse_kinematics(self, goals, *, near=None, scene=None, margin=0.0, **settings):
         """Returns free configurations that reach any of the PoseGoals, nearest to `near` (default: zeros) first.
@@ -285,16 +332,16 @@ class Client:
         body = {"goals": _goals(goals), "margin": float(margin), "settings": _settings(settings),
                 **self._place(scene)}
         if near is not None:
-            body["near"] = _configuration(near)
+            body["near"] = _configuration(near, "near")
         answer = self.ask("POST", "/v1/ik", body)
         found = [solution["q"] for solution in answer["solutions"]]
-        solutions = _array(found).view(Solutions)
+        solutions = _array(found, 0 if found else self._joint_count(near)).view(Solutions)
         solutions.message = answer.get("message") or ""
         return solutions
 
     def check(self, configurations, scene=None, margin=0.0):
         """Returns a dict per configuration: "valid", and for invalid ones "contacts" or "message"."""
-        body = {"configurations": np.atleast_2d(np.asarray(configurations, dtype=float)).tolist(),
+        body = {"configurations": np.atleast_2d(_numbers(configurations, "configurations")).tolist(),
                 "margin": float(margin), **self._place(scene)}
         return self.ask("POST", "/v1/check", body)["states"]
 
@@ -306,8 +353,11 @@ class Client:
         return self.ask("PUT", self._scene_path(id), body)["obstacles"]
 
     def edit_scene(self, id, remove=(), scene=None):
-        """Removes obstacles by name, then adds those of `scene`, which replace others of the same names."""
-        body = {"remove": list(remove)}
+        """Removes obstacles by name, then adds those of `scene`, which replace others of the same names.
+
+        remove: a name, or several.
+        """
+        body = {"remove": [remove] if isinstance(remove, str) else list(remove)}
         if scene is not None:
             body.update(_scene_keys(scene))
         return self.ask("PATCH", self._scene_path(id), body)["obstacles"]
@@ -319,8 +369,14 @@ class Client:
         """Returns a dict with "status", "robot", "joints" and "memory"."""
         return self.ask("GET", "/healthz")
 
+    def _joint_count(self, q):
+        """Returns the number of joints of the service's robot: those of `q`, an array that the service took, if given."""
+        return len(self.health()["joints"]) if q is None or isinstance(q, (str, dict)) else np.size(q)
+
     @staticmethod
     def _scene_path(id):
+        if not isinstance(id, str):
+            raise TypeError(f"id: expected the name of a scene, got {id!r:.80}")
         return "/v1/scenes/" + urllib.parse.quote(id, safe="")
 
     @staticmethod

@@ -139,7 +139,34 @@ def test_what_is_wrong_is_said(client, problem):
     assert not hopeless.is_solved and hopeless.message and len(hopeless.path) == 0
 
 
+def test_arguments_are_checked_as_those_of_this_process(client, problem):
+    for start in ([True] * 8, ["1"] * 8, [1j] * 8, [[0], [0, 1]]):
+        with pytest.raises(TypeError, match="^start: expected an array of real numbers, got "):
+            client.plan(problem, start=start)
+    with pytest.raises(TypeError, match=r"^attached: <object object at .* is no number, text, list, dict or array"):
+        client.plan(problem, attached=[{"name": object()}])
+    with pytest.raises(TypeError, match="^scene: expected a Scene or a dict with keys of compact files, got None"):
+        client.put_scene("x", None)
+    with pytest.raises(TypeError, match="^id: expected the name of a scene, got 3"):
+        client.put_scene(3, problem.scene)
+    with pytest.raises(TypeError, match="Client.plan: trajectory={1: 2}: expected a dict of keywords"):
+        client.plan(problem, trajectory={1: 2})
+    ball = {"name": "ball", "type": "sphere", "p": np.array([20, 0, 0]), "radius": np.float32(1)}
+    assert client.put_scene("arrays", {"obstacles": [ball]}) == ["ball"]
+    assert client.edit_scene("arrays", remove="ball") == []
+    client.delete_scene("arrays")
+
+
+def test_a_plan_without_a_path_has_what_a_plan_has(client, problem):
+    plan = client.plan(problem, max_iterations=1)
+    assert plan.path.shape == (0, 8) and not plan.is_solved
+    assert plan.preparation_time_s >= 0 and (plan.replayed, plan.replay, plan.remember_failure) == (0, "", "")
+
+
 def test_times_are_numbers(client, problem):
+    for wrong in (-5, float("nan")):
+        with pytest.raises(mneme.Error, match=f"Client.plan: timeout={wrong} is out of range: expected 0 or more"):
+            client.plan(problem, timeout=wrong)
     with pytest.raises(TypeError, match="Client.plan: timeout='x' is not a number of seconds"):
         client.plan(problem, timeout="x")
 
@@ -151,7 +178,7 @@ def test_inverse_kinematics_is_that_of_this_process(client, problem):
     local = mneme.inverse_kinematics(robot, [goal], near=problem.start, scene=problem.scene, seed=4, ik_solutions=3)
     assert len(local) >= 3 and np.array_equal(remote, local)
     none = client.inverse_kinematics([mneme.PoseGoal("link_8", [90, 0, 0])])
-    assert none.size == 0 and "out of reach of link 'link_8' by" in none.message and local.message == ""
+    assert none.shape == (0, 8) and "out of reach of link 'link_8' by" in none.message and local.message == ""
 
 
 def test_goals_may_be_poses(client, problem):
