@@ -13,3 +13,11 @@ class Solutions(np.ndarray):
         # Copies and views of an empty array keep its message.
         if self.size == 0:
             self.message = getattr(source, "message", "")
+
+    def __reduce__(self):
+        make, arguments, state = super().__reduce__()
+        return make, arguments, (state, self.message)
+
+    def __setstate__(self, state):
+        own, self.message = state
+        super().__setstate__(own)

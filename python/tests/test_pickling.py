@@ -60,6 +60,16 @@ def test_goals_and_constraints_come_back_the_same():
     np.testing.assert_array_equal(again.up, upright.up)
 
 
+def test_empty_solutions_and_refusals_come_back_with_their_reasons():
+    far = mneme.inverse_kinematics(arm(), mneme.PoseGoal("link_3", [9, 0, 0]))
+    again = pickle.loads(pickle.dumps(far))
+    assert again.shape == far.shape == (0, 3) and again.message == far.message != ""
+    some = mneme.inverse_kinematics(arm(), mneme.PoseGoal("link_3", [1, 1, 0]))
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(some)), some)
+    busy = pickle.loads(pickle.dumps(mneme.Busy("too many", 1.5)))
+    assert str(busy) == "too many" and busy.retry_after_s == 1.5
+
+
 def test_what_is_made_in_each_process_says_so(tmp_path):
     robot = arm()
     problem = mneme.Problem(robot, mneme.Scene(), START, GOAL)
