@@ -111,7 +111,8 @@ void bind_benchmark(py::module_& module) {
       py::arg("isa") = "automatic");
   module.def("_check_output", [](const std::string& path,
                                  const std::vector<SharedProblem>& problems, const Memory* memory) {
-    check_output(path, problems, memory == nullptr ? nullptr : memory->get(),
+    check_output(path, problems,
+                 memory == nullptr ? std::vector<ReadFile>() : origin_of(memory->get()),
                  "a file of a problem");
   });
   module.def("planner_names", &planner_names,

@@ -59,7 +59,13 @@ struct Plan {
 
 /// Takes a dict of keywords of Plan.trajectory() for the trajectory that will be made.
 void read_timing(const py::object& keywords, Plan& plan) {
-  if (!py::isinstance<py::dict>(keywords)) {
+  bool is_named = py::isinstance<py::dict>(keywords);
+  if (is_named) {
+    for (const auto& entry : py::reinterpret_borrow<py::dict>(keywords)) {
+      is_named &= py::isinstance<py::str>(entry.first);
+    }
+  }
+  if (!is_named) {
     throw py::type_error(fmt::format(
         "plan: trajectory={}: expected a dict of keywords of Plan.trajectory(), such as {{}} or "
         "{{'dt': 0.01}}",

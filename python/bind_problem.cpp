@@ -139,14 +139,17 @@ void bind_factories(py::class_<SharedProblem>& problem) {
       [](const std::filesystem::path& where, const py::object& robot, const py::object& start,
          const py::object& goal, std::vector<PoseGoal> pose_goals, Constraints constraints,
          const std::filesystem::path& srdf, std::string group,
-         std::vector<std::string> package_paths, std::optional<double> self_filter, bool strict,
-         bool hard_limits, const py::object& start_velocity, const py::object& end_velocity) {
+         const std::vector<std::filesystem::path>& package_paths, std::optional<double> self_filter,
+         bool strict, bool hard_limits, const py::object& start_velocity,
+         const py::object& end_velocity) {
         ProblemOptions options;
         options.robot.strict = strict;
         options.robot.hard_limits = hard_limits;
         options.robot.srdf_path = srdf.string();
         options.robot.group = std::move(group);
-        options.robot.package_paths = std::move(package_paths);
+        for (const auto& path : package_paths) {
+          options.robot.package_paths.push_back(path.string());
+        }
         options.start = to_given(start, "start");
         options.goal = to_given(goal, "goal");
         options.start_velocity = to_given(start_velocity, "start_velocity");
@@ -159,9 +162,10 @@ void bind_factories(py::class_<SharedProblem>& problem) {
       py::arg("where"), py::kw_only(), py::arg("robot") = "", py::arg("start") = py::none(),
       py::arg("goal") = py::none(), py::arg("pose_goals") = std::vector<PoseGoal>(),
       py::arg("constraints") = Constraints(), py::arg("srdf") = "", py::arg("group") = "",
-      py::arg("package_paths") = std::vector<std::string>(), py::arg("self_filter") = py::none(),
-      py::arg("strict") = false, py::arg("hard_limits") = false,
-      py::arg("start_velocity") = py::none(), py::arg("end_velocity") = py::none(),
+      py::arg("package_paths") = std::vector<std::filesystem::path>(),
+      py::arg("self_filter") = py::none(), py::arg("strict") = false,
+      py::arg("hard_limits") = false, py::arg("start_velocity") = py::none(),
+      py::arg("end_velocity") = py::none(),
       "Reads a problem: a YAML file, FILE.json#NAME for one of a compact file, or a motion plan\n"
       "request of MoveIt. Other arguments replace values of the file.\n\n"
       "robot: a name, the path of a URDF, or a Robot, which is then shared. A Robot also replaces\n"

@@ -82,9 +82,9 @@ py::array_t<double> link_poses(const Robot& robot, const py::object& q) {
 void bind_factories(py::class_<Robot>& robot) {
   robot.def_static(
       "load",
-      [](const std::filesystem::path& path, const std::filesystem::path& srdf,
+      [](const std::filesystem::path& robot_path, const std::filesystem::path& srdf,
          const std::string& group, const std::vector<std::string>& joints,
-         const std::vector<std::string>& package_paths,
+         const std::vector<std::filesystem::path>& package_paths,
          const std::map<std::string, double>& fixed_values, bool strict, bool hard_limits,
          const py::kwargs& settings) {
         if (!group.empty() && !joints.empty()) {
@@ -96,13 +96,15 @@ void bind_factories(py::class_<Robot>& robot) {
         options.srdf_path = srdf.string();
         options.group = group;
         options.joints = joints;
-        options.package_paths = package_paths;
+        for (const auto& path : package_paths) {
+          options.package_paths.push_back(path.string());
+        }
         options.fixed_values = fixed_values;
-        return load(path.string(), options, settings);
+        return load(robot_path.string(), options, settings);
       },
       py::arg("robot"), py::kw_only(), py::arg("srdf") = "", py::arg("group") = "",
       py::arg("joints") = std::vector<std::string>(),
-      py::arg("package_paths") = std::vector<std::string>(),
+      py::arg("package_paths") = std::vector<std::filesystem::path>(),
       py::arg("fixed_values") = std::map<std::string, double>(), py::arg("strict") = false,
       py::arg("hard_limits") = false,
       ("Reads a robot: a URDF file, or the name of a bundled robot.\n\n"

@@ -33,7 +33,7 @@ class Robot:
         srdf: PathLike = "",
         group: str = "",
         joints: Sequence[str] = ...,
-        package_paths: Sequence[str] = ...,
+        package_paths: Sequence[PathLike] = ...,
         fixed_values: Mapping[str, float] = ...,
         strict: bool = False,
         hard_limits: bool = False,
@@ -330,7 +330,7 @@ class Problem:
         constraints: Sequence[OrientationConstraint] = ...,
         srdf: PathLike = "",
         group: str = "",
-        package_paths: Sequence[str] = ...,
+        package_paths: Sequence[PathLike] = ...,
         self_filter: Optional[float] = None,
         strict: bool = False,
         hard_limits: bool = False,
@@ -574,17 +574,10 @@ class Plan:
     def isa(self) -> str: ...
     def trajectory(
         self,
-        # settings:trajectory
-        dt: float = 0.01,
-        velocity_scale: float = 1.0,
-        acceleration_scale: float = 1.0,
-        acceleration_limit: float = 1.0,
-        jerk_limit: Optional[float] = None,
-        path_tolerance: float = 1.0,
-        time_rounds: int = 8,
-        blend_tolerance: float = 0.2,
-        # /settings
+        dt: Optional[float] = None,
+        *,
         limits: Optional[PathLike] = None,
+        **settings: Any,
     ) -> Trajectory: ...
     def to_json(self) -> str: ...
     def to_svg(self) -> str: ...
@@ -614,7 +607,11 @@ class RemotePlan:
     iterations: int
     states_checked: int
     motions_checked: int
+    preparation_time_s: float
     remembered: bool
+    remember_failure: str
+    replayed: int
+    replay: str
     planner: str
     sampler: str
     seed: int
@@ -666,7 +663,7 @@ class Client:
         self, id: str, scene: Union[Scene, dict[str, Any]], frame: Optional[str] = None
     ) -> list[str]: ...
     def edit_scene(
-        self, id: str, remove: Sequence[str] = (), scene: Union[Scene, dict[str, Any], None] = None
+        self, id: str, remove: Union[str, Sequence[str]] = (), scene: Union[Scene, dict[str, Any], None] = None
     ) -> list[str]: ...
     def delete_scene(self, id: str) -> None: ...
     def health(self) -> dict[str, Any]: ...

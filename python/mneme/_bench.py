@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """bench(): problems x planners x samplers x seeds."""
 import html
+import operator
 import os
 
 from . import _mneme
+from ._connections import make_error
 
 
 class Benchmark:
@@ -32,6 +34,15 @@ class Benchmark:
         return f"<pre>{html.escape(self.table())}</pre>"
 
 
+def _whole(name, value, most):
+    """Returns a whole number of 0 to `most`."""
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        raise TypeError(f"bench: {name}={value!r:.80} is not a whole number")
+    if not 0 <= operator.index(value) <= most:
+        raise make_error("invalid", f"bench: {name}={value!r:.80} is out of range: expected 0 to {most}")
+    return operator.index(value)
+
+
 def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, seeds=1, seed=1,
           csv=None, on_row=None, **settings):
     """Plans every problem with every planner and sampler, and checks every path again.
@@ -51,6 +62,7 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
     for sampler in samplers:
         if database is None and _mneme._needs_memory(sampler):
             raise TypeError(f"bench: the sampler '{sampler}' needs a database to sample from")
+    seeds, seed = _whole("seeds", seeds, 2**31 - 1), _whole("seed", seed, 2**64 - 1)
     if not problems or not planners or not samplers or seeds < 1:
         raise TypeError("bench: expected at least one problem, planner, sampler and seed")
     if csv is not None:

@@ -5,6 +5,7 @@ import html
 import os
 
 from . import _mneme
+from ._connections import make_error
 
 
 def _repr_html(plan):
@@ -16,7 +17,14 @@ def _repr_html(plan):
 
 
 def _write_in_one(path, text):
-    """Replaces a file as one step. Follows links, and writes pipes and devices directly."""
+    """Replaces a file as one step. Follows links, and writes pipes and devices directly. Raises mneme.Error."""
+    try:
+        _replace(path, text)
+    except OSError as failure:
+        raise make_error("io", f"{path}: cannot be written: {failure.strerror}") from failure
+
+
+def _replace(path, text):
     target = os.path.realpath(path)
     if os.path.exists(target) and not os.path.isfile(target):
         with open(target, "w", encoding="utf-8") as file:
@@ -39,6 +47,8 @@ def view(plan, path):
     With plan(..., record=True) it also shows samples and trees. Raises mneme.Error if `path` is an input file of the
     plan or any memory.
     """
+    if not isinstance(plan, _mneme.Plan):
+        raise TypeError(f"view: expected a Plan, got {plan!r:.80}")
     file = os.fsdecode(path)
     plan._check_output(file)
     _write_in_one(file, plan.to_page())

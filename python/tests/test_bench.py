@@ -55,6 +55,12 @@ def test_wrong_benchmarks_are_errors(problem):
     with pytest.raises(TypeError, match="timout"):
         mneme.bench(problem, timout=1)
     assert raised(mneme.bench, problem, planners="best")[0] == "invalid"
+    for wrong in ({"seeds": "1"}, {"seeds": 1.5}, {"seed": True}):
+        with pytest.raises(TypeError, match="^bench: seeds?=.* is not a whole number"):
+            mneme.bench(problem, **wrong)
+    for wrong in ({"seeds": -1}, {"seed": -1}, {"seed": 2**64}):
+        with pytest.raises(mneme.Error, match="^bench: seeds?=.* is out of range: expected 0 to "):
+            mneme.bench(problem, **wrong)
 
 
 def test_a_wrong_call_leaves_the_rows_of_an_earlier_one(problem, tmp_path):

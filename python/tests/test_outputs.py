@@ -82,8 +82,10 @@ def test_a_page_replaces_a_file_as_a_whole_and_leaves_nothing_else(problem, tmp_
     assert plan.view(os.fsencode(page)) == os.fsencode(page)
     assert (tmp_path / "link.html").is_symlink() and page.read_text() == plan.to_page()
     for wrong in (page.parent, tmp_path / "none" / "plan.html"):
-        with pytest.raises(OSError):
-            plan.view(wrong)
+        code, message = raised(plan.view, wrong)
+        assert code == "io" and message.startswith(f"{wrong}: cannot be written: ")
+    with pytest.raises(TypeError, match="view: expected a Plan, got None"):
+        mneme.view(None, page)
     plan.view("/dev/null")
     assert stat.S_ISCHR(os.stat("/dev/null").st_mode)
     assert sorted(file.name for file in tmp_path.rglob("*")) == ["link.html", "pages", "plan.html"]

@@ -102,8 +102,9 @@ def test_a_trajectory_that_is_announced_decides_what_is_shortened(problem):
         np.testing.assert_array_equal(changed.positions, plan.trajectory(**limits | change).positions)
     with pytest.raises(TypeError, match=r"^Plan.trajectory\(\) got an unexpected"):
         mneme.plan(problem, trajectory={"acceleration": 5})
-    with pytest.raises(TypeError, match="plan: trajectory=True: expected a dict of keywords"):
-        mneme.plan(problem, trajectory=True)
+    for wrong in (True, {1: 2}):
+        with pytest.raises(TypeError, match=f"plan: trajectory={wrong}: expected a dict of keywords"):
+            mneme.plan(problem, trajectory=wrong)
     with pytest.raises(TypeError, match=r"help\(mneme.Plan.trajectory\)"):
         plan.trajectory(xyzzy=1)
 

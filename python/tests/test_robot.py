@@ -17,6 +17,7 @@ def test_a_robot_is_loaded_by_name_or_file(robot):
     assert robot.limits.dtype == np.float64
     path = pathlib.Path(mneme.find_scene("planar/grid.yaml")).parents[2] / "robots/planar8.urdf"
     assert mneme.Robot.load(path).hash == robot.hash
+    assert mneme.Robot.load(path, package_paths=[path.parent, str(path.parent)]).hash == robot.hash
     assert "planar8" in repr(robot)
 
 
