@@ -23,8 +23,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// How files of cells begin, of any version.
-
 Json coverage_json(const CellCoverage& coverage) {
   Json gaps = Json::object();
   for (int i = 0; i < kCellGaps; ++i) {
