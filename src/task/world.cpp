@@ -118,8 +118,14 @@ Result<World> attached(const World& world, const Stage& stage, const Configurati
                              stage.may_touch};
   next.poses.erase(stage.object);
   MNEME_TRY(next.scene.remove(stage.object));
-  // Contact of the obstacle that was allowed, always or at ends, stays so.
+  // Contact of the obstacle that was allowed, always or at ends, stays so. Links of this stage may
+  // touch it always now.
   next.scene.end_contacts = world.scene.end_contacts;
+  std::erase_if(next.scene.end_contacts, [&](const EndContact& contact) {
+    const std::string& other = contact.first == stage.object ? contact.second : contact.first;
+    return (contact.first == stage.object || contact.second == stage.object) &&
+           std::ranges::count(stage.may_touch, other) > 0;
+  });
   for (const std::string& name : find_partners(next, stage.object).carried) {
     add_new(name, object.may_touch);
   }
