@@ -120,12 +120,13 @@ bool WriteQueue::insert(std::span<const Experience> rows, Outcome& outcome) {
   const auto added = without_ending([&] { return insert_({rows.begin(), rows.end()}); });
   if (!added) outcome.failure = added.error().message;
   if (!added && added.error().code == ErrorCode::io) return false;
-  if (!added && rows.size() > 1) {
+  // One row may be at fault.
+  if (!added && added.error().code == ErrorCode::invalid && rows.size() > 1) {
     const std::size_t half = rows.size() / 2;
     return insert(rows.first(half), outcome) && insert(rows.subspan(half), outcome);
   }
   outcome.done += std::ssize(rows);
-  (added ? outcome.stored : outcome.lost) += added ? *added : 1;
+  (added ? outcome.stored : outcome.lost) += added ? *added : std::ssize(rows);
   return true;
 }
 
