@@ -26,24 +26,6 @@ std::optional<std::string> AllowedContacts::find_fault(const std::string& first,
   return std::nullopt;
 }
 
-std::optional<std::string> AllowedContacts::allow(const std::string& first,
-                                                  const std::string& second) {
-  if (const auto fault = find_fault(first, second)) return fault;
-  if (Obstacle* obstacle = scene_.find(second); obstacle && is_carried(first)) {
-    scene_.allow(*obstacle, first);
-  } else if (obstacle = is_carried(first) ? nullptr : scene_.find(first);
-             obstacle && is_carried(second)) {
-    scene_.allow(*obstacle, second);
-  } else if (AttachedObject* object = find_attached(first)) {
-    object->may_touch.push_back(second);
-  } else if (AttachedObject* other = find_attached(second)) {
-    other->may_touch.push_back(first);
-  } else {
-    link_pairs_.emplace_back(first, second);
-  }
-  return std::nullopt;
-}
-
 std::optional<std::string> AllowedContacts::find_ambiguity(const std::string& name) const {
   if (!is_carried(name) || scene_.find(name) == nullptr) return std::nullopt;
   return find_attached(name) != nullptr
@@ -72,12 +54,24 @@ std::optional<std::string> AllowedContacts::find_ambiguity() const {
 }
 
 std::optional<std::string> AllowedContacts::allow(const AllowedPair& pair) {
-  for (const std::string& name : {pair.first, pair.second}) {
+  const std::string &first = pair.first, &second = pair.second;
+  for (const std::string& name : {first, second}) {
     if (auto fault = find_ambiguity(name)) return fault;
   }
-  if (!pair.at_ends) return allow(pair.first, pair.second);
-  if (const auto fault = find_fault(pair.first, pair.second)) return fault;
-  scene_.allow_at_ends(pair);
+  if (const auto fault = find_fault(first, second)) return fault;
+  if (pair.at_ends) {
+    scene_.allow_at_ends(pair);
+  } else if (Obstacle* obstacle = scene_.find(second)) {
+    scene_.allow(*obstacle, first);
+  } else if (Obstacle* other = scene_.find(first)) {
+    scene_.allow(*other, second);
+  } else if (AttachedObject* object = find_attached(first)) {
+    object->may_touch.push_back(second);
+  } else if (AttachedObject* held = find_attached(second)) {
+    held->may_touch.push_back(first);
+  } else {
+    link_pairs_.emplace_back(first, second);
+  }
   return std::nullopt;
 }
 

@@ -117,9 +117,16 @@ class AllowedReader {
         {"entry_names", "entry_values", "default_entry_names", "default_entry_values"});
     read_entries();
     read_defaults();
-    if (unknown_.empty()) return {};
-    return {matrix_.place(fmt::format("ignored, because there is no such link or object: {}",
-                                      fmt::join(unknown_, ", ")))};
+    std::vector<std::string> notes;
+    if (!unknown_.empty()) {
+      notes.push_back(matrix_.place(fmt::format(
+          "ignored, because there is no such link or object: {}", fmt::join(unknown_, ", "))));
+    }
+    if (!ambiguous_.empty()) {
+      notes.push_back(matrix_.place(fmt::format("ignored, because names have two meanings: {}",
+                                                fmt::join(ambiguous_, ", "))));
+    }
+    return notes;
   }
 
  private:
@@ -207,14 +214,15 @@ class AllowedReader {
   }
 
   void allow(const std::string& a, const std::string& b) {
-    bool is_known = true;
+    bool is_clear = true;
     for (const std::string& name : {a, b}) {
-      if (contacts_.knows(name)) continue;
-      unknown_.insert(name);
-      is_known = false;
+      const auto ambiguity = contacts_.find_ambiguity(name);
+      if (ambiguity) ambiguous_.insert(*ambiguity);
+      if (!contacts_.knows(name)) unknown_.insert(name);
+      is_clear = is_clear && !ambiguity && contacts_.knows(name);
     }
-    // A pair of known names is refused only if both are obstacles.
-    if (is_known) static_cast<void>(contacts_.allow(a, b));
+    // A pair of such names is refused only if both are obstacles.
+    if (is_clear) static_cast<void>(contacts_.allow({a, b, {}}));
   }
 
   const Input& matrix_;
@@ -222,7 +230,7 @@ class AllowedReader {
   AllowedContacts& contacts_;
   std::vector<std::string> names_;
   std::map<std::string, bool> defaults_;
-  std::set<std::string> unknown_;
+  std::set<std::string> unknown_, ambiguous_;
 };
 
 }  // namespace

@@ -168,13 +168,11 @@ class AllowedContacts {
     for (AttachedObject& object : attached) attached_.emplace(object.name, &object);
   }
 
-  /// Allows the pair. Returns its fault, or nothing. A name that a link and an obstacle share, as
-  /// MoveIt's matrices may have, means the link in first place and the obstacle in second.
-  [[nodiscard]] std::optional<std::string> allow(const std::string& first,
-                                                 const std::string& second);
   /// Allows the pair, always or at the ends of a path. Returns its fault, or nothing: also if a
   /// name means an obstacle and a link or an attached object.
   [[nodiscard]] std::optional<std::string> allow(const AllowedPair& pair);
+  /// Returns a fault if `name` means an obstacle and a link or an attached object.
+  [[nodiscard]] std::optional<std::string> find_ambiguity(const std::string& name) const;
   /// Returns a fault if contact that the scene allows already is of such a name.
   [[nodiscard]] std::optional<std::string> find_ambiguity() const;
   /// Returns true for the name of a link, an attached object or an obstacle.
@@ -187,7 +185,6 @@ class AllowedContacts {
  private:
   [[nodiscard]] std::optional<std::string> find_fault(const std::string& first,
                                                       const std::string& second) const;
-  [[nodiscard]] std::optional<std::string> find_ambiguity(const std::string& name) const;
   [[nodiscard]] bool is_carried(const std::string& name) const;
   [[nodiscard]] AttachedObject* find_attached(const std::string& name) const;
 

@@ -85,7 +85,8 @@ TEST_SUITE("unit") {
 
 using internal::Input;
 
-/// Pairs that a matrix allows of the lifter, a cup, a box, and a lid that its arm carries.
+/// Pairs that a matrix allows of the lifter, a cup, a second obstacle, and a lid that its arm
+/// carries.
 struct Allowed {
   std::vector<std::pair<std::string, std::string>> links;
   std::vector<std::string> cup, box, lid;
@@ -94,12 +95,12 @@ struct Allowed {
 
 using Names = std::vector<std::string>;
 
-Result<Allowed> read_matrix(const std::string& matrix) {
+Result<Allowed> read_matrix(const std::string& matrix, const std::string& box = "box") {
   return read_yaml("allowed_collision_matrix:\n" + matrix, [](const Input& input) {
     const Robot robot = parse_robot(kLiftUrdf, "lifter.urdf").value();
-    Scene scene{"two", {{"cup", {Sphere{}}}, {"box", {Sphere{}}}}};
+    Scene scene{"two", {{"cup", {Sphere{}}}, {box, {Sphere{}}}}};
     std::vector<AttachedObject> attached = {{"lid", "arm", {}}};
-    Names names = {"lid", "cup", "box"};
+    Names names = {"lid", "cup", box};
     for (const Link& link : robot.links()) names.push_back(link.name);
     internal::AllowedContacts contacts(robot, attached, scene);
     const auto warnings = internal::read_moveit_allowed(input, names, contacts);
@@ -153,6 +154,20 @@ TEST_SUITE("unit") {
     CHECK(allowed.box == Names{"finger"});
     CHECK(allowed.lid == Names{"finger"});
     CHECK(allowed.links.size() == 3);
+  }
+
+  TEST_CASE("pairs of a name with two meanings are left aside") {
+    const std::string matrix =
+        "  entry_names: [cup, arm, finger]\n"
+        "  entry_values: [[false, true, true], [true, false, true], [true, true, false]]\n";
+    const auto allowed = require(read_matrix(matrix, "finger"));
+    CHECK(allowed.cup == Names{"arm"});
+    CHECK(allowed.box.empty());
+    CHECK(allowed.links.empty());
+    REQUIRE(allowed.warnings.size() == 1);
+    CHECK(allowed.warnings[0] ==
+          "f:2: key allowed_collision_matrix: ignored, because names have two meanings: \"finger\" "
+          "is a link of robot lifter and an obstacle; rename the obstacle");
   }
 
   TEST_CASE("matrices that are malformed are refused with line and key") {
