@@ -67,6 +67,8 @@ def bench(problems, database=None, *, planners=("rrt_connect",), samplers=None, 
         raise TypeError("bench: expected at least one problem, planner, sampler and seed")
     if csv is not None:
         _mneme._check_output(os.fsdecode(csv), problems, database)
+        # Fails before the first run where the file cannot be written, and keeps its rows.
+        open(csv, "a", encoding="utf-8").close()
     rows = []
     file = None
 
