@@ -291,9 +291,9 @@ Result<void> check_cell_output(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   if (file && head == internal::kFormat) return {};
-  return internal::fail(
-      ErrorCode::invalid,
-      "{}: the output exists and is no cell; choose another file, or remove this one", path);
+  return fail(ErrorCode::invalid,
+              "{}: the output exists and is no cell; choose another file, or remove this one",
+              path);
 }
 
 Result<void> Cell::save(const std::string& path) const {
