@@ -96,7 +96,7 @@ struct Allowed {
 using Names = std::vector<std::string>;
 
 Result<Allowed> read_matrix(const std::string& matrix, const std::string& box = "box") {
-  return read_yaml("allowed_collision_matrix:\n" + matrix, [](const Input& input) {
+  return read_yaml("allowed_collision_matrix:\n" + matrix, [&box](const Input& input) {
     const Robot robot = parse_robot(kLiftUrdf, "lifter.urdf").value();
     Scene scene{"two", {{"cup", {Sphere{}}}, {box, {Sphere{}}}}};
     std::vector<AttachedObject> attached = {{"lid", "arm", {}}};
