@@ -118,7 +118,6 @@ GlSampler MemorySampler::take(std::uint64_t samples) {
 }
 
 void MemorySampler::add_to_found(const GaussianMixture& mixture) {
-  if (mixture.component_count() == 0) return;
   GaussianMixture all = gl_.mixture == nullptr ? GaussianMixture{} : *gl_.mixture;
   append(all, mixture);
   gl_.mixture = std::make_shared<const GaussianMixture>(std::move(all));
@@ -141,13 +140,13 @@ std::shared_ptr<const Sampler> MemorySampler::sample(const KindSettings& kind, R
 std::shared_ptr<const Sampler> MemorySampler::sample_mixture(const KindSettings& kind,
                                                              GaussianMixture mixture) {
   if (kind.drop_invalid_means) mixture = keep_valid_components(resolved_.checker, mixture);
-  if (mixture.component_count() == 0) return nullptr;
   auto own = std::make_shared<const GaussianMixture>(std::move(mixture));
   if (gl_.mixture == nullptr) {
     gl_.mixture = own;
   } else {
     add_to_found(*own);
   }
+  if (own->component_count() == 0) return nullptr;
   return make_mixture_sampler(query().problem.robot, std::move(own), kind.sigma, kind.widening);
 }
 

@@ -138,7 +138,8 @@ TEST_SUITE("unit") {
     REQUIRE(gl.primitives.size() == 1);
     CHECK(gl.primitives[0].matches.empty());
     CHECK(!gl.primitives[0].is_learned);
-    CHECK(gl.mixture == nullptr);
+    CHECK(gl.mixture->component_count() == 0);
+    CHECK(gl.mixture->joint_count == 8);
     CHECK(gl.learning_time_s == 0);
     CHECK(database.size() == 0);
   }
