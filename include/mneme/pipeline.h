@@ -161,7 +161,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
 
 /// The result of Algorithm 2.
 struct GlSampler {
-  /// All retrieved components, in the scene's frame; null if there are none.
+  /// All retrieved components, in the scene's frame, of which there may be none. Null if memory was
+  /// not queried.
   std::shared_ptr<const GaussianMixture> mixture = {};
   std::vector<PrimitiveRetrieval> primitives = {};
   double retrieval_time_s = 0;  ///< decomposition, lookup and synthesis

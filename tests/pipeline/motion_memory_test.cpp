@@ -102,6 +102,7 @@ TEST_SUITE("unit") {
     Experience dear = require(memory.get(0));
     CHECK_FALSE(dear.path().planning_states.has_value());
     dear.path().planning_states = 1'000'000;
+    dear.path().waypoints[dear.path().waypoints.size() / 2] += 1e-3f;  // another motion
     require(memory.insert({dear}));
     const Problem problem = passage.problem_at(0.3);
     const auto query = require(internal::make_query(problem, &memory, passage.settings));

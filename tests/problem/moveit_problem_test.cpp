@@ -393,7 +393,7 @@ TEST_SUITE("unit") {
     CHECK(
         with_scene("frame_id: base", "frame_id: table") ==
         "scene0001.yaml:5: key world.collision_objects[0]: expected a frame that is a link of the "
-        "robot, the planning frame \"\" or one of the fixed_frame_transforms, got \"table\"");
+        "robot or one of the fixed_frame_transforms, got \"table\"");
     CHECK(
         with_scene("frame_id: base", "frame_id: arm") ==
         "scene0001.yaml:5: key world.collision_objects[0]: expected the root link of robot lifter "

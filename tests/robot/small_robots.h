@@ -38,6 +38,7 @@ inline Robot::Parts make_chain(int joint_count, JointType type = JointType::revo
   parts.links.push_back(make_link("l0"));
   for (int i = 1; i <= joint_count; ++i) {
     parts.links.push_back(make_link("l" + std::to_string(i)));
+    parts.links.back().parent_joint = i - 1;
     parts.joints.push_back(make_joint("j" + std::to_string(i), type, i - 1, i));
   }
   return parts;

@@ -282,7 +282,7 @@ TEST_SUITE("flow") {
     const Json check = {{"configurations", body.at("goals")}};
     CHECK(post(*client, "/v1/check", check).status == 200);
     Json framed = ends;
-    framed["frame"] = {{"position", {1, 0, 0}}};
+    framed["frame"] = "base";
     const Reply refusal = post(*client, "/v1/plan", framed);
     CHECK(refusal.status == 400);
     const std::string message = refusal.body["error"]["message"];
