@@ -186,13 +186,12 @@ Result<Robot> find_or_make(const World& world, const std::map<std::string, doubl
   return with_held(known->to, world.robot);
 }
 
-/// A name that a link and an obstacle share means the link in first place and the obstacle in
-/// second, as in AllowedContacts::allow().
+/// Each pair is of a link or held object and an obstacle, in either order: check_task() refuses
+/// others, and names with two meanings.
 World with_allowed(const World& world, const Stage& stage) {
   World next = world;
   for (const auto& [first, second] : stage.pairs) {
-    const bool is_second =
-        next.scene.find(second) != nullptr && next.robot.find_link(first).has_value();
+    const bool is_second = next.scene.find(second) != nullptr;
     const AllowedContact pair =
         is_second ? AllowedContact{first, second} : AllowedContact{second, first};
     add_new(pair.carried, next.scene.find(pair.obstacle)->may_touch);
