@@ -26,16 +26,9 @@ TEST_SUITE("unit") {
     CHECK(loaded.margin() == cell.margin());
     CHECK(loaded.unproven().size() == cell.unproven().size());
     CHECK(loaded.coverage().proven == cell.coverage().proven);
-    Rng rng(1);
-    for (int i = 0; i < 50; ++i) {
-      const CellTask task = random_task_of(region, rng);
-      CellAnswer first, second;
-      cell.look_up(task, first);
-      loaded.look_up(task, second);
-      CHECK(first.tier == second.tier);
-      CHECK(first.path == second.path);
-    }
+    check_same_answers(region, cell, loaded);
     const std::string bytes = read_file(file);
+    Rng rng(1);
     for (int i = 0; i < 40; ++i) {
       std::string damaged = bytes;
       const auto place = rng.index(static_cast<std::uint32_t>(bytes.size()));

@@ -56,4 +56,17 @@ inline CellTask random_task_of(const CellRegion& region, Rng& rng, bool is_corne
   return task;
 }
 
+/// Checks that two cells of a region give the same answers to random tasks.
+inline void check_same_answers(const CellRegion& region, const Cell& one, const Cell& other) {
+  Rng rng(1);
+  for (int i = 0; i < 50; ++i) {
+    const CellTask task = random_task_of(region, rng);
+    CellAnswer first, second;
+    one.look_up(task, first);
+    other.look_up(task, second);
+    CHECK(first.tier == second.tier);
+    CHECK(first.path == second.path);
+  }
+}
+
 }  // namespace mneme::test
