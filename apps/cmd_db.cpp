@@ -256,11 +256,11 @@ Result<void> print_lookup(const DbOptions& options, const Database& database, co
                           Json& found) {
   const SolveSettings& settings = options.settings;
   const MemoryDefaults& defaults = lookup.kind->defaults;
-  const double similarity = settings.similarity.value_or(defaults.similarity);
-  const int max_matches = settings.max_matches.value_or(defaults.max_matches);
+  const MatchLimits limits{settings.similarity.value_or(defaults.similarity),
+                           settings.max_matches.value_or(defaults.max_matches),
+                           settings.mirror.value_or(true)};
   for (const LocalPrimitive& primitive : lookup.primitives) {
-    const auto matches =
-        MNEME_TRY(find_matches(database, *lookup.kind, primitive, similarity, max_matches));
+    const auto matches = MNEME_TRY(find_matches(database, *lookup.kind, primitive, limits));
     if (!options.is_json) print_matches(primitive, matches);
     Json rows = Json::array();
     for (const Match& match : matches) rows.push_back(to_json(match));
@@ -333,7 +333,7 @@ void add_db(CLI::App& program, Action& action) {
   query.add_option("--problem", options->problem,
                    "problem whose primitives are looked up: YAML file, or FILE.json#NAME");
   add_other_robot(query, options->robot, options->robot_options);
-  add_settings(query, options->settings, {"similarity", "max-matches"});
+  add_settings(query, options->settings, {"similarity", "max-matches", "mirror"});
   add_settings(query, options->settings.memory);
   add_db_upkeep(group, action);
 }

@@ -171,7 +171,7 @@ py::list find(const Memory& memory, const LocalPrimitive& primitive,
   if (max_matches < 0) raise_invalid("max_matches: expected 0 or more");
   py::list rows;
   for (const Match& match :
-       unwrap(find_matches(*database, *kind, primitive, threshold, max_matches))) {
+       unwrap(find_matches(*database, *kind, primitive, {threshold, max_matches}))) {
     py::dict row = to_dict(*match.experience);
     row["similarity_error"] = match.similarity_error;
     rows.append(row);

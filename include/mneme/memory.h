@@ -98,6 +98,7 @@ struct LearnSettings {
   int max_iterations = 20000;
   double range = 0.4;
   std::optional<double> resolution = {};
+  std::optional<bool> walks = {};
   bool merge_cliques = false;
 };
 
@@ -114,6 +115,9 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("learn-range", s.range, 1e-3, 1e3, "Extension range of local queries, radians.");
   visit("learn-resolution", s.resolution, 1e-4, 1.0,
         "Resolution of local queries, radians. Default: the robot's.");
+  visit("learn-walks", s.walks, false, true,
+        "Local queries use anchors and escape walks. Off: learning takes longer, and paths keep "
+        "less to the obstacles. Default: on. The paper: off.");
   visit("merge-cliques", s.merge_cliques, false, true,
         "Merge components whose means are all connected by free straight motions into one "
         "component with their covariance (section V-A of the paper). Makes a smaller database.");
@@ -291,12 +295,18 @@ void visit_settings(Settings& s, Visitor&& visit) {
                                                                const MemorySettings& settings = {},
                                                                double reach = 0.12);
 
-/// Finds stored experience of the kind with a similarity error below `threshold`: nearest first, at
-/// most `max_matches` (0: all). `keys_left` and errors: see Database::find().
+/// What find_matches() returns.
+struct MatchLimits {
+  double threshold = 0;  ///< similarity errors are below this
+  int max_matches = 0;   ///< 0: all
+  bool mirror = true;    ///< mirror images of the primitive match, too
+};
+/// Finds stored experience of the kind that is like the primitive, nearest first. `keys_left` and
+/// errors: see Database::find().
 [[nodiscard]] Result<std::vector<Match>> find_matches(const Database& database,
                                                       const MemoryKind& kind,
                                                       const LocalPrimitive& primitive,
-                                                      double threshold, int max_matches,
+                                                      const MatchLimits& limits,
                                                       std::int64_t* keys_left = nullptr);
 
 /// The paper's similarity error: least squared Euclidean distance between canonical key `a` and the

@@ -47,6 +47,7 @@ struct SolveSettings {
   std::optional<double> sigma = {};
   std::optional<double> similarity = {};
   std::optional<int> max_matches = {};
+  std::optional<bool> mirror = {};
   std::optional<bool> drop_invalid_means = {};
   std::optional<bool> retarget = {};
   std::optional<int> retrieve_after = {};
@@ -88,6 +89,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("max-matches", s.max_matches, 1, 1000000,
         "Nearest samplers to retrieve per primitive. More take longer and are less similar. "
         "Default: by kind (see table). The paper: all, which is the largest value.");
+  visit("mirror", s.mirror, false, true,
+        "Match mirror images of primitives, too. Default: on. The paper: off.");
   visit("drop-invalid-means", s.drop_invalid_means, false, true,
         "Drop retrieved components whose mean is in contact. Off may help: samples around a mean "
         "just inside an obstacle can be free. Default: by kind (see table). The paper: off.");
@@ -104,9 +107,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("component-growth", s.component_growth, 0.0, 1e9,
         "Progressive widening: components to add per iteration.");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
-        "Time per query to learn primitives without a match, seconds. Learning is part of planning "
-        "time and ends with the time limit. A later query continues learning that was cut short. "
-        "Needs a kind of memory that learns primitives.");
+        "Time per query to learn primitives without a match, seconds; part of planning time. A "
+        "later query continues learning that was cut short. Needs a kind that learns primitives.");
   visit("remember-after", s.remember_after, 0, 1000000000,
         "Insert what a solved problem teaches once this many iterations have accumulated since the "
         "last insertion; 0: always, unless replay would come too late for it. Default: never.");
@@ -117,8 +119,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Largest L2 joint distance between checked states of a motion, radians. Default: the "
         "robot's (0.02 for a planar arm, 1/32 otherwise).");
   visit("margin", s.margin, 0.0, 10.0,
-        "Distance that the robot keeps from obstacles, start and goal included, metres. Does not "
-        "apply between links.");
+        "Least distance to obstacles, at start and goals too, but not between links, metres.");
   visit("start-tolerance", s.start_tolerance, 0.0, 1.0,
         "How far a start may be beyond limits or cones, radians (a tenth as many metres for "
         "prismatic joints). A start may also overlap anything by 1 mm. The first motion leads the "

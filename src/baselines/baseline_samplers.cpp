@@ -84,7 +84,7 @@ Result<GaussianMixture> recall_nearest_scenes(const Query& query, const MemoryQu
       matches.push_back({row, scene_distance(canonical, row->key), to_scene});
     }));
   }
-  const auto wanted = static_cast<std::size_t>(kind.max_matches) * primitives.size();
+  const auto wanted = static_cast<std::size_t>(kind.matches.max_matches) * primitives.size();
   std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
     return a.similarity_error < b.similarity_error;
   });

@@ -260,7 +260,7 @@ Result<PriorRows> find_most_similar(const ResolvedQuery& resolved) {
     for (std::size_t i = 0; i < primitives.size(); ++i) {
       const auto matches =
           MNEME_TRY(find_matches(*query.database, *kind.kind, primitives[i].primitive,
-                                 std::numeric_limits<double>::infinity(), 1));
+                                 {std::numeric_limits<double>::infinity(), 1}));
       if (matches.empty() || matches.front().similarity_error >= least) continue;
       const Match& match = matches.front();
       least = match.similarity_error;

@@ -100,6 +100,7 @@ class Learner {
     plan.seed = rng_.next();
     plan.verify = false;
     plan.cancel = cancel_;
+    if (!settings_.walks.value_or(true)) plan.anchor = plan.walk = 0.0;
     const PlanResult planned = plan_with(rrt_connect, checker_, query, sampler, plan);
     ++result_.queries;
     result_.iterations += planned.iterations;

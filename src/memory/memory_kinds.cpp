@@ -146,13 +146,14 @@ Result<std::vector<Experience>> learn_from_paths(const MemoryQuery& query,
 }
 
 Result<std::vector<Match>> find_matches(const Database& database, const MemoryKind& kind,
-                                        const LocalPrimitive& primitive, double threshold,
-                                        int max_matches, std::int64_t* keys_left) {
-  const std::vector<KeyImage> images = kind.images(primitive.key);
+                                        const LocalPrimitive& primitive, const MatchLimits& limits,
+                                        std::int64_t* keys_left) {
+  std::vector<KeyImage> images = kind.images(primitive.key);
+  if (!limits.mirror) std::erase_if(images, [](const auto& image) { return image.is_mirrored; });
   std::vector<PrimitiveKey> keys;
   for (const KeyImage& image : images) keys.push_back(image.key);
-  auto found = MNEME_TRY(
-      database.find(kind.version, keys, threshold, max_matches, keys_left, primitive.constraints));
+  auto found = MNEME_TRY(database.find(kind.version, keys, limits.threshold, limits.max_matches,
+                                       keys_left, primitive.constraints));
   std::vector<Match> matches;
   for (KeyMatch& match : found) {
     // Skip rows whose type of content does not fit their kind.

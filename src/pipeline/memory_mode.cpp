@@ -36,6 +36,7 @@ SolveSettings with_memory_mode(SolveSettings settings) {
   set(settings.sigma, 0.1);
   set(settings.similarity, 3.0);
   set(settings.max_matches, 1000000);
+  set(settings.mirror, false);
   set(settings.drop_invalid_means, false);
   set(settings.retarget, false);
   set(settings.retrieve_after, 0);
@@ -43,6 +44,7 @@ SolveSettings with_memory_mode(SolveSettings settings) {
   set(settings.first_components, 1e9);
   set(settings.plan.walk, 0.0);
   set(settings.plan.anchor, 0.0);
+  set(settings.learn.walks, false);
   return settings;
 }
 

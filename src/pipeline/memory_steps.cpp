@@ -19,7 +19,7 @@ bool is_known(const PrimitiveRetrieval& primitive, const KindSettings& kind) {
   const auto is_complete = [](const Match& match) {
     return match.experience->sampler().is_complete;
   };
-  return std::ssize(primitive.matches) >= kind.max_matches ||
+  return std::ssize(primitive.matches) >= kind.matches.max_matches ||
          std::ranges::any_of(primitive.matches, is_complete);
 }
 
@@ -52,8 +52,8 @@ Result<std::vector<PrimitiveRetrieval>> decompose(const MemoryQuery& query,
 
 Result<void> retrieve(const Database& database, const KindSettings& kind,
                       PrimitiveRetrieval& primitive) {
-  primitive.matches = MNEME_TRY(
-      find_matches(database, *kind.kind, primitive.primitive, kind.similarity, kind.max_matches));
+  primitive.matches =
+      MNEME_TRY(find_matches(database, *kind.kind, primitive.primitive, kind.matches));
   return {};
 }
 

@@ -85,9 +85,10 @@ KindSettings complete(const MemoryKind& kind, const SolveSettings& settings) {
   complete.least_lambda =
       settings.least_lambda.value_or(share.least_lambda.value_or(complete.lambda));
   complete.sigma = settings.sigma.value_or(defaults.sigma);
-  complete.similarity = std::max(settings.similarity.value_or(defaults.similarity),
-                                 std::numeric_limits<double>::denorm_min());
-  complete.max_matches = settings.max_matches.value_or(defaults.max_matches);
+  complete.matches = {std::max(settings.similarity.value_or(defaults.similarity),
+                               std::numeric_limits<double>::denorm_min()),
+                      settings.max_matches.value_or(defaults.max_matches),
+                      settings.mirror.value_or(true)};
   complete.drop_invalid_means = settings.drop_invalid_means.value_or(defaults.drop_invalid_means);
   complete.retarget = settings.retarget.value_or(defaults.retarget);
   // Learning needs the misses of a query, so that memory must be queried at once.

@@ -18,8 +18,7 @@ struct KindSettings {
   double lambda = 0;
   double least_lambda = 0;
   double sigma = 0;
-  double similarity = 0;  ///< above 0, so that a key always matches itself
-  int max_matches = 0;
+  MatchLimits matches;  ///< threshold above 0, so that a key always matches itself
   bool drop_invalid_means = false;
   bool retarget = false;
   int retrieve_after = 0;

@@ -138,6 +138,19 @@ TEST_SUITE("unit") {
     CHECK(learn(robot, key, rich, 1).queries > many.queries);
   }
 
+  TEST_CASE("without anchors and walks local queries need more iterations") {
+    LearnSettings plain = cheap_settings();
+    plain.walks = false;
+    std::uint64_t with = 0, without = 0;
+    for (const PrimitiveKey& key : random_keys(4, 17)) {
+      with += learn(planar8(), key, cheap_settings(), 1).iterations;
+      const LearnResult learned = learn(planar8(), key, plain, 1);
+      without += learned.iterations;
+      CHECK(learned.solved > 0);
+    }
+    CHECK(without > 2 * with);
+  }
+
   TEST_CASE("a gap that no link can cross leaves an empty sampler") {
     const LearnResult learned =
         learn(planar_arm({1, 1}), {9, 1.5, 1, 9, -1.5, 1}, cheap_settings(), 1);

@@ -108,7 +108,7 @@ TEST_SUITE("law") {
       const PrimitiveKey moved = moved_key(motion, near_pair());
       const LocalPrimitive primitive = make_primitive(moved);
       PrimitiveRetrieval retrieval;
-      retrieval.matches = *find_matches(database, kind_named("pairs"), primitive, 0.01, 0);
+      retrieval.matches = *find_matches(database, kind_named("pairs"), primitive, {0.01});
       REQUIRE(retrieval.matches.size() == 1);
       const GaussianMixture pooled = pooled_of(robot, std::vector{retrieval});
       REQUIRE(pooled.component_count() == stored.component_count());
@@ -129,6 +129,20 @@ TEST_SUITE("law") {
 }
 
 TEST_SUITE("unit") {
+  TEST_CASE("a mirror image of what is known matches, unless only rotations are to match") {
+    const Robot robot = planar8();
+    const TemporaryDirectory directory;
+    Database database = make_database(directory / "a.db", robot);
+    learn_into(database, robot, {near_pair()});
+    const MemoryKind& kind = kind_named("pairs");
+    const LocalPrimitive mirrored = make_primitive(moved_key({0.3, true}, near_pair()));
+    const LocalPrimitive turned = make_primitive(moved_key({0.3, false}, near_pair()));
+    REQUIRE(require(find_matches(database, kind, mirrored, {1e-6})).size() == 1);
+    CHECK(find_matches(database, kind, mirrored, {1e-6})->front().to_scene.is_mirrored);
+    CHECK(require(find_matches(database, kind, mirrored, {1e-6, 0, false})).empty());
+    CHECK(require(find_matches(database, kind, turned, {1e-6, 0, false})).size() == 1);
+  }
+
   TEST_CASE("nothing retrieved is an empty mixture of the robot's joints") {
     const Robot robot = planar8();
     const GaussianMixture none = pooled_of(robot, {});

@@ -57,18 +57,18 @@ TEST_SUITE("unit") {
     const KindSettings planar = completed(planar8());
     CHECK(planar.kind->name == "pairs");
     CHECK(planar.sigma == 0.03);
-    CHECK(planar.similarity == 2);
+    CHECK(planar.matches.threshold == 2);
     CHECK(planar.retrieve_after == 1000);
     CHECK(planar.widening.first == 1e9);
     CHECK(planar.lambda == 0.5);
     CHECK(planar.least_lambda == 0.02);
     CHECK(planar.retarget);
-    CHECK(planar.max_matches == 8);
+    CHECK(planar.matches.max_matches == 8);
     CHECK(planar.drop_invalid_means);
     const KindSettings spatial = completed(lifting_arm());
     CHECK(spatial.kind->name == "body_pairs");
     CHECK(spatial.sigma == 0.3);
-    CHECK(spatial.similarity == 0.05);
+    CHECK(spatial.matches.threshold == 0.05);
     CHECK(spatial.retrieve_after == 1500);
     CHECK(spatial.widening.first == 20);
     CHECK_FALSE(spatial.drop_invalid_means);
@@ -79,7 +79,7 @@ TEST_SUITE("unit") {
     const Robot robot = lifting_arm();
     SolveSettings settings;
     settings.memory.kind = "paths";
-    CHECK(completed(robot, settings).max_matches == 50);
+    CHECK(completed(robot, settings).matches.max_matches == 50);
     CHECK(completed(robot, settings).lambda == 0.7);
     SolveSettings remembering;
     remembering.remember_after = 0;
@@ -112,12 +112,12 @@ TEST_SUITE("unit") {
     for (const Robot& robot : {planar8(), lifting_arm()}) {
       const KindSettings complete = completed(robot, settings);
       CHECK(complete.sigma == 0.01);
-      CHECK(complete.similarity == 1e-300);
+      CHECK(complete.matches.threshold == 1e-300);
       CHECK(complete.retrieve_after == 0);
       CHECK(complete.widening.first == 1);
       CHECK(complete.widening.growth == settings.component_growth / 0.25);
       CHECK(complete.lambda == 0.25);
-      CHECK(complete.max_matches == 3);
+      CHECK(complete.matches.max_matches == 3);
       CHECK(complete.drop_invalid_means);
       CHECK(!complete.retarget);
     }
@@ -160,7 +160,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a similarity of zero still finds the key itself") {
     SolveSettings settings;
     settings.similarity = 0;
-    CHECK(completed(planar8(), settings).similarity > 0);
+    CHECK(completed(planar8(), settings).matches.threshold > 0);
   }
 
   TEST_CASE("the settings that say that their default depends on the kind are those of the table") {
@@ -191,6 +191,8 @@ TEST_SUITE("unit") {
     CHECK(paper.lambda == 0.7);
     CHECK(paper.least_lambda == 0.7);
     CHECK(paper.similarity == 3);
+    CHECK(paper.mirror == false);
+    CHECK(paper.learn.walks == false);
     CHECK(paper.retarget == false);
     CHECK(paper.plan.walk == 0);
     CHECK(paper.plan.anchor == 0.0);
