@@ -36,7 +36,8 @@ std::vector<std::uint8_t> find_free(const Robot& robot, Scene scene, const Gauss
 
 Scene only(const Scene& scene, const std::vector<int>& obstacles) {
   Scene part{scene.name, {}};
-  for (const int i : obstacles) part.obstacles.push_back(scene.obstacles[static_cast<std::size_t>(i)]);
+  for (const int i : obstacles)
+    part.obstacles.push_back(scene.obstacles[static_cast<std::size_t>(i)]);
   return part;
 }
 
@@ -53,8 +54,7 @@ void print_shares(const Problem& problem, Database& database) {
   std::size_t free = 0, similarity = 0, decomposition = 0;
   for (std::size_t p = 0; p < result.gl.primitives.size(); ++p) {
     const auto& obstacles = result.gl.primitives[p].primitive.obstacles;
-    const auto is_free_of_pair =
-        find_free(problem.robot, only(problem.scene, obstacles), *mixture);
+    const auto is_free_of_pair = find_free(problem.robot, only(problem.scene, obstacles), *mixture);
     for (std::size_t i = 0; i < is_free.size(); ++i) {
       if (mixture->sources[i] != static_cast<SampleSource>(p)) continue;
       free += is_free[i];
