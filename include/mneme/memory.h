@@ -295,7 +295,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
                                                                const MemorySettings& settings = {},
                                                                double reach = 0.12);
 
-/// What find_matches() returns.
+/// Limits what find_matches() returns.
 struct MatchLimits {
   double threshold = 0;  ///< similarity errors are below this
   int max_matches = 0;   ///< 0: all
