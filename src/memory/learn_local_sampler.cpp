@@ -6,7 +6,6 @@
 #include "mneme/memory.h"
 
 #include "memory/planar_chain.h"
-#include "robot/kinematics.h"
 #include "store/row_check.h"
 
 #include <fmt/format.h>
@@ -64,7 +63,8 @@ class Learner {
       const auto start =
           internal::sample_threaded(checker_, chain_, key_, link, kStartAttempts, rng_);
       if (!start) return;
-      const PlanQuery query{*start, free_configurations()};
+      const PlanQuery query{*start, internal::sample_outside(checker_, chain_, key_, kGoalsPerQuery,
+                                                             kFreeAttempts, rng_)};
       if (query.goals.empty()) return;
       for (int j = 0; j < settings_.paths_per_start && !is_late(); ++j) {
         if (!learn_from_query(query, *sampler)) break;
@@ -79,17 +79,6 @@ class Learner {
     return make_mixed_sampler(kBootstrapLambda,
                               make_mixture_sampler(checker_.robot(), so_far, kBootstrapSigma),
                               uniform_);
-  }
-
-  /// Valid configurations with the whole arm out of the gap.
-  std::vector<Configuration> free_configurations() {
-    std::vector<Configuration> found;
-    for (int i = 0; i < kFreeAttempts && static_cast<int>(found.size()) < kGoalsPerQuery; ++i) {
-      Configuration q = internal::random_configuration(checker_.robot(), rng_);
-      const bool is_out = internal::first_crossing_link(chain_, key_, q) < 0;
-      if (is_out && checker_.is_valid(std::span<const double>(q))) found.push_back(std::move(q));
-    }
-    return found;
   }
 
   bool learn_from_query(const PlanQuery& query, const Sampler& sampler) {

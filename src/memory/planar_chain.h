@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -78,5 +79,11 @@ struct GapSegment {
                                                            const PlanarChain& chain,
                                                            const PrimitiveKey& key, int first_link,
                                                            int attempts, Rng& rng);
+/// Random valid configurations with the whole arm out of the gap: at most `count`, from `attempts`
+/// tries in all.
+[[nodiscard]] std::vector<Configuration> sample_outside(const CollisionChecker& checker,
+                                                        const PlanarChain& chain,
+                                                        const PrimitiveKey& key, int count,
+                                                        int attempts, Rng& rng);
 
 }  // namespace mneme::internal

@@ -5,10 +5,13 @@
 // directions that keep it within reach. The two links into the gap reach a random point of it by
 // two-link inverse kinematics. Links behind it are random.
 #include "memory/planar_chain.h"
+#include "robot/kinematics.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+#include <utility>
 
 namespace mneme {
 namespace internal {
@@ -160,6 +163,18 @@ std::optional<Configuration> sample_threaded(const CollisionChecker& checker,
     if (checker.is_valid(std::span<const double>(q))) return q;
   }
   return std::nullopt;
+}
+
+std::vector<Configuration> sample_outside(const CollisionChecker& checker, const PlanarChain& chain,
+                                          const PrimitiveKey& key, int count, int attempts,
+                                          Rng& rng) {
+  std::vector<Configuration> found;
+  for (int i = 0; i < attempts && std::ssize(found) < count; ++i) {
+    Configuration q = random_configuration(checker.robot(), rng);
+    const bool is_out = first_crossing_link(chain, key, q) < 0;
+    if (is_out && checker.is_valid(std::span<const double>(q))) found.push_back(std::move(q));
+  }
+  return found;
 }
 
 }  // namespace internal

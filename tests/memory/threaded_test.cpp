@@ -92,6 +92,21 @@ TEST_SUITE("law") {
     }
   }
 
+  TEST_CASE("configurations outside are free and do not cross, and are as many as were asked for") {
+    const Robot robot = planar8();
+    Rng rng(6);
+    for (const PrimitiveKey& key : random_keys(20, 5)) {
+      const CollisionChecker checker = make_checker(robot, make_scene(key));
+      const auto found = sample_outside(checker, key, 3, 1000, rng);
+      CHECK(found.size() == 3);
+      for (const Configuration& q : found) {
+        CHECK(checker.is_valid(std::span<const double>(q)));
+        CHECK(first_crossing_link(robot, key, q) < 0);
+      }
+      CHECK(sample_outside(checker, key, 3, 0, rng).empty());
+    }
+  }
+
   TEST_CASE("the same stream of numbers gives the same configuration, the next one another") {
     const Robot robot = planar8();
     const PrimitiveKey key = random_keys(1, 7)[0];

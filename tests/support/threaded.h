@@ -21,4 +21,11 @@ inline std::optional<Configuration> sample_threaded(const CollisionChecker& chec
                                    key, first_link, attempts, rng);
 }
 
+inline std::vector<Configuration> sample_outside(const CollisionChecker& checker,
+                                                 const PrimitiveKey& key, int count, int attempts,
+                                                 Rng& rng) {
+  return internal::sample_outside(checker, require(internal::PlanarChain::make(checker.robot())),
+                                  key, count, attempts, rng);
+}
+
 }  // namespace mneme::test
