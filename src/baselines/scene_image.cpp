@@ -30,17 +30,24 @@ double mean_direction(const PrimitiveKey& circles) {
 
 std::vector<float> draw_image(const PrimitiveKey& circles, int cells, double half_extent) {
   const double side = 2 * half_extent / cells;
-  std::vector<float> image;
-  for (int row = 0; row < cells; ++row) {
-    for (int column = 0; column < cells; ++column) {
-      const double x = (column + 0.5) * side - half_extent;
-      const double y = (row + 0.5) * side - half_extent;
-      double inside = 0;
-      for (std::size_t i = 0; i + 2 < circles.size(); i += 3) {
-        const double distance = std::hypot(x - circles[i], y - circles[i + 1]) - circles[i + 2];
-        inside = std::max(inside, std::clamp(0.5 - distance / side, 0.0, 1.0));
+  const auto coordinate = [&](int cell) { return (cell + 0.5) * side - half_extent; };
+  const auto cell_of = [&](double x) {
+    return static_cast<int>(std::clamp((x + half_extent) / side, 0.0, static_cast<double>(cells)));
+  };
+  std::vector<float> image(static_cast<std::size_t>(cells) * static_cast<std::size_t>(cells));
+  for (std::size_t i = 0; i + 2 < circles.size(); i += 3) {
+    const double x = circles[i], y = circles[i + 1], radius = circles[i + 2];
+    const double reach = radius + side;  // no centre of a cell beyond is inside
+    const int last_column = std::min(cells - 1, cell_of(x + reach));
+    const int last_row = std::min(cells - 1, cell_of(y + reach));
+    for (int row = cell_of(y - reach); row <= last_row; ++row) {
+      for (int column = cell_of(x - reach); column <= last_column; ++column) {
+        const double distance = std::hypot(coordinate(column) - x, coordinate(row) - y) - radius;
+        const double inside = std::clamp(0.5 - distance / side, 0.0, 1.0);
+        float& cell = image[static_cast<std::size_t>(row) * static_cast<std::size_t>(cells) +
+                            static_cast<std::size_t>(column)];
+        cell = std::max(cell, static_cast<float>(inside));
       }
-      image.push_back(static_cast<float>(inside));
     }
   }
   return image;

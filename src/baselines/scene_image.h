@@ -19,6 +19,7 @@ namespace mneme::internal {
 
 /// An image of `cells` x `cells` values, rows of constant y, of a square with a side of twice
 /// `half_extent` metres around the base: 1 inside circles, 0 outside, values between on boundaries.
+/// Cost: O(cells^2), and a square root for each cell in or near a circle.
 [[nodiscard]] std::vector<float> draw_image(const PrimitiveKey& circles, int cells,
                                             double half_extent);
 

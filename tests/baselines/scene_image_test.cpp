@@ -3,6 +3,7 @@
 #include "baselines/scene_image.h"
 #include "support/support.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -35,6 +36,24 @@ TEST_SUITE("unit") {
 
   TEST_CASE("a boundary that moves within a cell changes the image") {
     CHECK(internal::draw_image({0, 0, 1.0}, 10, 5) != internal::draw_image({0, 0, 1.2}, 10, 5));
+  }
+}
+
+TEST_SUITE("oracle") {
+  TEST_CASE("every cell follows from its distance to the nearest circle, also beyond the edges") {
+    const PrimitiveKey circles = {1.1, -2.3, 1.4, 4.9, 4.9, 0.7,  -5.2, 0, 0.3,
+                                  0,   9,    2,   1.5, -2,  0.01, 1,    1, 0.9};
+    const std::vector<float> image = internal::draw_image(circles, 50, 5);
+    for (std::size_t i = 0; i < image.size(); ++i) {
+      const double x = (static_cast<double>(i % 50) + 0.5) * 0.2 - 5;
+      const double y = (static_cast<double>(i / 50) + 0.5) * 0.2 - 5;
+      double nearest = 100;
+      for (std::size_t j = 0; j < circles.size(); j += 3) {
+        const double distance = std::hypot(x - circles[j], y - circles[j + 1]) - circles[j + 2];
+        nearest = std::min(nearest, distance);
+      }
+      CHECK(std::abs(image[i] - std::clamp(0.5 - nearest / 0.2, 0.0, 1.0)) < 1e-6);
+    }
   }
 }
 
