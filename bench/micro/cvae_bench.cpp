@@ -14,15 +14,18 @@ internal::CvaeWeights make_weights(const Robot& robot) {
   weights.robot_hash = robot.hash();
   weights.joints = robot.joint_count();
   weights.latents = 6;
-  weights.cells = 24;
+  weights.cells = 232;
   weights.hidden = 128;
-  weights.half_extent = 13;
+  weights.half_extent = 11.6;
   Rng rng(1);
   const auto fill = [&](std::vector<float>& values, int count) {
     for (int i = 0; i < count; ++i) values.push_back(static_cast<float>(rng.uniform(-0.1, 0.1)));
   };
+  fill(weights.image_layer, weights.cells * weights.cells * weights.hidden);
+  fill(weights.image_bias, weights.hidden);
   fill(weights.latent_layer, weights.hidden * weights.latents);
-  fill(weights.image_layer, weights.hidden * weights.cells * weights.cells);
+  fill(weights.feature_layer, weights.hidden * weights.hidden);
+  fill(weights.ends_layer, weights.hidden * 2 * weights.joints);
   fill(weights.first_bias, weights.hidden);
   fill(weights.second_layer, weights.hidden * weights.hidden);
   fill(weights.second_bias, weights.hidden);
@@ -34,9 +37,9 @@ internal::CvaeWeights make_weights(const Robot& robot) {
 }  // namespace
 
 void register_cvae(const Problem& problem) {
-  auto sampler =
-      internal::make_cvae_sampler(problem.robot, problem.scene, make_weights(problem.robot));
-  if (!sampler) return;  // scenes of other shapes than circles
+  const auto sampler =
+      internal::make_cvae_sampler(memory_query(problem), make_weights(problem.robot));
+  if (!sampler) return;  // the goal is a pose
   register_repeated(
       "cvae/sample", "sample",
       [sampler = *sampler, stream = std::shared_ptr<SampleStream>((*sampler)->start(1)),

@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace mneme::internal {
 namespace {
@@ -111,9 +112,10 @@ SharedSampler nearest_scenes(MemorySampler& memory) {
 }
 
 SharedSampler cvae(MemorySampler& memory) {
-  return memory.from_sampler([&query = memory.query()]() -> Result<SharedSampler> {
-    const auto weights = MNEME_TRY(internal::load_cvae(internal::cvae_path(*query.database)));
-    return internal::make_cvae_sampler(query.problem.robot, query.problem.scene, weights);
+  return memory.from_sampler([&memory]() -> Result<SharedSampler> {
+    const std::string path = internal::cvae_path(*memory.query().database);
+    const auto weights = MNEME_TRY(internal::keep_cvae(path));
+    return internal::make_cvae_sampler(memory.memory_query(), *weights);
   });
 }
 
@@ -127,7 +129,7 @@ constexpr std::array<SamplerEntry, 3> kBaselines = {
       .make = nearest_scenes,
       .uses_memory = true},
      {.name = "cvae",
-      .summary = "baseline: a conditional variational autoencoder trained on the memory",
+      .summary = "baseline: a conditional variational autoencoder trained on the memory's pairs",
       .make = cvae,
       .uses_memory = true}}};
 

@@ -12,6 +12,11 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <mutex>
+#include <string_view>
+#include <system_error>
+#include <utility>
 
 static_assert(std::endian::native == std::endian::little);
 
@@ -19,7 +24,7 @@ namespace mneme::internal {
 namespace {
 
 constexpr std::string_view kMagic = "MNEMCVAE";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kHashSize = 16;
 constexpr std::uint32_t kMostUnits = 4096;  ///< limit on each dimension
 
@@ -39,8 +44,11 @@ void visit_arrays(Weights& w, Visitor&& visit) {
   const auto latents = static_cast<std::size_t>(w.latents);
   const auto pixels = static_cast<std::size_t>(w.cells) * static_cast<std::size_t>(w.cells);
   const auto hidden = static_cast<std::size_t>(w.hidden);
+  visit(w.image_layer, pixels * hidden);
+  visit(w.image_bias, hidden);
   visit(w.latent_layer, hidden * latents);
-  visit(w.image_layer, hidden * pixels);
+  visit(w.feature_layer, hidden * hidden);
+  visit(w.ends_layer, hidden * 2 * joints);
   visit(w.first_bias, hidden);
   visit(w.second_layer, hidden * hidden);
   visit(w.second_bias, hidden);
@@ -79,8 +87,9 @@ Result<CvaeWeights> parse(std::string_view bytes, const std::string& path) {
     return corrupt("the file does not start with MNEMCVAE");
   }
   if (header.version != kVersion) {
-    return fail(ErrorCode::unsupported, "'{}' is of version {}, expected {}", path, header.version,
-                kVersion);
+    return fail(ErrorCode::unsupported,
+                "'{}' is of version {}, expected {}; train it anew with mneme_train_cvae", path,
+                header.version, kVersion);
   }
   if (!has_sane_sizes(header)) return corrupt("the dimensions are out of range");
   CvaeWeights weights = empty_weights(header);
@@ -99,6 +108,14 @@ Result<CvaeWeights> parse(std::string_view bytes, const std::string& path) {
   });
   return weights;
 }
+
+/// The weights of the file that was read last.
+struct KeptWeights {
+  std::mutex mutex;
+  std::string path;
+  std::filesystem::file_time_type time = {};  ///< of the last change before it was read
+  std::shared_ptr<const CvaeWeights> weights;
+};
 
 }  // namespace
 
@@ -133,6 +150,21 @@ Result<CvaeWeights> load_cvae(const std::string& path) {
   const auto bytes = read_text_file(path);
   if (bytes) return parse(*bytes, path);
   return fail(bytes.error().code, "{}; train a CVAE first", bytes.error().message);
+}
+
+Result<std::shared_ptr<const CvaeWeights>> keep_cvae(const std::string& path) {
+  static KeptWeights kept;
+  const std::lock_guard lock(kept.mutex);
+  std::error_code failure;
+  const auto time = std::filesystem::last_write_time(path, failure);
+  if (!failure && kept.weights != nullptr && kept.path == path && kept.time == time) {
+    return kept.weights;
+  }
+  CvaeWeights weights = MNEME_TRY(load_cvae(path));
+  kept.path = path;
+  kept.time = time;
+  kept.weights = std::make_shared<const CvaeWeights>(std::move(weights));
+  return kept.weights;
 }
 
 }  // namespace mneme::internal

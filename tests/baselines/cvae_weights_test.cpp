@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "baselines/small_cvae.h"
 
+#include <chrono>
+#include <filesystem>
+
 namespace mneme::test {
 namespace {
 
@@ -22,8 +25,11 @@ TEST_SUITE("unit") {
     CHECK(read.robot_hash == written.robot_hash);
     CHECK(read.cells == 6);
     CHECK(read.half_extent == 12);
-    CHECK(read.latent_layer == written.latent_layer);
     CHECK(read.image_layer == written.image_layer);
+    CHECK(read.image_bias == written.image_bias);
+    CHECK(read.latent_layer == written.latent_layer);
+    CHECK(read.feature_layer == written.feature_layer);
+    CHECK(read.ends_layer == written.ends_layer);
     CHECK(read.second_layer == written.second_layer);
     CHECK(read.output_bias == written.output_bias);
   }
@@ -44,17 +50,45 @@ TEST_SUITE("unit") {
       write_file(path, changed);
       check_refused(path, ErrorCode::corrupt);
     }
-    std::string newer = whole;
-    newer[8] = 2;
-    write_file(path, newer);
-    check_refused(path, ErrorCode::unsupported);
+  }
+
+  TEST_CASE("a file of another version is refused, with what to do") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "w";
+    require(internal::save_cvae(path, random_weights(planar8(), 1)));
+    std::string other = read_file(path);
+    for (const char version : {'\x01', '\x03'}) {
+      other[8] = version;
+      write_file(path, other);
+      check_refused(path, ErrorCode::unsupported);
+      CHECK(contains(require_error(internal::load_cvae(path)).message, "train it anew"));
+    }
+  }
+
+  TEST_CASE("weights are kept until their file is written anew, or another one is read") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "w";
+    CHECK(require_error(internal::keep_cvae(path)).code == ErrorCode::io);
+    require(internal::save_cvae(path, random_weights(planar8(), 1)));
+    const auto first = require(internal::keep_cvae(path));
+    CHECK(require(internal::keep_cvae(path)) == first);
+    const auto time = std::filesystem::last_write_time(path);
+    require(internal::save_cvae(path, random_weights(planar8(), 2)));
+    std::filesystem::last_write_time(path, time + std::chrono::seconds(1));
+    const auto second = require(internal::keep_cvae(path));
+    CHECK(second->output_bias == random_weights(planar8(), 2).output_bias);
+    CHECK(first->output_bias == random_weights(planar8(), 1).output_bias);
+    require(internal::save_cvae(directory / "v", random_weights(planar8(), 3)));
+    CHECK(require(internal::keep_cvae(directory / "v"))->output_bias != second->output_bias);
+    std::filesystem::remove(path);
+    CHECK(require_error(internal::keep_cvae(path)).code == ErrorCode::io);
   }
 
   TEST_CASE("weights whose sizes do not fit together, or without a place, are not written") {
     const TemporaryDirectory directory;
     internal::CvaeWeights weights = random_weights(planar8(), 1);
     CHECK(internal::save_cvae(directory / "none" + "/w", weights).error().code == ErrorCode::io);
-    weights.output_bias.pop_back();
+    weights.ends_layer.pop_back();
     CHECK(internal::save_cvae(directory / "w", weights).error().code == ErrorCode::invalid);
   }
 }

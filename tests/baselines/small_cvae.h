@@ -24,8 +24,11 @@ inline internal::CvaeWeights random_weights(const Robot& robot, std::uint64_t se
   weights.cells = 6;
   weights.hidden = 10;
   weights.half_extent = 12;
+  weights.image_layer = random_floats(36 * 10, 0.5, rng);
+  weights.image_bias = random_floats(10, 0.5, rng);
   weights.latent_layer = random_floats(10 * 3, 0.5, rng);
-  weights.image_layer = random_floats(10 * 36, 0.5, rng);
+  weights.feature_layer = random_floats(10 * 10, 0.3, rng);
+  weights.ends_layer = random_floats(10 * 2 * 8, 0.5, rng);
   weights.first_bias = random_floats(10, 0.5, rng);
   weights.second_layer = random_floats(10 * 10, 0.5, rng);
   weights.second_bias = random_floats(10, 0.5, rng);
