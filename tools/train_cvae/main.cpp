@@ -106,7 +106,7 @@ void add_options(CLI::App& app, Input& input) {
   app.add_option("--steps", input.training.steps, "most batches (default 60000)")
       ->check(CLI::Range(1, 10000000));
   app.add_option("--minutes", input.training.minutes,
-                 "most time of training, without the local queries (default 20)")
+                 "most time of training, without the local queries (default 60)")
       ->check(CLI::Range(0.0, 10000.0));
   app.add_option("--divergence-weight", input.training.divergence_weight,
                  "weight of the divergence (default 0.01)")

@@ -14,7 +14,7 @@ namespace {
 
 using torch::Tensor;
 
-constexpr int kCheckSteps = 500;
+constexpr int kCheckSteps = 200;
 constexpr int kPatience = 4;  // checks
 constexpr int kHalvings = 4;
 

@@ -34,9 +34,9 @@ struct Examples {
 
 struct TrainingSettings {
   int steps = 60000;    ///< Most batches.
-  double minutes = 20;  ///< Most time.
-  int scenes = 16;      ///< Scenes in a batch.
-  int examples = 32;    ///< Examples in a batch of each of its scenes.
+  double minutes = 60;  ///< Most time.
+  int scenes = 64;      ///< Scenes in a batch.
+  int examples = 16;    ///< Examples in a batch of each of its scenes.
   double learning_rate = 1e-3;
   /// Weight of the divergence of the latent variables from the normal distribution, against the sum
   /// of squared errors.
@@ -67,7 +67,7 @@ struct Trained {
 };
 
 /// Trains encoder and decoder together, as Kingma and Welling, arXiv:1312.6114, conditioned as
-/// Sohn, Lee and Yan (2015), by Adam. The loss on `held_out` is checked every 500 steps. Four
+/// Sohn, Lee and Yan (2015), by Adam. The loss on `held_out` is checked every 200 steps. Four
 /// checks without a new least loss halve the learning rate. After four halvings they end the
 /// training. `on_check` receives each check. Throws what torch throws.
 [[nodiscard]] Trained train(const Sizes& sizes, const Examples& training, const Examples& held_out,
