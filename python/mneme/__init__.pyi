@@ -475,6 +475,7 @@ def learn(
     learn_iterations: int = 20000,
     learn_range: float = 0.4,
     learn_resolution: Optional[float] = None,
+    learn_walks: Optional[bool] = None,
     merge_cliques: bool = False,
     # /settings
     kind: Optional[str] = None,
@@ -692,6 +693,7 @@ def plan(
     sigma: Optional[float] = None,
     similarity: Optional[float] = None,
     max_matches: Optional[int] = None,
+    mirror: Optional[bool] = None,
     drop_invalid_means: Optional[bool] = None,
     retarget: Optional[bool] = None,
     retrieve_after: Optional[int] = None,
@@ -737,6 +739,7 @@ def plan(
     learn_iterations: int = 20000,
     learn_range: float = 0.4,
     learn_resolution: Optional[float] = None,
+    learn_walks: Optional[bool] = None,
     merge_cliques: bool = False,
     # /settings
     # settings:ik
