@@ -207,7 +207,7 @@ TEST_SUITE("unit") {
     });
     std::sort(texts.begin(), texts.end());
     CHECK(std::unique(texts.begin(), texts.end()) == texts.end());
-    CHECK(texts.size() == 7);
+    CHECK(texts.size() == 8);
     for (const std::string& text : texts) CHECK(!contains(text, "\n"));
   }
 }
