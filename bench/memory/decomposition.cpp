@@ -64,8 +64,7 @@ void print_shares(const Problem& problem, Database& database) {
   }
   const double percent = 100.0 / mixture->component_count();
   std::printf(
-      "%-12s %2zu primitives, %7d means: %5.1f %% free, %5.1f %% blocked by their own primitive, "
-      "%5.1f %% by others alone\n",
+      "%-10s %2zu primitives %7d means: %4.1f %% free, %4.1f %% touch their own, %4.1f %% others\n",
       problem.name.c_str(), result.gl.primitives.size(), mixture->component_count(),
       percent * static_cast<double>(free), percent * static_cast<double>(similarity),
       percent * static_cast<double>(decomposition));
