@@ -162,7 +162,7 @@ py::dict get(const Memory& memory, std::int64_t position) {
 }
 
 py::list find(const Memory& memory, const LocalPrimitive& primitive,
-              std::optional<double> similarity, int max_matches) {
+              std::optional<double> similarity, int max_matches, bool mirror) {
   const std::shared_ptr<Database> database = memory.get();
   const MemoryKind* kind = memory_kind_of(primitive.kind);
   if (kind == nullptr) raise_invalid("primitive: its kind of memory is unknown");
@@ -171,7 +171,7 @@ py::list find(const Memory& memory, const LocalPrimitive& primitive,
   if (max_matches < 0) raise_invalid("max_matches: expected 0 or more");
   py::list rows;
   for (const Match& match :
-       unwrap(find_matches(*database, *kind, primitive, {threshold, max_matches}))) {
+       unwrap(find_matches(*database, *kind, primitive, {threshold, max_matches, mirror}))) {
     py::dict row = to_dict(*match.experience);
     row["similarity_error"] = match.similarity_error;
     rows.append(row);
@@ -232,9 +232,11 @@ void bind_experience(py::module_& module) {
                   "Returns damaged rows as (id, what). id 0: damage to the file. Empty: no damage.")
       .def(
           "find", &find, py::arg("primitive"), py::kw_only(), py::arg("similarity") = py::none(),
-          py::arg("max_matches") = 8,
+          py::arg("max_matches") = 8, py::arg("mirror") = true,
           "Returns the rows whose similarity error, the squared key distance to the primitive, is\n"
-          "below similarity (m^2). Nearest first. max_matches: 0 returns all.")
+          "below similarity (m^2). Nearest first. max_matches: 0 returns all. mirror: mirror "
+          "images\n"
+          "of the primitive match, too.")
       .def("to_arrays", &to_arrays,
            "Returns all rows as a dict of NumPy arrays, for numpy.savez: ids, kinds, keys, means,\n"
            "factors, factor_rows, sources, seeds, settings. Row i has "

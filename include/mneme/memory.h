@@ -17,6 +17,7 @@
 #include <concepts>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -116,8 +117,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("learn-resolution", s.resolution, 1e-4, 1.0,
         "Resolution of local queries, radians. Default: the robot's.");
   visit("learn-walks", s.walks, false, true,
-        "Local queries use anchors and escape walks. Off: learning takes longer, and paths keep "
-        "less to the obstacles. Default: on. The paper: off.");
+        "Local queries use anchors and escape walks. Off: learning takes longer. Default: on. The "
+        "paper: off.");
   visit("merge-cliques", s.merge_cliques, false, true,
         "Merge components whose means are all connected by free straight motions into one "
         "component with their covariance (section V-A of the paper). Makes a smaller database.");
@@ -295,14 +296,16 @@ void visit_settings(Settings& s, Visitor&& visit) {
                                                                const MemorySettings& settings = {},
                                                                double reach = 0.12);
 
-/// Limits what find_matches() returns.
+/// Limits of a lookup. Default: none.
 struct MatchLimits {
-  double threshold = 0;  ///< similarity errors are below this
-  int max_matches = 0;   ///< 0: all
-  bool mirror = true;    ///< mirror images of the primitive match, too
+  double similarity = std::numeric_limits<double>::infinity();  ///< errors are below: m^2; rad^2
+                                                                ///< for whole paths
+  int max_matches = 0;                                          ///< 0: all
+  bool mirror = true;                                           ///< also match mirror images
 };
-/// Finds stored experience of the kind that is like the primitive, nearest first. `keys_left` and
-/// errors: see Database::find().
+
+/// Returns the stored experience of the kind that is like the primitive within the limits, nearest
+/// first. `keys_left` and errors: see Database::find().
 [[nodiscard]] Result<std::vector<Match>> find_matches(const Database& database,
                                                       const MemoryKind& kind,
                                                       const LocalPrimitive& primitive,

@@ -90,7 +90,7 @@ void visit_settings(Settings& s, Visitor&& visit) {
         "Nearest samplers to retrieve per primitive. More take longer and are less similar. "
         "Default: by kind (see table). The paper: all, which is the largest value.");
   visit("mirror", s.mirror, false, true,
-        "Match mirror images of primitives, too. Default: on. The paper: off.");
+        "Also match mirror images of pairs of circles. Default: on. The paper: off.");
   visit("drop-invalid-means", s.drop_invalid_means, false, true,
         "Drop retrieved components whose mean is in contact. Off may help: samples around a mean "
         "just inside an obstacle can be free. Default: by kind (see table). The paper: off.");
@@ -107,8 +107,8 @@ void visit_settings(Settings& s, Visitor&& visit) {
   visit("component-growth", s.component_growth, 0.0, 1e9,
         "Progressive widening: components to add per iteration.");
   visit("learn-budget", s.learn_budget_s, 0.0, 1e6,
-        "Time per query to learn primitives without a match, seconds; part of planning time. A "
-        "later query continues learning that was cut short. Needs a kind that learns primitives.");
+        "Time per query to learn primitives without a match, seconds; within the time limit. A "
+        "later query continues what was cut short. Needs a kind that learns primitives.");
   visit("remember-after", s.remember_after, 0, 1000000000,
         "Insert what a solved problem teaches once this many iterations have accumulated since the "
         "last insertion; 0: always, unless replay would come too late for it. Default: never.");

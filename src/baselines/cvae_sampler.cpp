@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 namespace mneme::internal {
@@ -87,7 +88,9 @@ struct Decoder {
   float to_joint(int joint, float scaled) const {
     const float middle = 0.5f * (space.lower(joint) + space.upper(joint));
     const float half = 0.5f * (space.upper(joint) - space.lower(joint));
-    return space.into_limits(joint, middle + half * scaled + (joint == turn ? rotation : 0.0f));
+    // Finite weights may overflow; fmax also replaces what is no number.
+    const float bounded = std::fmin(std::fmax(scaled, -2.0f), 2.0f);
+    return space.into_limits(joint, middle + half * bounded + (joint == turn ? rotation : 0.0f));
   }
 };
 

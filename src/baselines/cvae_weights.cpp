@@ -7,6 +7,7 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -26,7 +27,8 @@ namespace {
 constexpr std::string_view kMagic = "MNEMCVAE";
 constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kHashSize = 16;
-constexpr std::uint32_t kMostUnits = 4096;  ///< limit on each dimension
+constexpr std::uint32_t kMostUnits = 4096;                   ///< limit on each dimension
+constexpr double kLeastExtent = 1e-3, kLargestExtent = 1e6;  // metres
 
 /// The first bytes of a file.
 struct Header {
@@ -60,7 +62,15 @@ bool has_sane_sizes(const Header& header) {
   for (const std::uint32_t size : {header.joints, header.latents, header.cells, header.hidden}) {
     if (size == 0 || size > kMostUnits) return false;
   }
-  return std::isfinite(header.half_extent) && header.half_extent > 0;
+  return header.half_extent >= kLeastExtent && header.half_extent <= kLargestExtent;
+}
+
+bool has_finite_weights(const CvaeWeights& weights) {
+  bool is_finite = true;
+  visit_arrays(weights, [&](const std::vector<float>& array, std::size_t) {
+    is_finite = is_finite && std::ranges::all_of(array, [](float w) { return std::isfinite(w); });
+  });
+  return is_finite;
 }
 
 CvaeWeights empty_weights(const Header& header) {
@@ -106,6 +116,7 @@ Result<CvaeWeights> parse(std::string_view bytes, const std::string& path) {
     std::memcpy(array.data(), next, count * sizeof(float));
     next += count * sizeof(float);
   });
+  if (!has_finite_weights(weights)) return corrupt("a weight is no finite number");
   return weights;
 }
 
@@ -114,6 +125,7 @@ struct KeptWeights {
   std::mutex mutex;
   std::string path;
   std::filesystem::file_time_type time = {};  ///< of the last change before it was read
+  std::uintmax_t size = 0;
   std::shared_ptr<const CvaeWeights> weights;
 };
 
@@ -141,6 +153,12 @@ Result<void> save_cvae(const std::string& path, const CvaeWeights& weights) {
   });
   const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size());
   bytes.append(reinterpret_cast<const char*>(&checksum), sizeof checksum);
+  if (!has_sane_sizes(header) || !has_finite_weights(weights) || bytes.size() > kMaxFileBytes) {
+    return fail(
+        ErrorCode::invalid,
+        "the CVAE could not be read again: {} bytes, expected at most {} and finite weights",
+        bytes.size(), kMaxFileBytes);
+  }
   auto file = MNEME_TRY(NewFile::create(path));
   MNEME_TRY(file.write(bytes));
   return file.finish();
@@ -149,20 +167,23 @@ Result<void> save_cvae(const std::string& path, const CvaeWeights& weights) {
 Result<CvaeWeights> load_cvae(const std::string& path) {
   const auto bytes = read_text_file(path);
   if (bytes) return parse(*bytes, path);
-  return fail(bytes.error().code, "{}; train a CVAE first", bytes.error().message);
+  std::error_code failure;
+  if (std::filesystem::exists(path, failure) || failure) return tl::unexpected(bytes.error());
+  return fail(bytes.error().code, "{}; train it with mneme_train_cvae", bytes.error().message);
 }
 
 Result<std::shared_ptr<const CvaeWeights>> keep_cvae(const std::string& path) {
   static KeptWeights kept;
   const std::lock_guard lock(kept.mutex);
-  std::error_code failure;
-  const auto time = std::filesystem::last_write_time(path, failure);
-  if (!failure && kept.weights != nullptr && kept.path == path && kept.time == time) {
-    return kept.weights;
-  }
+  std::error_code no_time, no_size;
+  const auto time = std::filesystem::last_write_time(path, no_time);
+  const auto size = std::filesystem::file_size(path, no_size);
+  const bool is_same = kept.path == path && kept.time == time && kept.size == size;
+  if (!no_time && !no_size && kept.weights != nullptr && is_same) return kept.weights;
   CvaeWeights weights = MNEME_TRY(load_cvae(path));
   kept.path = path;
   kept.time = time;
+  kept.size = size;
   kept.weights = std::make_shared<const CvaeWeights>(std::move(weights));
   return kept.weights;
 }

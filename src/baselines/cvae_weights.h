@@ -11,9 +11,10 @@
 namespace mneme::internal {
 
 /// The decoder of a conditional variational autoencoder. A layer of rectifiers turns the image of a
-/// scene (scene_image.h) into features. Two more turn latent variables, features, start and goal
-/// into what the output layer makes a configuration of. Joint values are scaled to their limits: -1
-/// is the lower, 1 the upper. Matrices are row-major, outputs x inputs except for the first.
+/// scene (scene_image.h) into features. Two hidden layers and an output layer turn latent
+/// variables, features, start and goal into a configuration. Joint values are scaled to their
+/// limits: -1 is the lower, 1 the upper. Matrices are row-major, outputs x inputs except for the
+/// first.
 struct CvaeWeights {
   std::string robot_hash;  ///< Robot::hash()
   int joints = 0;
@@ -37,7 +38,8 @@ struct CvaeWeights {
 [[nodiscard]] Result<void> save_cvae(const std::string& path, const CvaeWeights& weights);
 /// Reads a file. Errors: io; corrupt; unsupported for files of another version.
 [[nodiscard]] Result<CvaeWeights> load_cvae(const std::string& path);
-/// As load_cvae(). Keeps the last file's weights for further calls, until the file is written anew.
+/// As load_cvae(). Keeps the last file's weights until its time of change or its size differs.
+/// Thread-safe.
 [[nodiscard]] Result<std::shared_ptr<const CvaeWeights>> keep_cvae(const std::string& path);
 
 }  // namespace mneme::internal

@@ -258,9 +258,8 @@ Result<PriorRows> find_most_similar(const ResolvedQuery& resolved) {
     if (kind.kind->bend == nullptr) continue;
     const auto primitives = MNEME_TRY(decompose(request, kind));
     for (std::size_t i = 0; i < primitives.size(); ++i) {
-      const auto matches =
-          MNEME_TRY(find_matches(*query.database, *kind.kind, primitives[i].primitive,
-                                 {std::numeric_limits<double>::infinity(), 1}));
+      const auto matches = MNEME_TRY(
+          find_matches(*query.database, *kind.kind, primitives[i].primitive, {.max_matches = 1}));
       if (matches.empty() || matches.front().similarity_error >= least) continue;
       const Match& match = matches.front();
       least = match.similarity_error;

@@ -20,8 +20,6 @@ namespace {
 constexpr int kStartAttempts = 300;
 constexpr int kFreeAttempts = 100;
 constexpr int kGoalsPerQuery = 4;
-constexpr double kBootstrapLambda = 0.5;
-constexpr double kBootstrapSigma = 0.1;
 
 /// Learns one pair of circles for a planar arm.
 class Learner {
@@ -76,9 +74,9 @@ class Learner {
   std::shared_ptr<const Sampler> make_sampler() {
     if (result_.sampler.component_count() == 0) return uniform_;
     auto so_far = std::make_shared<const GaussianMixture>(result_.sampler);
-    return make_mixed_sampler(kBootstrapLambda,
-                              make_mixture_sampler(checker_.robot(), so_far, kBootstrapSigma),
-                              uniform_);
+    return make_mixed_sampler(
+        internal::kBootstrapLambda,
+        make_mixture_sampler(checker_.robot(), so_far, internal::kBootstrapSigma), uniform_);
   }
 
   bool learn_from_query(const PlanQuery& query, const Sampler& sampler) {

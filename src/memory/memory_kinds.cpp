@@ -152,7 +152,7 @@ Result<std::vector<Match>> find_matches(const Database& database, const MemoryKi
   if (!limits.mirror) std::erase_if(images, [](const auto& image) { return image.is_mirrored; });
   std::vector<PrimitiveKey> keys;
   for (const KeyImage& image : images) keys.push_back(image.key);
-  auto found = MNEME_TRY(database.find(kind.version, keys, limits.threshold, limits.max_matches,
+  auto found = MNEME_TRY(database.find(kind.version, keys, limits.similarity, limits.max_matches,
                                        keys_left, primitive.constraints));
   std::vector<Match> matches;
   for (KeyMatch& match : found) {

@@ -16,6 +16,9 @@ namespace mneme::internal {
 
 using Vec2 = Eigen::Vector2d;
 
+/// Share and standard deviation (radians) of samples around known means in local queries.
+inline constexpr double kBootstrapLambda = 0.5, kBootstrapSigma = 0.1;
+
 inline double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// Joint limits, radians.

@@ -18,7 +18,7 @@ struct KindSettings {
   double lambda = 0;
   double least_lambda = 0;
   double sigma = 0;
-  MatchLimits matches;  ///< threshold above 0, so that a key always matches itself
+  MatchLimits matches;  ///< similarity above 0, so that a key always matches itself
   bool drop_invalid_means = false;
   bool retarget = false;
   int retrieve_after = 0;

@@ -156,9 +156,9 @@ Result<std::vector<Known>> Replayer::find(std::span<const LocalPrimitive> goals,
   const std::int64_t keys = std::max(std::int64_t{share}, std::int64_t{1});
   for (std::size_t i = 0; i < goals.size() && !is_over(); ++i) {
     std::int64_t keys_left = keys;
-    auto matches =
-        MNEME_TRY(find_matches(task_.database, task_.kind, goals[i],
-                               {distance * distance, static_cast<int>(count)}, &keys_left));
+    auto matches = MNEME_TRY(find_matches(
+        task_.database, task_.kind, goals[i],
+        {.similarity = distance * distance, .max_matches = static_cast<int>(count)}, &keys_left));
     report_.keys += static_cast<std::uint64_t>(keys - keys_left);
     for (Match& match : matches) known.push_back({&task_.ends.goals[i], std::move(match)});
   }

@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "baselines/small_cvae.h"
 
+#include <xxhash.h>
+
 #include <chrono>
+#include <cstring>
 #include <filesystem>
+#include <limits>
 
 namespace mneme::test {
 namespace {
@@ -63,6 +67,29 @@ TEST_SUITE("unit") {
       check_refused(path, ErrorCode::unsupported);
       CHECK(contains(require_error(internal::load_cvae(path)).message, "train it anew"));
     }
+  }
+
+  TEST_CASE("what no training writes is neither read nor written") {
+    const TemporaryDirectory directory;
+    const std::string path = directory / "w";
+    constexpr float kNoNumber = std::numeric_limits<float>::quiet_NaN();
+    for (const double extent : {0.0, 1e-320, 1e308, std::numeric_limits<double>::quiet_NaN()}) {
+      internal::CvaeWeights weights = random_weights(planar8(), 1);
+      weights.half_extent = extent;
+      CHECK(internal::save_cvae(path, weights).error().code == ErrorCode::invalid);
+    }
+    internal::CvaeWeights weights = random_weights(planar8(), 1);
+    weights.output_bias.front() = kNoNumber;
+    CHECK(internal::save_cvae(path, weights).error().code == ErrorCode::invalid);
+    weights.output_bias.front() = 0.25f;
+    require(internal::save_cvae(path, weights));
+    std::string bytes = read_file(path);
+    std::memcpy(bytes.data() + bytes.size() - 8 - 8 * sizeof(float), &kNoNumber, sizeof kNoNumber);
+    const std::uint64_t checksum = XXH3_64bits(bytes.data(), bytes.size() - 8);
+    std::memcpy(bytes.data() + bytes.size() - 8, &checksum, sizeof checksum);
+    write_file(path, bytes);
+    check_refused(path, ErrorCode::corrupt);
+    CHECK(contains(require_error(internal::load_cvae(path)).message, "finite"));
   }
 
   TEST_CASE("weights are kept until their file is written anew, or another one is read") {

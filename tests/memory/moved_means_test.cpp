@@ -108,7 +108,8 @@ TEST_SUITE("law") {
       const PrimitiveKey moved = moved_key(motion, near_pair());
       const LocalPrimitive primitive = make_primitive(moved);
       PrimitiveRetrieval retrieval;
-      retrieval.matches = *find_matches(database, kind_named("pairs"), primitive, {0.01});
+      retrieval.matches =
+          *find_matches(database, kind_named("pairs"), primitive, {.similarity = 0.01});
       REQUIRE(retrieval.matches.size() == 1);
       const GaussianMixture pooled = pooled_of(robot, std::vector{retrieval});
       REQUIRE(pooled.component_count() == stored.component_count());
@@ -137,10 +138,13 @@ TEST_SUITE("unit") {
     const MemoryKind& kind = kind_named("pairs");
     const LocalPrimitive mirrored = make_primitive(moved_key({0.3, true}, near_pair()));
     const LocalPrimitive turned = make_primitive(moved_key({0.3, false}, near_pair()));
-    REQUIRE(require(find_matches(database, kind, mirrored, {1e-6})).size() == 1);
-    CHECK(find_matches(database, kind, mirrored, {1e-6})->front().to_scene.is_mirrored);
-    CHECK(require(find_matches(database, kind, mirrored, {1e-6, 0, false})).empty());
-    CHECK(require(find_matches(database, kind, turned, {1e-6, 0, false})).size() == 1);
+    REQUIRE(require(find_matches(database, kind, mirrored, {.similarity = 1e-6})).size() == 1);
+    CHECK(
+        find_matches(database, kind, mirrored, {.similarity = 1e-6})->front().to_scene.is_mirrored);
+    CHECK(require(find_matches(database, kind, mirrored, {.similarity = 1e-6, .mirror = false}))
+              .empty());
+    CHECK(require(find_matches(database, kind, turned, {.similarity = 1e-6, .mirror = false}))
+              .size() == 1);
   }
 
   TEST_CASE("nothing retrieved is an empty mixture of the robot's joints") {

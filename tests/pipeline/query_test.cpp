@@ -57,18 +57,19 @@ TEST_SUITE("unit") {
     const KindSettings planar = completed(planar8());
     CHECK(planar.kind->name == "pairs");
     CHECK(planar.sigma == 0.03);
-    CHECK(planar.matches.threshold == 2);
+    CHECK(planar.matches.similarity == 2);
     CHECK(planar.retrieve_after == 1000);
     CHECK(planar.widening.first == 1e9);
     CHECK(planar.lambda == 0.5);
     CHECK(planar.least_lambda == 0.02);
     CHECK(planar.retarget);
     CHECK(planar.matches.max_matches == 8);
+    CHECK(planar.matches.mirror);
     CHECK(planar.drop_invalid_means);
     const KindSettings spatial = completed(lifting_arm());
     CHECK(spatial.kind->name == "body_pairs");
     CHECK(spatial.sigma == 0.3);
-    CHECK(spatial.matches.threshold == 0.05);
+    CHECK(spatial.matches.similarity == 0.05);
     CHECK(spatial.retrieve_after == 1500);
     CHECK(spatial.widening.first == 20);
     CHECK_FALSE(spatial.drop_invalid_means);
@@ -107,17 +108,19 @@ TEST_SUITE("unit") {
     settings.first_components = 1;
     settings.lambda = 0.25;
     settings.max_matches = 3;
+    settings.mirror = false;
     settings.drop_invalid_means = true;
     settings.retarget = false;
     for (const Robot& robot : {planar8(), lifting_arm()}) {
       const KindSettings complete = completed(robot, settings);
       CHECK(complete.sigma == 0.01);
-      CHECK(complete.matches.threshold == 1e-300);
+      CHECK(complete.matches.similarity == 1e-300);
       CHECK(complete.retrieve_after == 0);
       CHECK(complete.widening.first == 1);
       CHECK(complete.widening.growth == settings.component_growth / 0.25);
       CHECK(complete.lambda == 0.25);
       CHECK(complete.matches.max_matches == 3);
+      CHECK_FALSE(complete.matches.mirror);
       CHECK(complete.drop_invalid_means);
       CHECK(!complete.retarget);
     }
@@ -160,7 +163,7 @@ TEST_SUITE("unit") {
   TEST_CASE("a similarity of zero still finds the key itself") {
     SolveSettings settings;
     settings.similarity = 0;
-    CHECK(completed(planar8(), settings).matches.threshold > 0);
+    CHECK(completed(planar8(), settings).matches.similarity > 0);
   }
 
   TEST_CASE("the settings that say that their default depends on the kind are those of the table") {

@@ -3,6 +3,7 @@
 #include "lessons.h"
 
 #include "mneme/memory.h"
+
 #include "base/fail.h"
 #include "baselines/cvae_sampler.h"
 #include "baselines/scene_image.h"
@@ -21,8 +22,6 @@ namespace mneme::cvae {
 namespace {
 
 constexpr int kGoalAttempts = 100;
-constexpr double kLambda = 0.5;  // this and the next as in learning
-constexpr double kSigma = 0.1;
 constexpr double kLongestStep = 0.4;  // radians between examples of a path
 constexpr int kRowsPerHeldOutRow = 10;
 
@@ -45,8 +44,10 @@ class LocalPlanner {
                const Experience& row, std::vector<Configuration> starts, std::uint64_t seed)
       : checker_(checker), chain_(chain), row_(row), starts_(std::move(starts)), rng_(seed) {
     auto means = std::make_shared<const GaussianMixture>(row.sampler());
-    sampler_ = make_mixed_sampler(kLambda, make_mixture_sampler(checker.robot(), means, kSigma),
-                                  make_uniform_sampler(checker.robot()));
+    sampler_ =
+        make_mixed_sampler(internal::kBootstrapLambda,
+                           make_mixture_sampler(checker.robot(), means, internal::kBootstrapSigma),
+                           make_uniform_sampler(checker.robot()));
   }
 
   /// Solves a query out of the gap. Half of the paths are reversed, because arms also enter gaps.

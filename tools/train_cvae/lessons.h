@@ -16,7 +16,7 @@ struct LessonSettings {
   std::uint64_t seed = 1;
 };
 
-/// Examples from the rows of a database. A row and its mirror image are in one of the two sets.
+/// Examples from the rows of a database. A row and its mirror image are in the same set.
 struct Lessons {
   int cells = 0;           ///< Pixels along a side of an image.
   double half_extent = 0;  ///< Metres from the middle of an image to its side: the arm's reach.

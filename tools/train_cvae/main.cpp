@@ -3,17 +3,18 @@
 
 // mneme_train_cvae --robot NAME --db FILE.db: plans among the pairs of circles of a database,
 // trains a CVAE on the paths, and writes FILE.db.cvae for the sampler "cvae".
-#include <cstdio>
-#include <exception>
-#include <string>
-
-#include <CLI/CLI.hpp>
-
 #include "mneme/experience.h"
+
 #include "baselines/cvae_sampler.h"
 #include "baselines/cvae_weights.h"
 #include "lessons.h"
 #include "training.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <exception>
+#include <string>
 
 namespace mneme {
 namespace {
@@ -55,6 +56,8 @@ const char* describe(cvae::Ending ending) {
       return "the limit of steps, not converged";
     case cvae::Ending::time_limit:
       return "the limit of time, not converged";
+    case cvae::Ending::diverged:
+      return "the loss is no number, diverged";
   }
   return "";
 }

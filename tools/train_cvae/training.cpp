@@ -6,6 +6,7 @@
 
 #include <torch/torch.h>
 
+#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -198,11 +199,13 @@ class Trainer {
       sum = count = 0;
       on_check(check);
       trained_.steps = step;
-      const bool is_converged = judge(check);
-      if (is_converged || is_late) {
-        trained_.ending = is_converged ? Ending::converged : Ending::time_limit;
-        break;
-      }
+      const bool is_number = std::isfinite(check.loss);
+      const bool is_converged = is_number && judge(check);
+      if (is_number && !is_converged && !is_late) continue;
+      trained_.ending = !is_number     ? Ending::diverged
+                        : is_converged ? Ending::converged
+                                       : Ending::time_limit;
+      break;
     }
     return std::move(trained_);
   }
@@ -231,11 +234,13 @@ class Trainer {
       const std::int64_t begin = held_out_.begins[scene], end = held_out_.begins[scene + 1];
       const Loss loss = autoencoder_.loss(held_out_batches_.whole_scene(scene),
                                           held_out_noise_.slice(0, begin, end));
-      error += static_cast<double>(end - begin) * loss.error.item<double>();
-      divergence += static_cast<double>(end - begin) * loss.divergence.item<double>();
+      error += loss.error.item<double>();
+      divergence += loss.divergence.item<double>();
     }
-    error /= static_cast<double>(held_out_.example_count());
-    divergence /= static_cast<double>(held_out_.example_count());
+    const auto scenes =
+        static_cast<double>(held_out_.scene_count());  // equal weights, as in batches
+    error /= scenes;
+    divergence /= scenes;
     return {step,
             stopwatch_.elapsed_s(),
             learning_rate_,

@@ -57,7 +57,7 @@ struct Check {
   double divergence = 0;  ///< Nats.
 };
 
-enum class Ending { converged, step_limit, time_limit };
+enum class Ending { converged, step_limit, time_limit, diverged };
 
 struct Trained {
   internal::CvaeWeights weights;  ///< Those of the best check, without robot_hash and half_extent.
