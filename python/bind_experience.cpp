@@ -234,9 +234,8 @@ void bind_experience(py::module_& module) {
           "find", &find, py::arg("primitive"), py::kw_only(), py::arg("similarity") = py::none(),
           py::arg("max_matches") = 8, py::arg("mirror") = true,
           "Returns the rows whose similarity error, the squared key distance to the primitive, is\n"
-          "below similarity (m^2). Nearest first. max_matches: 0 returns all. mirror: mirror "
-          "images\n"
-          "of the primitive match, too.")
+          "below similarity (m^2). Nearest first. max_matches: 0 returns all.\n"
+          "mirror: mirror images of the primitive match, too.")
       .def("to_arrays", &to_arrays,
            "Returns all rows as a dict of NumPy arrays, for numpy.savez: ids, kinds, keys, means,\n"
            "factors, factor_rows, sources, seeds, settings. Row i has "

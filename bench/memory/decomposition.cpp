@@ -9,22 +9,16 @@
 #include "mneme/benchmark.h"
 #include "mneme/mneme.h"
 
+#include "take.h"
+
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace mneme::bench {
 namespace {
-
-template <class Value>
-Value take(Result<Value> result) {
-  if (result) return *std::move(result);
-  std::fprintf(stderr, "mneme_decomposition: %s\n", result.error().message.c_str());
-  std::exit(1);
-}
 
 /// Flags of the means that are free among these obstacles.
 std::vector<std::uint8_t> find_free(const Robot& robot, Scene scene, const GaussianMixture& means) {

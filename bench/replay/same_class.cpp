@@ -11,9 +11,9 @@
 #include "mneme/mneme.h"
 
 #include "support/deformation.h"
+#include "take.h"
 
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <string>
 #include <utility>
@@ -27,13 +27,6 @@ struct Task {
 };
 
 std::string task_of(const std::string& problem) { return problem.substr(0, problem.find('_')); }
-
-template <class Value>
-Value take(Result<Value> result) {
-  if (result) return *std::move(result);
-  std::fprintf(stderr, "mneme_same_class: %s\n", result.error().message.c_str());
-  std::exit(1);
-}
 
 std::vector<LoadedProblem> load(const std::string& file) {
   return take(load_bench_problems({{file, "", "", "", ""}}, {}, {}));

@@ -419,7 +419,12 @@ class Database:
     @staticmethod
     def verify(path: PathLike) -> list[tuple[int, str]]: ...
     def find(
-        self, primitive: Primitive, *, similarity: Optional[float] = None, max_matches: int = 8, mirror: bool = True
+        self,
+        primitive: Primitive,
+        *,
+        similarity: Optional[float] = None,
+        max_matches: int = 8,
+        mirror: bool = True,
     ) -> list[dict[str, Any]]: ...
     def to_arrays(self) -> dict[str, npt.NDArray[Any]]: ...
     def info(self) -> dict[str, Any]: ...
